@@ -1,0 +1,3 @@
+"""Turn design-time EDDIs into runtime monitors, and keep regenerating them."""
+
+__version__ = "0.1.0"

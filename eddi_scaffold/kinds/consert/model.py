@@ -1,0 +1,169 @@
+"""The ConSert as data: guarantees supported by gates over runtime evidence and demands.
+
+Source: SESAME D7.2 section 3.1; Schneider and Trapp, "Conditional Safety Certification of Open
+Adaptive Systems" (2013). Lists keep the order of the file, which is the order of every output.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Union
+
+from eddi_scaffold.problems import Place
+
+Subset = Literal["Demand", "Guarantee"]
+GateFunction = Literal["And", "Or"]
+
+
+@dataclass(frozen=True)
+class Bound:
+    """One end of a range.
+
+    Attributes:
+        text: decimal text as written, for exact comparison and for output.
+        value: the same as a double; may be infinite, never NaN in a checked model.
+    """
+
+    text: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range of numbers in the unit of its dimension; the start always lies inside.
+
+    Attributes:
+        inclusive: the end lies inside as well (``Inclusive``), or outside (``Exclusive``).
+    """
+
+    start: Bound
+    end: Bound
+    inclusive: bool
+
+
+@dataclass(frozen=True)
+class BinaryDimension:
+    """A property that holds or does not hold."""
+
+    type: str
+
+
+@dataclass(frozen=True)
+class CategoricalDimension:
+    """A property with named values, one of which is expected to be among ``covered``.
+
+    Attributes:
+        subset: ``Demand``: the covered set of a demand lies inside that of the guarantee that
+            fulfils it; ``Guarantee``: the other way round.
+    """
+
+    type: str
+    covered: tuple[str, ...]
+    subset: Subset
+
+
+@dataclass(frozen=True)
+class NumericDimension:
+    """A number with a unit, expected to lie in one of the ``covered`` ranges.
+
+    Attributes:
+        uom: unit as written; ``""`` is a ratio, ``None`` means that none was given (C017).
+    """
+
+    type: str
+    covered: tuple[Range, ...]
+    subset: Subset
+    uom: str | None
+
+
+Dimension = Union[BinaryDimension, CategoricalDimension, NumericDimension]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Runtime evidence: one property that is observed on this system while it runs."""
+
+    id: str
+    dimension: Dimension
+    description: str | None = None
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class Demand:
+    """A guarantee expected from another system."""
+
+    id: str
+    dimensions: tuple[Dimension, ...]
+    description: str | None = None
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class Guarantee:
+    """A property that this system assures while its support holds.
+
+    Attributes:
+        default: holds always and has no support (DEIS: the fallback of its service).
+        ranking: lowest is best; ``None`` when not given.
+    """
+
+    id: str
+    dimensions: tuple[Dimension, ...]
+    description: str | None = None
+    default: bool = False
+    ranking: int | None = None
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A Boolean function over its inputs."""
+
+    id: str
+    function: GateFunction
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class Propagation:
+    """An edge: ``source`` supports ``target`` (ids)."""
+
+    source: str
+    target: str
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class RequiredService:
+    """A service expected from another system, with the ids of the demands it groups."""
+
+    id: str
+    functional_service_type: str
+    demands: tuple[str, ...]
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class ProvidedService:
+    """A service offered to other systems, with the ids of the guarantees it groups."""
+
+    id: str
+    functional_service_type: str
+    guarantees: tuple[str, ...]
+    place: Place = Place()
+
+
+@dataclass(frozen=True)
+class ConSert:
+    """A conditional safety certificate: a directed acyclic graph from evidence to guarantees."""
+
+    name: str
+    guarantees: tuple[Guarantee, ...]
+    demands: tuple[Demand, ...]
+    evidence: tuple[Evidence, ...]
+    gates: tuple[Gate, ...]
+    tree_propagations: tuple[Propagation, ...]
+    required_services: tuple[RequiredService, ...]
+    provided_services: tuple[ProvidedService, ...]
+    place: Place = Place()

@@ -1,0 +1,126 @@
+"""What is wrong with an input, where, and what to do: values, not exceptions."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+Level = Literal["error", "warning", "info"]
+_RANK: dict[str, int] = {"info": 1, "warning": 2, "error": 3}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something stands in an input.
+
+    Attributes:
+        file: path as the user gave it; empty when there is none.
+        line: line, counted from 1.
+        col: column, counted from 1.
+        path: EMF fragment path of the element (``//@a.0/@b.1``), XML only.
+    """
+
+    file: str = ""
+    line: int | None = None
+    col: int | None = None
+    path: str | None = None
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One finding about an input.
+
+    Attributes:
+        level: ``error`` stops every command that would write.
+        code: stable code such as ``C012`` (ConSerts) or ``X008`` (EDDI XML).
+        message: one sentence without a full stop.
+        place: where it was found.
+        hint: what to do, or ``None``.
+        excerpt: the source line, or ``None``; the printer puts a caret below the column.
+    """
+
+    level: Level
+    code: str
+    message: str
+    place: Place = Place()
+    hint: str | None = None
+    excerpt: str | None = None
+
+    def as_json(self) -> dict[str, object]:
+        """Return the stable JSON form of ``--json``."""
+        return {
+            "level": self.level,
+            "code": self.code,
+            "message": self.message,
+            "hint": self.hint,
+            "file": self.place.file or None,
+            "line": self.place.line,
+            "col": self.place.col,
+        }
+
+
+class EddiError(Exception):
+    """Bad input or usage: a command stops, prints the problems and exits with 2."""
+
+    def __init__(self, *problems: Problem) -> None:
+        super().__init__("; ".join(p.message for p in problems))
+        self.problems = problems
+
+
+def error(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:  # noqa: B008 - Place is frozen
+    """Return an error."""
+    return Problem("error", code, message, place, hint)
+
+
+def warning(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:  # noqa: B008 - Place is frozen
+    """Return a warning."""
+    return Problem("warning", code, message, place, hint)
+
+
+def info(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:  # noqa: B008 - Place is frozen
+    """Return an information."""
+    return Problem("info", code, message, place, hint)
+
+
+def has_errors(problems: Iterable[Problem]) -> bool:
+    """Tell whether one of the problems is an error."""
+    return any(p.level == "error" for p in problems)
+
+
+def worst(problems: Iterable[Problem]) -> Level | None:
+    """Return the highest level among the problems, ``None`` when there are none."""
+    return max((p.level for p in problems), key=_RANK.__getitem__, default=None)
+
+
+def in_order(problems: Iterable[Problem]) -> list[Problem]:
+    """Sort by file, line, column and code, without repetitions: the order of every report."""
+    return sorted(
+        dict.fromkeys(problems),
+        key=lambda p: (p.place.file, p.place.line or 0, p.place.col or 0, p.code, p.message),
+    )
+
+
+def with_excerpts(problems: Iterable[Problem], text: str) -> list[Problem]:
+    """Attach to each problem the source line of ``text`` that it speaks of."""
+    lines = text.splitlines()
+    return [
+        replace(p, excerpt=lines[p.place.line - 1])
+        if p.place.line is not None and p.place.line <= len(lines) and p.excerpt is None
+        else p
+        for p in problems
+    ]
+
+
+def nearest(word: str, known: Iterable[str]) -> str | None:
+    """Return the one known word that is most like ``word``, ``None`` when none is near."""
+    folded = {k.casefold(): k for k in known}
+    match = difflib.get_close_matches(word.casefold(), sorted(folded), n=1, cutoff=0.6)
+    return folded[match[0]] if match else None
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str | None:
+    """Return the hint ``did you mean X?``, ``None`` when nothing is near."""
+    match = nearest(word, known)
+    return f"did you mean {match!r}?" if match is not None else None
