@@ -2,12 +2,13 @@
 
 Source: SESAME D7.2 section 3.1; Schneider and Trapp, "Conditional Safety Certification of Open
 Adaptive Systems" (2013). Lists keep the order of the file, which is the order of every output.
+Places do not count in comparisons: two files with the same content hold equal ConSerts.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, Union
+from dataclasses import dataclass, field
+from typing import Literal
 
 from eddi_scaffold.problems import Place
 
@@ -39,6 +40,7 @@ class Range:
     start: Bound
     end: Bound
     inclusive: bool
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ class BinaryDimension:
     """A property that holds or does not hold."""
 
     type: str
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ class CategoricalDimension:
     type: str
     covered: tuple[str, ...]
     subset: Subset
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -74,9 +78,10 @@ class NumericDimension:
     covered: tuple[Range, ...]
     subset: Subset
     uom: str | None
+    place: Place = field(default=Place(), compare=False)
 
 
-Dimension = Union[BinaryDimension, CategoricalDimension, NumericDimension]
+Dimension = BinaryDimension | CategoricalDimension | NumericDimension
 
 
 @dataclass(frozen=True)
@@ -86,7 +91,7 @@ class Evidence:
     id: str
     dimension: Dimension
     description: str | None = None
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,7 @@ class Demand:
     id: str
     dimensions: tuple[Dimension, ...]
     description: str | None = None
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -113,7 +118,7 @@ class Guarantee:
     description: str | None = None
     default: bool = False
     ranking: int | None = None
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -122,7 +127,7 @@ class Gate:
 
     id: str
     function: GateFunction
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -131,7 +136,7 @@ class Propagation:
 
     source: str
     target: str
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -141,7 +146,7 @@ class RequiredService:
     id: str
     functional_service_type: str
     demands: tuple[str, ...]
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -151,7 +156,7 @@ class ProvidedService:
     id: str
     functional_service_type: str
     guarantees: tuple[str, ...]
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -166,4 +171,4 @@ class ConSert:
     tree_propagations: tuple[Propagation, ...]
     required_services: tuple[RequiredService, ...]
     provided_services: tuple[ProvidedService, ...]
-    place: Place = Place()
+    place: Place = field(default=Place(), compare=False)

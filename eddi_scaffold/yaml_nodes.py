@@ -1,0 +1,430 @@
+"""YAML as nodes with positions: the only module of the generator that imports ``yaml``.
+
+A scalar stays the text that was written, together with the fact whether it was quoted; what a
+plain scalar *means* is decided where it stands: text, number or Boolean as YAML 1.2 has it
+(:func:`as_text` and its neighbours), or the value of YAML 1.1 (:func:`value_11`), which ROS and
+``eddi_config.yml`` follow. Documents are read event by event without recursion, so that alias
+bombs, recursive aliases and deep nesting are a message like any other mistake.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from eddi_scaffold.problems import Place, Problem, error
+from eddi_scaffold.yaml_text import Verbatim, dump_plain, quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from eddi_scaffold.source import Source
+
+__all__ = [
+    "Items",
+    "Map",
+    "Node",
+    "Number",
+    "Scalar",
+    "Verbatim",
+    "as_bool",
+    "as_integer",
+    "as_number",
+    "as_text",
+    "describe",
+    "differs_between_versions",
+    "dump_plain",
+    "is_null",
+    "quoted",
+    "read_document",
+    "read_map",
+    "shown",
+    "value_11",
+]
+
+MAX_BYTES = 16 * 1024 * 1024
+MAX_VISITS = 1_000_000
+MAX_DEPTH = 32
+MAX_DIGITS = 64
+
+_FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_NULLS = frozenset({"", "~", "null", "Null", "NULL"})
+_BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
+_DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
+_SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+_UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_CORE_TAGS = frozenset(
+    ["!"]
+    + [f"tag:yaml.org,2002:{t}" for t in ("str", "int", "float", "bool", "null", "seq", "map")]
+)
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A text in a document.
+
+    Attributes:
+        text: content without quotes and escapes.
+        plain: written without quotes, so that its form may say what it is.
+    """
+
+    text: str
+    plain: bool
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list."""
+
+    items: tuple[Node, ...]
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Map:
+    """A map; of a repeated key the first entry is kept.
+
+    Attributes:
+        entries: key and value in the order of the file.
+    """
+
+    entries: tuple[tuple[Scalar, Node], ...]
+    place: Place = field(default=Place(), compare=False)
+
+    def get(self, key: str) -> Node | None:
+        """Return the value of a key, ``None`` when it is absent."""
+        return next((value for name, value in self.entries if name.text == key), None)
+
+    def keys(self) -> list[str]:
+        """Return the keys in the order of the file."""
+        return [name.text for name, _ in self.entries]
+
+
+Node = Scalar | Items | Map
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number as written, beside its double: comparisons stay exact."""
+
+    text: str
+    value: float
+
+
+def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
+    """Read the one document of a YAML file.
+
+    Args:
+        source: the file, UTF-8.
+        code: code of all problems of this step (``C001`` for a ConSert).
+
+    Returns:
+        The root node and the problems, all errors; the node is ``None`` where the document
+        cannot be understood at all, and present when only keys are repeated.
+    """
+    if len(source.data) > MAX_BYTES:
+        message = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
+        return None, [error(code, message, Place(source.name))]
+    try:
+        text = source.data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        before = source.data[: problem.start].decode("utf-8", "replace")
+        return None, [error(code, "the file is not UTF-8", _place_after(source.name, before))]
+    return _Composer(source.name, code, text).compose()
+
+
+def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
+    """Read the one document of a YAML file whose top level must be a map."""
+    node, problems = read_document(source, code)
+    if node is not None and not isinstance(node, Map):
+        message = f"the top level must be a map, not {describe(node)}"
+        return None, [*problems, error(code, message, node.place)]
+    return node, problems
+
+
+def describe(node: Node) -> str:
+    """Say in words what a node is, for messages."""
+    if isinstance(node, Items):
+        return "a list"
+    if isinstance(node, Map):
+        return "a map"
+    if is_null(node):
+        return "nothing (null)"
+    return f"the text {shown(node.text)}" if node.plain else f"the quoted text {shown(node.text)}"
+
+
+def shown(text: str) -> str:
+    """Return a text in quotes for a message, shortened where it is long."""
+    return repr(text if len(text) <= 60 else f"{text[:57]}...")
+
+
+def is_null(node: Node) -> bool:
+    """Tell whether a node is a plain ``null`` or empty."""
+    return isinstance(node, Scalar) and node.plain and node.text in _NULLS
+
+
+def as_text(node: Node) -> str | None:
+    """Return the text of a scalar other than null, ``None`` for anything else."""
+    return node.text if isinstance(node, Scalar) and not is_null(node) else None
+
+
+def as_number(node: Node) -> Number | None:
+    """Return the number that a plain scalar is in YAML 1.2 (may be NaN).
+
+    ``None`` for anything else, and for numbers that no double can hold or that have more than
+    :data:`MAX_DIGITS` characters: exact arithmetic with ``1e999999999`` would not end.
+    """
+    if not isinstance(node, Scalar) or not node.plain:
+        return None
+    text = node.text
+    if len(text) > MAX_DIGITS:
+        return None
+    if _DECIMAL.fullmatch(text):
+        return _decimal(text)
+    if _OTHER_BASE.fullmatch(text):
+        return _decimal(str(int(text, 0)))
+    special = _SPECIAL.fullmatch(text)
+    if special is None:
+        return None
+    if special["sign"] is None:
+        return Number("nan", float("nan"))
+    sign = special["sign"].replace("+", "")
+    return Number(f"{sign}inf", float(f"{sign}inf"))
+
+
+def _decimal(text: str) -> Number | None:
+    value = float(text)
+    too_large = value in (float("inf"), float("-inf"))
+    too_small = value == 0.0 and re.search("[1-9]", re.split("[eE]", text)[0])
+    return None if too_large or too_small else Number(text, value)
+
+
+def as_bool(node: Node) -> bool | None:
+    """Return the Boolean that a plain scalar is in YAML 1.2, ``None`` for others."""
+    return _BOOLEANS.get(node.text) if isinstance(node, Scalar) and node.plain else None
+
+
+def as_integer(node: Node) -> int | None:
+    """Return the decimal integer (up to 18 digits) that a plain scalar is, ``None`` for others."""
+    if not isinstance(node, Scalar) or not node.plain or not _INTEGER.fullmatch(node.text):
+        return None
+    return int(node.text) if len(node.text) <= 19 else None
+
+
+def value_11(node: Node) -> Any:
+    """Return the plain value of a node as YAML 1.1 has it, with dates and binary data as text.
+
+    Keys of maps are always text. What no construction exists for (a plain ``=``) is text too.
+    Depth is bounded by :data:`MAX_DEPTH`.
+    """
+    if isinstance(node, Items):
+        return [value_11(item) for item in node.items]
+    if isinstance(node, Map):
+        return {key.text: value_11(value) for key, value in node.entries}
+    return _scalar_11(node.text) if node.plain else node.text
+
+
+def differs_between_versions(node: Node) -> bool:
+    """Tell whether YAML 1.1 and 1.2 take different values from a plain scalar (``on``, ``1e3``)."""
+    if not isinstance(node, Scalar) or not node.plain:
+        return False
+    old, new = _scalar_11(node.text), _scalar_12(node)
+    return old != new or type(old) is not type(new)
+
+
+def _scalar_12(node: Scalar) -> Any:
+    if is_null(node):
+        return None
+    truth, number = as_bool(node), as_number(node)
+    if truth is not None:
+        return truth
+    if number is None:
+        return node.text
+    whole = as_integer(node)
+    is_whole = whole is not None or _OTHER_BASE.fullmatch(node.text)
+    return int(number.text) if is_whole else number.value
+
+
+class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
+    """PyYAML's own idea of plain scalars, without a document around it."""
+
+    def __init__(self) -> None:
+        yaml.constructor.SafeConstructor.__init__(self)
+        yaml.resolver.Resolver.__init__(self)
+
+
+_RESOLVING = _Resolving()
+_AS_TEXT_11 = ("timestamp", "merge", "value", "str")
+
+
+def _scalar_11(text: str) -> Any:
+    resolve: Callable[..., str] = _RESOLVING.resolve
+    tag = resolve(yaml.ScalarNode, text, (True, False))
+    kind = tag.rpartition(":")[2]
+    if kind in _AS_TEXT_11:
+        return text
+    try:
+        construct = getattr(_RESOLVING, f"construct_yaml_{kind}")
+        return construct(yaml.ScalarNode(tag, text))
+    except (ValueError, yaml.YAMLError):  # such as the plain scalar 0b_ or 4,300 digits
+        return text
+
+
+@dataclass
+class _Open:
+    """A list or map that is still being read."""
+
+    place: Place
+    is_map: bool
+    anchor: str | None
+    children: list[Node] = field(default_factory=list)
+    visits: int = 1
+    depth: int = 0
+
+
+class _Stop(Exception):  # noqa: N818 - control flow inside this module
+    """The document cannot be understood beyond this place."""
+
+    def __init__(self, message: str, place: Place, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.message, self.place, self.hint = message, place, hint
+
+
+class _Composer:
+    """Builds the node graph of one document from the events of the parser."""
+
+    def __init__(self, name: str, code: str, text: str) -> None:
+        self.name, self.code, self.text = name, code, text
+        self.problems: list[Problem] = []
+        self.open: list[_Open] = []
+        self.anchors: dict[str, tuple[Node, int, int] | None] = {}
+        self.roots: list[Node] = []
+        self.visits = 0
+
+    def compose(self) -> tuple[Node | None, list[Problem]]:
+        try:
+            for event in self._events():
+                self._take(event)
+        except _Stop as stop:
+            self._report(stop.message, stop.place, stop.hint)
+            return None, self.problems
+        if not self.roots:
+            self._report("the file holds no document", Place(self.name, 1, 1))
+            return None, self.problems
+        return self.roots[0], self.problems
+
+    def _report(self, message: str, place: Place, hint: str | None = None) -> None:
+        self.problems.append(error(self.code, message, place, hint))
+
+    def _events(self) -> Iterator[Any]:
+        try:
+            yield from yaml.parse(self.text, Loader=_FAST_LOADER)
+        except yaml.MarkedYAMLError as problem:
+            mark = problem.problem_mark or problem.context_mark
+            place = Place(self.name) if mark is None else self._place(mark)
+            parts = [part for part in (problem.context, problem.problem) if part]
+            raise _Stop(f"this is not YAML: {': '.join(parts)}", place) from None
+        except yaml.reader.ReaderError as problem:
+            raise _Stop(*self._unreadable(problem)) from None
+
+    def _unreadable(self, problem: yaml.reader.ReaderError) -> tuple[str, Place]:
+        bad = re.search(
+            "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", self.text
+        )
+        before = self.text[: bad.start()] if bad else ""
+        shown = f" U+{ord(bad.group()):04X}" if bad else ""
+        return f"this is not YAML: the character{shown} is not allowed", _place_after(
+            self.name, before
+        )
+
+    def _place(self, mark: Any) -> Place:
+        return Place(self.name, mark.line + 1, mark.column + 1)
+
+    def _take(self, event: Any) -> None:
+        if isinstance(event, yaml.ScalarEvent):
+            self._scalar(event)
+        elif isinstance(event, yaml.CollectionStartEvent):
+            self._begin(event)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            self._end()
+        elif isinstance(event, yaml.AliasEvent):
+            self._alias(event)
+        elif isinstance(event, yaml.DocumentStartEvent) and self.roots:
+            raise _Stop("the file holds more than one document", self._place(event.start_mark))
+
+    def _check_tag(self, event: Any) -> None:
+        if event.tag is not None and event.tag not in _CORE_TAGS:
+            place = self._place(event.start_mark)
+            raise _Stop(f"the tag {event.tag!r} is not understood here", place)
+
+    def _scalar(self, event: Any) -> None:
+        if event.tag is not None:
+            self._check_tag(event)
+        plain = event.style in (None, "") and event.tag is None
+        node = Scalar(event.value, plain, self._place(event.start_mark))
+        self._add(node, event.anchor, 1, 0)
+
+    def _begin(self, event: Any) -> None:
+        self._check_tag(event)
+        place = self._place(event.start_mark)
+        if len(self.open) >= MAX_DEPTH:
+            raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = None  # an alias to what is still open is recursive
+        is_map = isinstance(event, yaml.MappingStartEvent)
+        self.open.append(_Open(place, is_map, event.anchor))
+
+    def _end(self) -> None:
+        done = self.open.pop()
+        node: Node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
+        self._add(node, done.anchor, done.visits, done.depth + 1)
+
+    def _alias(self, event: Any) -> None:
+        place = self._place(event.start_mark)
+        if event.anchor not in self.anchors:
+            raise _Stop(f"the alias *{event.anchor} has no anchor", place)
+        found = self.anchors[event.anchor]
+        if found is None:
+            raise _Stop(f"the alias *{event.anchor} stands inside of what it names", place)
+        node, visits, depth = found
+        if len(self.open) + depth > MAX_DEPTH:
+            raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
+        self._add(node, None, visits, depth)
+
+    def _add(self, node: Node, anchor: str | None, visits: int, depth: int) -> None:
+        if anchor is not None:
+            self.anchors[anchor] = (node, visits, depth)
+        if not self.open:
+            self.roots.append(node)
+            return
+        parent = self.open[-1]
+        parent.children.append(node)
+        parent.visits += visits
+        parent.depth = max(parent.depth, depth)
+        if parent.visits > MAX_VISITS:
+            limit = f"the document has more nodes than the limit of {MAX_VISITS}"
+            raise _Stop(limit, node.place, "aliases count each time that they are used")
+
+    def _map(self, done: _Open) -> Map:
+        entries: dict[str, tuple[Scalar, Node]] = {}
+        for key, value in zip(done.children[::2], done.children[1::2], strict=True):
+            if not isinstance(key, Scalar):
+                raise _Stop(f"a key must be text, not {describe(key)}", key.place)
+            first = entries.setdefault(key.text, (key, value))[0]
+            if first is not key:
+                message = (
+                    f"the key {shown(key.text)} stands here again, first in line {first.place.line}"
+                )
+                self._report(message, key.place)
+        return Map(tuple(entries.values()), done.place)
+
+
+def _place_after(name: str, before: str) -> Place:
+    line = before.count("\n") + 1
+    return Place(name, line, len(before) - (before.rfind("\n") + 1) + 1)

@@ -1,0 +1,101 @@
+"""Plain data as YAML text that readers of YAML 1.1 and 1.2 take alike.
+
+Written by hand because the layout is that of SESAME D7.2 Fig 6 (which PyYAML cannot write) and
+because a generated file must not change with the version of a library.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+
+class Verbatim(str):
+    """A text that :func:`dump_plain` writes as it is: a number with its own digits."""
+
+    __slots__ = ()
+
+
+_PLAIN = re.compile(
+    r"[A-Za-z_/\u00a1-\u2027\u202a-\ud7ff]"
+    r"(?:[A-Za-z0-9_ .,/+()\-\u00a1-\u2027\u202a-\ud7ff]*"
+    r"[A-Za-z0-9_.,/+()\-\u00a1-\u2027\u202a-\ud7ff])?"
+)
+_WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "null"})
+_ESCAPED = re.compile('["\\\\\x00-\x1f\x7f-\xa0\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]')
+_SHORT = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
+
+
+def quoted(text: str) -> str:
+    """Return a text as a YAML scalar that readers of YAML 1.1 and 1.2 both take as this text."""
+    if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
+        return text
+    return '"' + _ESCAPED.sub(_escape, text) + '"'
+
+
+def _escape(match: re.Match[str]) -> str:
+    char = match.group()
+    return _SHORT.get(char) or f"\\u{ord(char):04x}"
+
+
+def dump_plain(data: Any) -> str:
+    """Write plain data as YAML that any reader reads back as the same data.
+
+    Args:
+        data: None, bool, int, float, str, :class:`Verbatim`, and lists and maps of these with
+            text keys.
+
+    Returns:
+        Block style, lists indented by two blanks as in SESAME D7.2 Fig 6, keys in their order,
+        one line per scalar, independent of the version of any YAML library.
+    """
+    return "".join(f"{line}\n" for line in _lines(data))
+
+
+def _lines(data: Any) -> list[str]:
+    if isinstance(data, Mapping) and data:
+        return [line for key, value in data.items() for line in _entry(f"{quoted(key)}:", value)]
+    if isinstance(data, Sequence) and not isinstance(data, str) and data:
+        return [line for value in data for line in _item(value)]
+    return [_scalar(data)]
+
+
+def _entry(head: str, value: Any) -> list[str]:
+    lines = _lines(value)
+    if _is_block(value):
+        return [head, *(f"  {line}" for line in lines)]
+    return [f"{head} {lines[0]}"]
+
+
+def _item(value: Any) -> list[str]:
+    lines = _lines(value)
+    return [f"- {lines[0]}", *(f"  {line}" for line in lines[1:])]
+
+
+def _is_block(value: Any) -> bool:
+    return isinstance(value, Mapping | list | tuple) and bool(value)
+
+
+def _scalar(value: Any) -> str:
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, Verbatim):
+        return str(value)
+    if isinstance(value, str):
+        return quoted(value)
+    if isinstance(value, Mapping):
+        return "{}"
+    if isinstance(value, Sequence):
+        return "[]"
+    if isinstance(value, int):
+        return str(int(value))
+    return _float(float(value))
+
+
+def _float(value: float) -> str:
+    text = repr(value)
+    if text in ("inf", "-inf", "nan"):
+        return text.replace("inf", ".inf").replace("nan", ".nan")
+    # YAML 1.1 takes 1e+16 as text: its numbers need a point before the exponent
+    return text if "." in text or "e" not in text else text.replace("e", ".0e")
