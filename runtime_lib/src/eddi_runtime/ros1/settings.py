@@ -1,0 +1,65 @@
+"""Private parameters of the node, checked all at once."""
+
+import math
+from typing import Any, List, Mapping, NamedTuple, Optional, Tuple
+
+ON_MASTER_LOSS = ("reregister", "exit")
+
+
+class Settings(NamedTuple):
+    """What a person may set per node.
+
+    Attributes:
+        frequency: steps per second; fractions are common (0.2).
+        model: path of the model file, ``None`` to look beside the script.
+        diagnostics: publish a summary on ``/diagnostics``.
+        watchdog_period: seconds between two looks at the master, 0 for none.
+        on_master_loss: ``reregister`` or ``exit`` when a new master does not know the node.
+        queue_size: messages that wait for a slow subscriber of the outputs.
+    """
+
+    frequency: float
+    model: Optional[str] = None
+    diagnostics: bool = True
+    watchdog_period: float = 2.0
+    on_master_loss: str = "reregister"
+    queue_size: int = 1
+
+
+def _number(value: object) -> Optional[float]:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+        return float(value)
+    return None
+
+
+def settings(given: Mapping[str, Any], frequency: float) -> Tuple[Settings, List[str]]:
+    """Return the settings and what is wrong with the given private parameters.
+
+    Args:
+        given: private parameters by name; others than ours are left alone.
+        frequency: steps per second of the generated node.
+    """
+    wrong: List[str] = []
+
+    def check(name: str, expected: str, value: Any, good: bool) -> None:
+        if not good:
+            wrong.append(f"parameter ~{name}: {expected} expected, got {value!r}")
+
+    rate = given.get("frequency", frequency)
+    hertz = _number(rate)
+    check("frequency", "a number > 0 (Hz)", rate, hertz is not None and hertz > 0.0)
+    model = given.get("model") or None
+    check("model", "a path", model, model is None or isinstance(model, str))
+    diagnostics = given.get("diagnostics", True)
+    check("diagnostics", "true or false", diagnostics, isinstance(diagnostics, bool))
+    period = given.get("watchdog_period", 2.0)
+    seconds = _number(period)
+    check("watchdog_period", "seconds >= 0", period, seconds is not None and seconds >= 0.0)
+    loss = given.get("on_master_loss", "reregister")
+    check("on_master_loss", " or ".join(ON_MASTER_LOSS), loss, loss in ON_MASTER_LOSS)
+    size = given.get("queue_size", 1)
+    whole = isinstance(size, int) and not isinstance(size, bool)
+    check("queue_size", "a whole number >= 1", size, whole and size >= 1)
+    if wrong or hertz is None or seconds is None:
+        return Settings(frequency), wrong
+    return Settings(hertz, model, diagnostics, seconds, loss, size), wrong

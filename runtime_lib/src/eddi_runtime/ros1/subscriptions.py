@@ -1,0 +1,91 @@
+"""Latest message of every input. Callbacks only store; all conversion happens in the loop."""
+
+import threading
+import time
+from typing import Any, Callable, Dict, Iterable, NamedTuple, Optional, Tuple
+
+import rospy
+
+from .topics import DEFAULT_BUFFER_BYTES, Input
+
+
+class Receipt(NamedTuple):
+    """The last message of an input and what is known about it.
+
+    Attributes:
+        message: the ROS message.
+        at: monotonic seconds of receipt.
+        count: messages received so far.
+        latched: it came on connecting from a latching publisher, so it can be of any age.
+    """
+
+    message: Any
+    at: float
+    count: int
+    latched: bool
+
+
+class _Slot:
+    """Receives the messages of one input."""
+
+    def __init__(self, source: Input, lock: threading.Lock, arrived: Callable[[], None]) -> None:
+        self.source = source
+        self.receipt: Optional[Receipt] = None
+        self._lock = lock
+        self._arrived = arrived
+        self._greeted: Dict[str, object] = {}
+
+    def receive(self, message: Any) -> None:
+        """Store one message; runs in a thread of rospy."""
+        now = time.monotonic()
+        header = getattr(message, "_connection_header", None) or {}
+        # rospy keeps one header object per connection: a new object means a first message.
+        publisher = str(header.get("callerid", ""))
+        latched = header.get("latching") == "1" and self._greeted.get(publisher) is not header
+        with self._lock:
+            self._greeted[publisher] = header
+            count = 1 if self.receipt is None else self.receipt.count + 1
+            self.receipt = Receipt(message, now, count, latched)
+        self._arrived()
+
+
+class Subscriptions:
+    """The subscriptions of one monitor.
+
+    Args:
+        arrived: called after every stored message (``on_change`` wakes the loop here).
+    """
+
+    def __init__(self, arrived: Callable[[], None]) -> None:
+        self._lock = threading.Lock()
+        self._arrived = arrived
+        self._slots: Dict[str, _Slot] = {}
+        self._subscribers: Dict[str, Any] = {}
+
+    def subscribe(self, sources: Iterable[Input]) -> None:
+        """Subscribe to every input; blocks while the ROS master does not answer."""
+        for source in sources:
+            slot = _Slot(source, self._lock, self._arrived)
+            self._slots[source.id] = slot
+            more = {}
+            if source.buffer_bytes != DEFAULT_BUFFER_BYTES:
+                more["buff_size"] = source.buffer_bytes
+            self._subscribers[source.id] = rospy.Subscriber(
+                source.topic, source.type, slot.receive, queue_size=1, tcp_nodelay=True, **more
+            )
+
+    def receipts(self) -> Dict[str, Receipt]:
+        """Return the last message of every input that has one, at one instant."""
+        with self._lock:
+            return {
+                name: slot.receipt
+                for name, slot in self._slots.items()
+                if slot.receipt is not None
+            }
+
+    def expected_types(self) -> Dict[str, Tuple[str, str]]:
+        """Return resolved topic -> (input id, ROS type name) of every subscription."""
+        return {
+            subscriber.resolved_name: (name, str(subscriber.type))
+            for name, subscriber in self._subscribers.items()
+        }

@@ -1,0 +1,40 @@
+"""What a node subscribes to and what it publishes, as plain data of the generated RosNode.py."""
+
+from typing import Any, NamedTuple, Optional
+
+DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
+
+
+class Input(NamedTuple):
+    """One subscription: a ``SimulatorOutputs`` entry of eddi_config.yml.
+
+    Attributes:
+        id: name under which ``EDDIInput.processing`` finds the message.
+        topic: absolute or relative ROS name; remapping and namespaces apply.
+        type: ROS message class.
+        buffer_bytes: receive buffer. rospy hands out old messages when a message is larger
+            than the buffer, so it must be raised for images and point clouds.
+    """
+
+    id: str
+    topic: str
+    type: Any
+    buffer_bytes: int = DEFAULT_BUFFER_BYTES
+
+
+class Output(NamedTuple):
+    """One publication: an ``EDDIOutputs`` entry of eddi_config.yml.
+
+    Attributes:
+        id: name of the output, for people.
+        topic: ROS name of the result.
+        type: ROS message class of the result.
+        status_topic: ROS name of the facts behind the result, ``None`` for none.
+        status_type: its message class (with a header), ``None`` for none.
+    """
+
+    id: str
+    topic: str
+    type: Any
+    status_topic: Optional[str] = None
+    status_type: Any = None
