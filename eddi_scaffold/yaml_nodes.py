@@ -58,10 +58,8 @@ _OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
 _SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_CORE_TAGS = frozenset(
-    ["!"]
-    + [f"tag:yaml.org,2002:{t}" for t in ("str", "int", "float", "bool", "null", "seq", "map")]
-)
+_CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
+_CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,106 @@
+"""The kind ``consert``: conditional safety certificates, evaluated while the system runs."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.kinds import Kind, Model, Reading
+from eddi_scaffold.kinds.consert.check import check_consert
+from eddi_scaffold.kinds.consert.from_yaml import read_draft
+from eddi_scaffold.kinds.consert.inputs import inputs
+from eddi_scaffold.kinds.consert.marks import mark_defaults
+from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert.outline import counts, outline
+from eddi_scaffold.kinds.consert.runtime_model import runtime_model
+from eddi_scaffold.kinds.consert.static import static_checks
+from eddi_scaffold.kinds.consert.to_yaml import to_yaml
+from eddi_scaffold.problems import has_errors, in_order
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from eddi_scaffold.kinds import JsonValue, Settings
+    from eddi_scaffold.kinds.consert.model import ConSert
+    from eddi_scaffold.problems import Problem
+    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.source import Source
+
+NAME = "consert"
+_SUFFIXES = (".yml", ".yaml", ".json")
+_OWN_KEY = re.compile(
+    rb"""(?m)^(?:\{\s*)?["']?(?:guarantees|tree_propagations|(?:provided|required)_services)"""
+    rb"""["']?\s*:"""
+)
+
+
+def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> Reading:
+    from eddi_scaffold.kinds.consert.from_eddi import read_eddi  # noqa: PLC0415 - needs lxml
+
+    conserts, problems = read_eddi(document, source, marks)
+    return _reading(conserts, problems, source, ())
+
+
+def _read_file(source: Source, marks: Sequence[str]) -> Reading:
+    draft, problems = read_draft(source)
+    reading = _reading(() if draft is None else (draft,), problems, source, marks)
+    if has_errors(problems):  # the draft was only good for finding more
+        return Reading((), reading.problems)
+    return reading
+
+
+def _reading(
+    conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
+) -> Reading:
+    marked, found = (conserts, []) if not marks else mark_defaults(conserts, marks, source.name)
+    models: list[Model] = []
+    all_problems = [*problems, *(found if conserts else ())]
+    for consert in marked:
+        checked, more = check_consert(consert)
+        all_problems += more
+        if checked is not None:
+            models.append(Model(NAME, checked.name, checked, source, checked.place))
+    return Reading(tuple(models), tuple(in_order(all_problems)))
+
+
+def _sniff(source: Source) -> bool:
+    return source.name.lower().endswith(_SUFFIXES) and _OWN_KEY.search(source.data) is not None
+
+
+def _consert(model: Model) -> ConSert:
+    consert: ConSert = model.data
+    return consert
+
+
+def _check(model: Model) -> Sequence[Problem]:
+    return static_checks(_consert(model))
+
+
+def _export(model: Model) -> Mapping[str, str]:
+    safe = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or NAME
+    return {f"{safe}.yml": to_yaml(_consert(model))}
+
+
+def _runtime_model(model: Model, _: Settings) -> dict[str, JsonValue]:
+    return runtime_model(_consert(model))
+
+
+KIND = Kind(
+    name=NAME,
+    title="ConSert",
+    config_types=("ConSert", "ConSerts"),
+    eddi_classes=("ConSert",),
+    read_eddi=_read_eddi,
+    sniff=_sniff,
+    read_file=_read_file,
+    check=_check,
+    counts=lambda model: counts(_consert(model)),
+    outline=lambda model: outline(_consert(model)),
+    export=_export,
+    inputs=lambda model: inputs(_consert(model)),
+    runtime_model=_runtime_model,
+    messages=MESSAGES,
+    output_message="ConSertOutput",
+    status_message="ConSertStatus",
+)
+"""What the generator knows of ConSerts."""

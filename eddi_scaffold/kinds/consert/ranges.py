@@ -1,0 +1,115 @@
+"""Exact arithmetic of the ranges of a numeric dimension: merging, inclusion, overlap."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from eddi_scaffold.kinds.consert.model import Bound, Range
+
+Exact = Fraction | float
+"""A fraction, or an infinity."""
+
+_MAX_DIGITS = 64
+
+
+@dataclass(frozen=True)
+class Span:
+    """A range with exact ends; the start lies inside, the end only when ``closed``."""
+
+    start: Exact
+    end: Exact
+    closed: bool
+
+
+def exact(bound: Bound) -> Exact:
+    """Return the bound exactly as its decimal text says; infinities stay floats."""
+    if math.isinf(bound.value):
+        return bound.value
+    if bound.value == 0.0:  # also 1e-999999999, with which exact arithmetic would not end
+        return Fraction(0)
+    try:
+        return Fraction(bound.text if len(bound.text) <= _MAX_DIGITS else bound.value)
+    except ValueError:
+        return Fraction(bound.value)
+
+
+def span(one: Range, factor: Fraction = Fraction(1)) -> Span:
+    """Return a range with exact ends, multiplied by a positive factor."""
+    start, end = (
+        value if isinstance(value, float) else value * factor
+        for value in (exact(one.start), exact(one.end))
+    )
+    return Span(start, end, one.inclusive)
+
+
+def is_nan(bound: Bound) -> bool:
+    """Tell whether a bound is not a number."""
+    return math.isnan(bound.value)
+
+
+def is_empty(one: Range) -> bool:
+    """Tell whether no number lies in a range."""
+    exact_span = span(one)
+    if exact_span.closed:
+        return exact_span.start > exact_span.end
+    return exact_span.start >= exact_span.end
+
+
+def overlap(ranges: Sequence[Range]) -> list[tuple[Range, Range]]:
+    """Return pairs of neighbouring ranges that share more than an end, by their starts."""
+    found: list[tuple[Range, Range]] = []
+    widest: tuple[Span, Range] | None = None
+    for here, one in sorted(((span(r), r) for r in ranges), key=lambda pair: _by_start(pair[0])):
+        if widest is not None and _shares(widest[0], here):
+            found.append((widest[1], one))
+        if widest is None or (here.end, here.closed) > (widest[0].end, widest[0].closed):
+            widest = here, one
+    return found
+
+
+def merged(spans: Iterable[Span]) -> list[Span]:
+    """Return the same numbers in as few spans as possible, by their starts."""
+    result: list[Span] = []
+    for here in sorted(spans, key=_by_start):
+        if result and here.start <= result[-1].end:
+            before = result.pop()
+            end, closed = max((before.end, before.closed), (here.end, here.closed))
+            here = Span(before.start, end, closed)  # noqa: PLW2901 - the merged span goes on
+        result.append(here)
+    return result
+
+
+def is_inside(inner: Iterable[Span], outer: Iterable[Span]) -> bool:
+    """Tell whether every number of ``inner`` is one of ``outer``."""
+    outside = merged(outer)
+    return all(any(_contains(o, i) for o in outside) for i in merged(inner))
+
+
+def _by_start(one: Span) -> tuple[Exact, Exact, bool]:
+    return one.start, one.end, one.closed
+
+
+def _shares(first: Span, second: Span) -> bool:
+    return second.start < first.end or (
+        second.start == first.end and first.closed and first.start == second.start
+    )
+
+
+def _contains(outer: Span, inner: Span) -> bool:
+    if inner.start < outer.start:
+        return False
+    if inner.closed and not outer.closed:
+        return inner.end < outer.end
+    return inner.end <= outer.end
+
+
+def range_text(one: Range, unit: str | None = None) -> str:
+    """Return a range for people: ``[0, 5] m``, ``[0, 5)``."""
+    close = "]" if one.inclusive else ")"
+    return f"[{one.start.text}, {one.end.text}{close}" + (f" {unit}" if unit else "")

@@ -1,0 +1,23 @@
+"""The shared oracle of ConSerts, and its documents as files."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import yaml
+from eddi_scaffold.source import Source
+
+from tests.shared_data import shared
+
+
+@cache
+def oracle() -> dict[str, Any]:
+    path = shared("conserts/oracle.yml")
+    data = yaml.load(path.read_bytes(), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return dict(data)
+
+
+def as_source(document: Any, name: str = "model.yml") -> Source:
+    text = document if isinstance(document, str) else yaml.safe_dump(document, sort_keys=False)
+    return Source(name, text.encode())

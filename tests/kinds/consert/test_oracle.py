@@ -1,0 +1,53 @@
+"""Reading, names and checks agree with the shared oracle."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from eddi_scaffold.kinds.consert import KIND, names
+from eddi_scaffold.kinds.consert.model import ConSert
+from eddi_scaffold.problems import worst
+from eddi_scaffold.source import Source
+
+from tests.kinds.consert.oracle import as_source, oracle
+
+
+def test_parse_gives_the_wanted_severity_and_code():
+    wrong = []
+    for case in oracle()["parse"]:
+        problems = KIND.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
+        want, codes = case["want"], {problem.code for problem in problems}
+        result = worst(problems) or "ok"
+        if result != want["result"] or ("code" in want and want["code"] not in codes):
+            wrong.append((case["id"], want, result, sorted(codes)))
+    assert wrong == []
+
+
+def test_names_agree():
+    wrong = []
+    for case in oracle()["names"]:
+        id_ = case["id"]
+        got = names.class_name(id_), names.field_name(id_), names.setter(id_)
+        if got != (case["class"], case["field"], case["setter"]):
+            wrong.append((id_, got))
+    assert wrong == []
+
+
+def test_every_model_is_read_with_the_listed_errors_only():
+    wanted = oracle()["model_errors"]
+    for name, document in oracle()["models"].items():
+        reading = KIND.read_file(as_source(document, f"{name}.yml"), ())
+        errors = {problem.code for problem in reading.problems if problem.level == "error"}
+        assert errors == set(wanted.get(name, ())), name
+        assert [model.name for model in reading.models] == [name]
+
+
+def test_export_and_read_again_gives_the_same_model():
+    for name, document in oracle()["models"].items():
+        (model,) = KIND.read_file(as_source(document, f"{name}.yml"), ()).models
+        ((file_name, text),) = KIND.export(model).items()
+        (again,) = KIND.read_file(Source(file_name, text.encode()), ()).models
+        assert isinstance(again.data, ConSert)
+        assert dataclasses.asdict(again.data)  # a frozen dataclass through and through
+        assert again.data == model.data
+        assert KIND.export(again) == {file_name: text}
