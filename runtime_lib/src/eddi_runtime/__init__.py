@@ -1,0 +1,22 @@
+"""Runtime monitors generated from Executable Digital Dependability Identities (SESAME D7.2).
+
+``load("config/model.json")`` compiles a model and returns its monitor; ``execute_step`` evaluates
+it once. Pure Python 3.8; only ``eddi_runtime.ros1`` knows ROS.
+"""
+
+from .access import by_id
+from .inputs import EDDIInputBase, InputSpec, InputState
+from .model_file import ModelError
+from .monitor import Monitor, load
+from .version import __version__
+
+__all__ = [
+    "EDDIInputBase",
+    "InputSpec",
+    "InputState",
+    "ModelError",
+    "Monitor",
+    "__version__",
+    "by_id",
+    "load",
+]

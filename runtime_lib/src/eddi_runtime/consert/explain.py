@@ -1,0 +1,252 @@
+"""Why a guarantee is inactive and what would activate it; what would end an active one.
+
+The trees have no negation, so these are minimal path and cut sets. They are found by MOCUS, the
+method of fault tree analysis (union for Or, collection for And, absorption after each step), over
+sets that are kept as the bits of whole numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Set, Tuple
+
+from .graph import Graph
+from .values import TRUE
+
+MAX_SETS = 256
+"""Sets kept per node; the smallest are kept, and the result is marked as truncated."""
+
+_BUDGET = 2_000_000
+"""Comparisons of sets per explanation; beyond it each node keeps its smallest set only."""
+
+
+class Reason(NamedTuple):
+    """Why an input is not TRUE now.
+
+    Attributes:
+        kind: ``false``, ``missing``, ``stale``, ``invalid``, ``nan``, ``fault`` or ``debouncing``.
+        text: the same for people, with value and range or age.
+    """
+
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why one guarantee is as it is after the last step.
+
+    Attributes:
+        guarantee: id as in the model.
+        active: it is active.
+        verdict: ``TRUE``, ``UNKNOWN`` or ``FALSE``.
+        missing: inactive: each minimal set of inputs that are not TRUE now and that would
+            activate it by becoming TRUE, by size, then by ids. Empty when nothing can.
+        single_losses: active: each input whose loss alone would deactivate it, by id.
+        loss_sets: active, when asked for: the minimal sets of inputs that would do so together.
+        reasons: for each input in ``missing``, why it is not TRUE.
+        truncated: there are more sets than are listed; the listed ones suffice but one may then
+            be larger than needed.
+    """
+
+    guarantee: str
+    active: bool
+    verdict: str
+    missing: Tuple[Tuple[str, ...], ...]
+    single_losses: Tuple[str, ...]
+    loss_sets: Tuple[Tuple[str, ...], ...]
+    reasons: Mapping[str, Reason]
+    truncated: bool
+
+    def text(self) -> str:
+        """Return the explanation as lines for people, without a line end behind the last."""
+        if self.active:
+            losses = ", ".join(self.single_losses) or "no single input"
+            return f"{self.guarantee} is active; its loss would end it: {losses}"
+        lines = [f"{self.guarantee} is {self.verdict}, not active"]
+        if not self.missing:
+            lines.append("  nothing can activate it")
+        for group in self.missing:
+            needs = [f"{one} ({self.reasons[one].text})" for one in group]
+            lines += [f"  needs {' and '.join(needs)}"]
+        if self.truncated:
+            lines.append("  ... and more")
+        return "\n".join(lines)
+
+
+class _Family(NamedTuple):
+    """Minimal sets of leaves: (size, bits) by size, then by ids."""
+
+    sets: Tuple[Tuple[int, int], ...]
+    truncated: bool
+
+
+_IMPOSSIBLE = _Family((), truncated=False)
+_ALREADY = _Family(((0, 0),), truncated=False)
+
+
+class Sets:
+    """Path and cut sets of one state of a graph.
+
+    The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
+    larger number is the one whose ids come first.
+    """
+
+    def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
+        self._graph = graph
+        self.values = graph.evaluate(leaf_values)
+        by_id = sorted(range(graph.leaves), key=lambda k: graph.names[k])
+        self._by_bit = by_id[::-1]
+        self._bit = {k: 1 << position for position, k in enumerate(self._by_bit)}
+
+    def missing(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
+        """Return the minimal sets of leaves that would make the node TRUE, and "truncated"."""
+        return self._named(self._mocus(node, paths=True))
+
+    def loss_sets(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
+        """Return the minimal sets of TRUE leaves whose loss ends the node, and "truncated"."""
+        return self._named(self._mocus(node, paths=False))
+
+    def single_losses(self, node: int) -> Tuple[str, ...]:
+        """Return the leaves whose single loss makes a TRUE node not TRUE, by id.
+
+        Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that
+        all of its TRUE inputs fall with.
+        """
+        critical: Dict[int, int] = {}
+        for k in self._below(node):
+            if self.values[k] != TRUE:
+                continue
+            if k < self._graph.leaves:
+                critical[k] = self._bit[k]
+                continue
+            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
+            found = [critical[one] for one in inputs if one in critical]
+            bits = found[0] if found else 0
+            for more in found[1:]:
+                bits = bits | more if is_and else bits & more
+            critical[k] = bits
+        return self._ids(critical.get(node, 0))
+
+    def unknown_below(self, node: int, unknown: Set[int]) -> List[int]:
+        """Return the given leaves that are reached from the node through nodes not TRUE."""
+        found, seen, stack = [], {node}, [node]
+        while stack:
+            k = stack.pop()
+            if self.values[k] == TRUE:
+                continue
+            if k < self._graph.leaves:
+                if k in unknown:
+                    found.append(k)
+                continue
+            for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                if one not in seen:
+                    seen.add(one)
+                    stack.append(one)
+        return found
+
+    def _below(self, node: int) -> List[int]:
+        """Return the node and all that it depends on; inputs come before their users."""
+        seen, stack = {node}, [node]
+        while stack:
+            k = stack.pop()
+            if k >= self._graph.leaves:
+                for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                    if one not in seen:
+                        seen.add(one)
+                        stack.append(one)
+        return sorted(seen)
+
+    def _mocus(self, node: int, *, paths: bool) -> _Family:
+        """Return the minimal sets that reach (paths) or end (cuts) the node.
+
+        Cuts are the paths of the dual graph: And and Or change places, and what is already lost
+        takes the place of what is already there.
+        """
+        below = self._below(node)
+        users: Dict[int, int] = {}
+        for k in below:
+            if k >= self._graph.leaves:
+                for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                    users[one] = users.get(one, 0) + 1
+        work = _Work()
+        families: Dict[int, _Family] = {}
+        for k in below:
+            if (self.values[k] == TRUE) == paths:
+                families[k] = _ALREADY
+            elif k < self._graph.leaves:
+                families[k] = _Family(((1, self._bit[k]),), truncated=False)
+            else:
+                is_and, inputs = self._graph.nodes[k - self._graph.leaves]
+                combine = work.both if is_and == paths else work.either
+                family = _ALREADY if is_and == paths else _IMPOSSIBLE
+                for one in inputs:
+                    family = combine(family, families[one])
+                families[k] = family
+            if k >= self._graph.leaves:
+                for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                    users[one] -= 1
+                    if not users[one]:  # a long chain would else hold every set on the way
+                        del families[one]
+        return families[node]
+
+    def _named(self, family: _Family) -> Tuple[List[Tuple[str, ...]], bool]:
+        return [self._ids(bits) for _, bits in family.sets], family.truncated
+
+    def _ids(self, bits: int) -> Tuple[str, ...]:
+        ids = []
+        while bits:
+            top = bits.bit_length() - 1
+            ids.append(self._graph.names[self._by_bit[top]])
+            bits ^= 1 << top
+        return tuple(ids)
+
+
+class _Work:
+    """Combines families of sets and counts the work, so that no model makes it endless."""
+
+    def __init__(self) -> None:
+        self._done = 0
+
+    def either(self, one: _Family, other: _Family) -> _Family:
+        """Return the minimal sets of an Or."""
+        if not one.sets or not other.sets:
+            return other if not one.sets else one
+        return self._minimal([*one.sets, *other.sets], truncated=one.truncated or other.truncated)
+
+    def both(self, one: _Family, other: _Family) -> _Family:
+        """Return the minimal sets of an And."""
+        if one == _ALREADY:
+            return other
+        if other == _ALREADY:
+            return one
+        if not one.sets or not other.sets:
+            return _IMPOSSIBLE
+        truncated = one.truncated or other.truncated
+        self._done += len(one.sets) * len(other.sets)
+        if self._done > _BUDGET:
+            truncated = truncated or len(one.sets) * len(other.sets) > 1
+            one, other = _Family(one.sets[:1], truncated), _Family(other.sets[:1], truncated)
+        unions = {first | second for _, first in one.sets for _, second in other.sets}
+        return self._minimal([(_size(bits), bits) for bits in unions], truncated=truncated)
+
+    def _minimal(self, sets: List[Tuple[int, int]], *, truncated: bool) -> _Family:
+        """Return the smallest sets without those that contain another one (absorption)."""
+        limit = MAX_SETS if self._done <= _BUDGET else 1
+        kept: List[Tuple[int, int]] = []
+        smaller: List[int] = []  # only a smaller set can be inside; equal ones are equal
+        size_now = 0
+        for size, bits in sorted(set(sets), key=lambda one: (one[0], -one[1])):
+            if size != size_now:
+                smaller, size_now = [kept_bits for _, kept_bits in kept], size
+            self._done += len(smaller) + 1
+            if any(inside & bits == inside for inside in smaller):
+                continue
+            if len(kept) == limit:
+                return _Family(tuple(kept), truncated=True)
+            kept.append((size, bits))
+        return _Family(tuple(kept), truncated=truncated)
+
+
+def _size(bits: int) -> int:
+    return bin(bits).count("1")

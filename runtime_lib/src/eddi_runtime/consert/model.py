@@ -1,0 +1,208 @@
+"""The ``model`` part of a ConSert's model file as typed data, checked once more on the robot."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
+
+from ..inputs import InputSpec
+from ..model_file import ModelError, ModelFile, take
+from .values import BinaryLeaf, CategoricalLeaf, Interval, Leaf, NumericLeaf, nearest_double
+
+_BOUND = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf")
+_MAX_BOUND = 1000
+"""Characters of a bound: longer texts are no measurement, and exact arithmetic would be slow."""
+
+
+@dataclass(frozen=True)
+class GuaranteeData:
+    """One guarantee.
+
+    Attributes:
+        id: as in the model.
+        published: the id in the output (``guarantee_ids``).
+        default: holds always, without support.
+        ranking: lowest is best, ``None`` when not given.
+    """
+
+    id: str
+    published: str
+    default: bool
+    ranking: Optional[int]
+
+
+@dataclass(frozen=True)
+class Service:
+    """A provided service: its id and the ids of its guarantees."""
+
+    id: str
+    guarantees: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ConSertData:
+    """A ConSert as the runtime needs it; lists keep the order of the file.
+
+    Attributes:
+        leaves: evidence and demands, in the order of ``inputs``.
+        gates: id -> True for And, False for Or.
+        edges: (from, to) ids.
+    """
+
+    leaves: Tuple[Leaf, ...]
+    gates: Mapping[str, bool]
+    guarantees: Tuple[GuaranteeData, ...]
+    edges: Tuple[Tuple[str, str], ...]
+    services: Tuple[Service, ...]
+
+
+def read_consert(model_file: ModelFile) -> ConSertData:
+    """Return the ConSert of a model file.
+
+    Raises:
+        ModelError: something is missing, of a wrong type, or names nothing.
+    """
+    model = model_file.model
+    leaves = _leaves(model, model_file.inputs)
+    gates = _gates(take(model, "gates", list, "the model"))
+    published = _guarantee_ids(model_file.settings)
+    guarantees = tuple(
+        _guarantee(item, published) for item in take(model, "guarantees", list, "the model")
+    )
+    for ids in ([g.id for g in guarantees], [g.published for g in guarantees]):
+        _check_unique(ids, "guarantees")
+    _check_unique([*(x.id for x in leaves), *gates, *(g.id for g in guarantees)], "elements")
+    edges = [_edge(item) for item in take(model, "edges", list, "the model")]
+    services = [_service(item) for item in take(model, "provided_services", list, "the model")]
+    known = {g.id for g in guarantees}
+    for service in services:
+        _check_known(service.guarantees, known, f"provided service {service.id!r}")
+    return ConSertData(leaves, gates, guarantees, tuple(dict.fromkeys(edges)), tuple(services))
+
+
+def _leaves(model: Mapping[str, Any], inputs: Tuple[InputSpec, ...]) -> Tuple[Leaf, ...]:
+    specs = {spec.id: spec for spec in inputs}
+    found: Dict[str, Leaf] = {}
+    for key in ("evidence", "demands"):
+        for item in take(model, key, list, "the model"):
+            name = take(item, "id", str, f"an element of {key!r}")
+            if name in found:
+                raise ModelError("", f"two elements have the id {name!r}")
+            if name not in specs:
+                raise ModelError("", f"{name!r} of {key!r} has no entry in 'inputs'")
+            found[name] = _leaf(item, name, specs[name], is_demand=key == "demands")
+    _check_known(specs, set(found), "'inputs'")
+    return tuple(found[spec.id] for spec in inputs)
+
+
+def _leaf(item: Any, name: str, spec: InputSpec, *, is_demand: bool) -> Leaf:
+    where = f"{name!r}"
+    # A demand is told whether some guarantee that fulfils it is active, whatever its dimension.
+    dimension = None if is_demand else take(item, "dimension", dict, where)
+    kind = "binary" if dimension is None else take(dimension, "kind", str, where)
+    if spec.factor is not None and kind != "numeric":
+        raise ModelError("", f"input {where} has a factor but is not numeric")
+    if dimension is None or kind == "binary":
+        return BinaryLeaf(name)
+    covered = take(dimension, "covered", list, where)
+    if kind == "categorical":
+        if not all(isinstance(text, str) for text in covered):
+            raise ModelError("", f"'covered' of {where} is not a list of texts")
+        return CategoricalLeaf(name, frozenset(covered), "{" + ", ".join(covered) + "}")
+    if kind == "numeric":
+        ranges = tuple(_interval(one, where, spec.factor) for one in covered)
+        return NumericLeaf(name, ranges, _range_text(covered, dimension.get("uom"), spec.factor))
+    raise ModelError("", f"the dimension of {where} has the unknown kind {kind!r}")
+
+
+def _interval(item: Any, where: str, factor: Optional[Tuple[int, int]]) -> Interval:
+    """Return a range in the unit of the input.
+
+    The factor is divided out of the bound in exact arithmetic, and the result is rounded once to
+    the nearest double, as a bound without a factor is. So ``36 km/h`` is exactly 10 m/s, and a
+    value is never multiplied: that would round it, and could round it into the range.
+    """
+    ends = [_bound(take(item, key, str, f"a range of {where}"), where) for key in ("start", "end")]
+    start, end = (
+        nearest_double(None if exact is None or factor is None else exact / Fraction(*factor), text)
+        for text, exact in ends
+    )
+    closed = take(item, "inclusive", bool, f"a range of {where}")
+    if start > end:
+        raise ModelError("", f"a range of {where} starts above its end")
+    return Interval(start, end, closed)
+
+
+def _bound(text: str, where: str) -> Tuple[str, Optional[Fraction]]:
+    """Return the text and its exact value, ``None`` where a double says it all (0, infinity)."""
+    if len(text) > _MAX_BOUND or not _BOUND.fullmatch(text):
+        raise ModelError("", f"a bound of {where} is not a decimal number: {text[:40]!r}")
+    value = float(text)
+    # Testing the double first keeps 1e999999999 from becoming a whole number of 400 MB.
+    if value == 0 or value in (float("inf"), float("-inf")):
+        return text, None
+    return text, Fraction(text)
+
+
+def _range_text(covered: List[Any], unit: Any, factor: Optional[Tuple[int, int]]) -> str:
+    parts = [f"[{r['start']}, {r['end']}{']' if r['inclusive'] else ')'}" for r in covered]
+    text = " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
+    return text if factor is None else f"{text} (after times {factor[0]}/{factor[1]})"
+
+
+def _gates(items: List[Any]) -> Dict[str, bool]:
+    found: Dict[str, bool] = {}
+    for item in items:
+        name = take(item, "id", str, "a gate")
+        if name in found:
+            raise ModelError("", f"two elements have the id {name!r}")
+        function = take(item, "function", str, f"gate {name!r}")
+        if function not in ("And", "Or"):
+            raise ModelError("", f"gate {name!r} has the unknown function {function!r}")
+        found[name] = function == "And"
+    return found
+
+
+def _guarantee_ids(settings: Mapping[str, Any]) -> str:
+    value = settings.get("guarantee_ids", "source")
+    if value not in ("source", "class"):
+        raise ModelError("", f"guarantee_ids {value!r} is neither 'source' nor 'class'")
+    return "id" if value == "source" else "class_name"
+
+
+def _guarantee(item: Any, published: str) -> GuaranteeData:
+    name = take(item, "id", str, "a guarantee")
+    where = f"guarantee {name!r}"
+    ranking = None if item.get("ranking") is None else take(item, "ranking", int, where)
+    default = take(item, "default", bool, where) if "default" in item else False
+    return GuaranteeData(name, take(item, published, str, where), default, ranking)
+
+
+def _edge(item: Any) -> Tuple[str, str]:
+    if isinstance(item, list) and len(item) == 2 and all(isinstance(end, str) for end in item):
+        return item[0], item[1]
+    raise ModelError("", "an element of 'edges' is not a pair of ids")
+
+
+def _service(item: Any) -> Service:
+    name = take(item, "id", str, "a provided service")
+    members = take(item, "guarantees", list, f"provided service {name!r}")
+    if not all(isinstance(member, str) for member in members):
+        raise ModelError("", f"'guarantees' of provided service {name!r} is not a list of texts")
+    return Service(name, tuple(members))
+
+
+def _check_unique(ids: List[str], what: str) -> None:
+    known = set()
+    for one in ids:
+        if one in known:
+            raise ModelError("", f"two {what} have the id {one!r}")
+        known.add(one)
+
+
+def _check_known(ids: Iterable[str], known: Set[str], where: str) -> None:
+    for one in ids:
+        if one not in known:
+            raise ModelError("", f"{where} names {one!r}, which does not exist")

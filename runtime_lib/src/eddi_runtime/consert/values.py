@@ -1,0 +1,215 @@
+"""Three-valued truth, and how a raw input value becomes one: raw values are never truth-tested.
+
+Truth values are the small ints ``FALSE < UNKNOWN < TRUE`` (strong Kleene): And is the minimum, Or
+the maximum. ``bool(float("nan"))`` and ``bool("False")`` are true in Python, so each leaf accepts
+exact types only and everything else is UNKNOWN.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass
+from typing import Any, FrozenSet, Optional, Tuple, Union
+
+FALSE, UNKNOWN, TRUE = 0, 1, 2
+NAMES = ("FALSE", "UNKNOWN", "TRUE")
+
+# Why a leaf has its value; plain texts, they stand in reports.
+GOOD, NOT_COVERED, MISSING, NAN, FAULT = "good", "false", "missing", "nan", "fault"
+
+Judgement = Tuple[int, str]
+"""(truth value, why)."""
+
+
+class Absent:
+    """Stands for an attribute that could not be read.
+
+    Attributes:
+        problem: why, empty when the object simply has no such attribute.
+    """
+
+    __slots__ = ("problem",)
+
+    def __init__(self, problem: str = "") -> None:
+        self.problem = problem
+
+
+ABSENT = Absent()
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A range in the unit of the input; the start lies inside.
+
+    Attributes:
+        start: smallest double inside.
+        end: the other end.
+        closed: the end lies inside as well.
+    """
+
+    start: float
+    end: float
+    closed: bool
+
+    def covers(self, number: float) -> bool:
+        """Tell whether a number other than NaN lies in the range."""
+        return self.start <= number and (number <= self.end if self.closed else number < self.end)
+
+
+@dataclass(frozen=True)
+class BinaryLeaf:
+    """A leaf that is told True or False: binary evidence, or any demand."""
+
+    id: str
+
+    def judge_plain(self, value: Any) -> Judgement:
+        """Judge a value of an exact Python type; see ``judge``."""
+        if isinstance(value, bool):
+            return (TRUE, GOOD) if value else (FALSE, NOT_COVERED)
+        return UNKNOWN, FAULT
+
+    def expectation(self) -> str:
+        """Return what the leaf accepts, for people."""
+        return "True or False"
+
+
+@dataclass(frozen=True)
+class CategoricalLeaf:
+    """A leaf that is told a text, which should be among the covered ones."""
+
+    id: str
+    covered: FrozenSet[str]
+    text: str = ""
+
+    def judge_plain(self, value: Any) -> Judgement:
+        """Judge a value of an exact Python type; see ``judge``."""
+        if isinstance(value, str):
+            return (TRUE, GOOD) if value in self.covered else (FALSE, NOT_COVERED)
+        return UNKNOWN, FAULT
+
+    def expectation(self) -> str:
+        """Return what the leaf accepts, for people."""
+        return "a text"
+
+
+@dataclass(frozen=True)
+class NumericLeaf:
+    """A leaf that is told a number, which should lie in one of the ranges.
+
+    Attributes:
+        ranges: in the unit of the input (a factor is already in the bounds).
+        text: the ranges as in the model, for people.
+    """
+
+    id: str
+    ranges: Tuple[Interval, ...]
+    text: str = ""
+
+    def judge_plain(self, value: Any) -> Judgement:
+        """Judge a value of an exact Python type; see ``judge``."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return UNKNOWN, FAULT
+        inside = any(interval.covers(value) for interval in self.ranges)
+        return (TRUE, GOOD) if inside else (FALSE, NOT_COVERED)
+
+    def expectation(self) -> str:
+        """Return what the leaf accepts, for people."""
+        return "a number"
+
+
+Leaf = Union[BinaryLeaf, CategoricalLeaf, NumericLeaf]
+
+
+def judge(leaf: Leaf, raw: object) -> Judgement:
+    """Return the truth value of a raw input value and why; never raises.
+
+    None, absent and NaN are UNKNOWN; a value of another type than the leaf expects is UNKNOWN and
+    a fault. Subclasses of the expected types and numpy scalars count by their plain value.
+    """
+    if raw is None or raw is ABSENT:
+        return UNKNOWN, MISSING
+    try:
+        value = plain(raw)
+        if isinstance(value, float) and value != value:  # noqa: PLR0124 - the test for NaN
+            return UNKNOWN, NAN
+        return leaf.judge_plain(value)
+    except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, it is no evidence
+        return UNKNOWN, FAULT
+
+
+def plain(raw: object) -> Union[bool, int, float, str, None]:
+    """Return a bool, int, float or str of exactly that type; None for every other type.
+
+    Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
+    that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called.
+    """
+    kind = type(raw)
+    if kind is bool:
+        return raw  # type: ignore[return-value]  # "is bool" does not narrow object
+    numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
+    if numpy is not None and issubclass(kind, numpy.generic):
+        return _plain_numpy(raw, kind, numpy)
+    if issubclass(kind, float):
+        return float.__float__(raw)  # type: ignore[arg-type]  # a float, by the line above
+    if issubclass(kind, int):
+        return int.__int__(raw)  # type: ignore[arg-type]  # an int, by the line above
+    if issubclass(kind, str):
+        return str.__str__(raw)
+    return None
+
+
+def _plain_numpy(raw: Any, kind: type, numpy: Any) -> Union[bool, int, float, str, None]:
+    if issubclass(kind, numpy.timedelta64):  # a duration, though numpy calls it an integer
+        return None
+    item = numpy.generic.item(raw)
+    if type(item) is numpy.longdouble:  # it has no Python twin and is its own item
+        item = float(item)
+    return item if type(item) in (bool, int, float, str) else None
+
+
+def describe(leaf: Leaf, raw: object, why: str) -> str:
+    """Return one line for people on why the leaf is not TRUE."""
+    if why == MISSING:
+        return "no value"
+    if why == NAN:
+        return "the value is NaN"
+    if why == FAULT:
+        problem = raw.problem if isinstance(raw, Absent) else ""
+        return problem or f"expected {leaf.expectation()}, got {show(raw)}"
+    if isinstance(leaf, BinaryLeaf):
+        return "the value is False"
+    covered = leaf.text if len(leaf.text) <= 200 else f"{leaf.text[:197]}..."
+    return f"the value {show(raw)} is not in {covered}"
+
+
+def show(raw: object) -> str:
+    """Return a short text of any value; never raises."""
+    try:
+        value = plain(raw)
+    except Exception:  # noqa: BLE001 - a hostile object
+        value = None
+    if value is None:
+        return f"an object of type {type_name(raw)}"
+    if isinstance(value, int) and value.bit_length() > 256:
+        return f"a whole number of {value.bit_length()} bits"
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def type_name(raw: object) -> str:
+    """Return the name of the type, also when its metaclass hides it."""
+    try:
+        return str(type.__dict__["__name__"].__get__(type(raw)))[:60]
+    except Exception:  # noqa: BLE001 - a hostile object
+        return "an unnamed type"
+
+
+def nearest_double(exact: Optional[Any], text: str) -> float:
+    """Return the double nearest to an exact bound, or to its text when there is no factor."""
+    if exact is None:
+        return float(text)
+    try:
+        return float(exact)
+    except OverflowError:
+        return math.copysign(math.inf, exact)

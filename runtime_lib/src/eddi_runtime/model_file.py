@@ -1,0 +1,221 @@
+"""Reading ``config/model.json``: what is damaged or not understood is refused with a reason.
+
+The digest in the file is that of its own content, so a changed number or a cut line is found
+before the monitor runs (SESAME D7.2 leaves this open).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Mapping, NoReturn, Optional, Tuple, Type, Union
+
+from .inputs import RESERVED_ATTRIBUTES, InputSpec
+from .version import __version__
+
+FORMAT = 1
+
+
+class ModelError(ValueError):
+    """A model file cannot be used.
+
+    Attributes:
+        path: the file, or another name for where the model came from.
+        reason: what is wrong, one sentence without a full stop.
+    """
+
+    def __init__(self, path: str, reason: str) -> None:
+        super().__init__(f"{path}: {reason}" if path else reason)
+        self.path = path
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """The content of a model file whose frame (not yet the kind's own part) was checked.
+
+    Attributes:
+        path: where it was read.
+        kind: name of the kind (``consert``).
+        id: the model's id.
+        digest: SHA-256 of the content, as the file states it.
+        source: where the model was generated from.
+        inputs: what the monitor must be told, in the order of the file.
+        model: the kind's own part.
+        settings: the kind's settings.
+    """
+
+    path: str
+    kind: str
+    id: str
+    digest: str
+    source: Mapping[str, Any]
+    inputs: Tuple[InputSpec, ...]
+    model: Mapping[str, Any]
+    settings: Mapping[str, Any]
+
+
+def read_model(path: Union[str, Path]) -> ModelFile:
+    """Read and check a model file.
+
+    Raises:
+        ModelError: the file cannot be read, is damaged, or needs a newer runtime.
+    """
+    try:
+        text = Path(path).read_bytes().decode("utf-8")
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        raise ModelError(str(path), f"cannot read the file: {reason}") from None
+    except UnicodeDecodeError:
+        raise ModelError(str(path), "the file is damaged: it is not UTF-8 text") from None
+    return parse_model(text, str(path))
+
+
+def parse_model(text: str, name: str = "<text>") -> ModelFile:
+    """Check the text of a model file; ``name`` stands in the errors.
+
+    Raises:
+        ModelError: the text is damaged or needs a newer runtime.
+    """
+    try:
+        document = json.loads(text, parse_constant=_no_constant)
+    except (ValueError, RecursionError) as problem:
+        raise ModelError(name, f"the file is damaged: {problem}") from None
+    return check_document(document, name)
+
+
+def check_document(document: Any, name: str = "<document>") -> ModelFile:
+    """Check a model that is already in memory, as ``json.loads`` gives it.
+
+    Raises:
+        ModelError: the document is damaged or needs a newer runtime.
+    """
+    try:
+        return _model_file(document, name)
+    except ModelError as problem:
+        raise ModelError(name, problem.reason) from None
+
+
+def canonical(document: Mapping[str, Any]) -> str:
+    """Return the one text of a JSON document that digests are made of.
+
+    Raises:
+        ValueError: a number is not finite.
+    """
+    return json.dumps(document, sort_keys=True, indent=1, ensure_ascii=True, allow_nan=False) + "\n"
+
+
+def digest_of(document: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of a model document without its own ``sha256``."""
+    content = {key: value for key, value in document.items() if key != "sha256"}
+    return hashlib.sha256(canonical(content).encode("ascii")).hexdigest()
+
+
+def take(item: Any, key: str, kind: Union[Type[Any], Tuple[Type[Any], ...]], where: str) -> Any:
+    """Return ``item[key]`` if it is of the given JSON type; ``bool`` is no number here.
+
+    Raises:
+        ModelError: ``item`` is no object, the key is absent, or the type is another one.
+    """
+    if not isinstance(item, dict):
+        raise ModelError("", f"{where} is not an object")
+    if key not in item:
+        raise ModelError("", f"{where} has no {key!r}")
+    value = item[key]
+    wanted = kind if isinstance(kind, tuple) else (kind,)
+    if not isinstance(value, wanted) or (isinstance(value, bool) and bool not in wanted):
+        raise ModelError("", f"{key!r} of {where} has the wrong type {type(value).__name__}")
+    return value
+
+
+def _no_constant(text: str) -> NoReturn:
+    raise ValueError(f"{text} is not JSON")
+
+
+def _model_file(document: Any, path: str) -> ModelFile:
+    where = "the model file"
+    found = take(document, "format", int, where)
+    if found != FORMAT:
+        raise ModelError("", f"format {found} is not known, only {FORMAT}")
+    _check_runtime(take(document, "requires_runtime", str, where))
+    digest = take(document, "sha256", str, where)
+    try:
+        actual = digest_of(document)
+    except (ValueError, RecursionError) as problem:
+        raise ModelError("", f"the file is damaged: {problem}") from None
+    if digest != actual:
+        raise ModelError("", f"the content was changed: it says sha256 {digest}, has {actual}")
+    return ModelFile(
+        path=path,
+        kind=take(document, "kind", str, where),
+        id=take(document, "id", str, where),
+        digest=digest,
+        source=take(document, "source", dict, where),
+        inputs=_inputs(take(document, "inputs", list, where)),
+        model=take(document, "model", dict, where),
+        settings=take(document, "settings", dict, where),
+    )
+
+
+def _check_runtime(wanted: str) -> None:
+    if not re.fullmatch(r"[0-9]{1,6}(\.[0-9]{1,6}){0,3}", wanted):
+        raise ModelError("", f"requires_runtime {wanted!r} is not a version")
+    if _version(wanted) > _version(__version__):
+        raise ModelError("", f"the model needs eddi_runtime {wanted}, this is {__version__}")
+
+
+def _version(text: str) -> Tuple[int, ...]:
+    numbers = [int(part) for part in text.split(".")]
+    return tuple(numbers + [0] * (4 - len(numbers)))
+
+
+def _inputs(items: Any) -> Tuple[InputSpec, ...]:
+    specs = tuple(_input(item, f"input {index}") for index, item in enumerate(items))
+    for name in ("id", "attribute"):
+        seen = set()
+        for spec in specs:
+            value = getattr(spec, name)
+            if value in seen:
+                raise ModelError("", f"two inputs have the {name} {value!r}")
+            seen.add(value)
+    return specs
+
+
+def _input(item: Any, where: str) -> InputSpec:
+    name = take(item, "id", str, where)
+    where = f"input {name!r}"
+    attribute = take(item, "attribute", str, where)
+    if not attribute or attribute in RESERVED_ATTRIBUTES:
+        raise ModelError("", f"{where} cannot be held in an attribute {attribute!r}")
+    requires = take(item, "requires", list, where)
+    if not all(isinstance(one, str) for one in requires):
+        raise ModelError("", f"'requires' of {where} is not a list of texts")
+    return InputSpec(
+        id=name,
+        attribute=attribute,
+        requires=tuple(requires),
+        max_age=_max_age(item.get("max_age"), where),
+        factor=_factor(item.get("factor"), where),
+        default=item.get("default"),
+    )
+
+
+def _max_age(value: Any, where: str) -> Union[float, str, None]:
+    if value is None or value == "none":
+        return None if value is None else "none"
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0:
+        return float(value)
+    raise ModelError("", f"'max_age' of {where} is neither a number of seconds above 0 nor 'none'")
+
+
+def _factor(value: Any, where: str) -> Optional[Tuple[int, int]]:
+    if value is None:
+        return None
+    if isinstance(value, list) and len(value) == 2:
+        num, den = value
+        if type(num) is int and type(den) is int and num > 0 and den > 0:
+            return num, den
+    raise ModelError("", f"'factor' of {where} is not a pair of positive whole numbers")

@@ -1,0 +1,42 @@
+"""Helpers for tests of monitors: a clock that stands still and inputs without a robot."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, Iterable, Iterator, Mapping
+
+from .monitor import Monitor
+
+
+class FakeClock:
+    """A clock in seconds that only moves when it is told to: ``clock()`` reads it."""
+
+    def __init__(self, now: float = 0.0) -> None:
+        self.now = now
+
+    def __call__(self) -> float:
+        """Return the time in seconds."""
+        return self.now
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass."""
+        self.now += seconds
+
+
+def inputs(monitor: Monitor, values: Mapping[str, Any]) -> SimpleNamespace:
+    """Return an object with the given values by input id; the other inputs are None.
+
+    Raises:
+        LookupError: the monitor has no input of one of these ids.
+    """
+    attributes = {spec.id: spec.attribute for spec in monitor.inputs}
+    unknown = [name for name in values if name not in attributes]
+    if unknown:
+        raise LookupError(f"no input {', '.join(unknown)}; there: {', '.join(attributes)}")
+    return SimpleNamespace(**{attributes[one]: values.get(one) for one in attributes})
+
+
+def script(monitor: Monitor, rows: Iterable[Mapping[str, Any]]) -> Iterator[Any]:
+    """Yield the output of one step for each row of values by input id."""
+    for row in rows:
+        yield monitor.execute_step(inputs(monitor, row))
