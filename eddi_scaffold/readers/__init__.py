@@ -1,0 +1,1 @@
+"""Readers: bytes in, trees and problems out. They know no monitor kind and print nothing."""

@@ -1,0 +1,52 @@
+"""Collects the problems of one document while it is read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.problems import Level, Place, Problem
+
+if TYPE_CHECKING:
+    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.xmi import Element
+
+
+class Findings:
+    """Problems in the order in which they were found; equal remarks are counted, not repeated."""
+
+    def __init__(self, document: EddiDocument) -> None:
+        self.document = document
+        self.errors = 0
+        """How many errors were found so far: tells a caller whether its part has one."""
+        self._problems: list[Problem] = []
+        self._counted: dict[tuple[Level, str, str], tuple[Place, int]] = {}
+
+    def add(self, *problems: Problem) -> None:
+        """Take over problems."""
+        self._problems += problems
+        self.errors += sum(p.level == "error" for p in problems)
+
+    def error(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
+        """Report an error at an element."""
+        self.add(Problem("error", code, message, self.document.place(element), hint))
+
+    def warning(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
+        """Report a warning at an element."""
+        self.add(Problem("warning", code, message, self.document.place(element), hint))
+
+    def count(
+        self, level: Level, code: str, message: str, element: Element, times: int = 1
+    ) -> None:
+        """Report a remark once per file, at its first place, with how often it applies."""
+        place, before = self._counted.get((level, code, message), (None, 0))
+        if place is None:
+            place = self.document.place(element)
+        self._counted[level, code, message] = (place, before + times)
+
+    def problems(self) -> list[Problem]:
+        """Return everything that was found."""
+        counted = [
+            Problem(level, code, message + (f" ({times} times)" if times > 1 else ""), place)
+            for (level, code, message), (place, times) in self._counted.items()
+        ]
+        return self._problems + counted
