@@ -1,0 +1,51 @@
+"""Command line for Copier's tasks and migrations: ``python <this folder> sync|check``.
+
+Old templates call this for years: the two words and their meaning stay. The working directory is
+the package. ``sync`` ends with 0 whatever it finds, because a failing task would make Copier drop
+edits of other files; ``check`` ends with 1 when markers are damaged, so that Copier stops before
+it has changed anything.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+if not __package__:  # run as a folder: make the template's checkout importable, leave no trace
+    sys.dont_write_bytecode = True
+    sys.path[0] = str(Path(__file__).resolve().parents[2])
+
+from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.sync import SyncReport, sync_package
+
+_USAGE = "usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)\n"
+
+
+def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> int:
+    """Run one command in ``root`` (default: the working directory); returns the exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    root = root or Path.cwd()
+    if words == ["sync"]:
+        sys.stderr.write("".join(f"{line}\n" for line in describe(sync_package(root))))
+        return 0
+    if words == ["check"]:
+        broken = broken_files(root)
+        for refusal in broken:
+            sys.stderr.write(f"{refusal.file}:{refusal.line}: error: {refusal.reason}\n")
+        return 1 if broken else 0
+    sys.stderr.write(_USAGE)
+    return 0 if words in (["-h"], ["--help"]) else 2
+
+
+def describe(report: SyncReport) -> list[str]:
+    """Return the lines that tell a person what a sync did to hand edits."""
+    lines = [f"{r.file}:{r.line}: error: {r.reason}; left alone" for r in report.refused]
+    for note in report.notes:
+        place = note.file if note.line is None else f"{note.file}:{note.line}"
+        lines.append(f"{place}: {'warning' if note.attention else 'info'}: {note.text}")
+    return lines
+
+
+if __name__ == "__main__":
+    sys.exit(main())

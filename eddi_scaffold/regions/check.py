@@ -1,0 +1,138 @@
+"""List the regions of a package and what a person should look at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from eddi_scaffold.regions.bodies import same_body
+from eddi_scaffold.regions.claims import adopt_ids
+from eddi_scaffold.regions.markers import Document, Fault, Region, parse, with_sig
+from eddi_scaffold.regions.merge import kind_of
+from eddi_scaffold.regions.review import doubtful_names
+from eddi_scaffold.regions.store import (
+    EDDI,
+    files_below,
+    load_orphans,
+    read_text,
+    without_sentinel,
+    write_file,
+)
+from eddi_scaffold.regions.sync import Refusal
+
+State = Literal["untouched", "edited", "orphaned", "rejected", "broken"]
+
+
+@dataclass(frozen=True)
+class RegionStatus:
+    """One region, saved body, rejected edit or damaged marker.
+
+    Attributes:
+        id: the region; of a rejected edit the edited file; empty for a damaged marker.
+        file: file relative to the package; of saved bodies the file they came from.
+        line: line of the begin marker, ``None`` when it stands in no file.
+        state: ``untouched`` holds the default.
+        notes: what to look at.
+        review: whether a person must look (``regions --check`` fails).
+    """
+
+    id: str
+    file: str
+    line: int | None
+    state: State
+    notes: tuple[str, ...] = ()
+    review: bool = False
+
+
+def list_regions(root: Path) -> tuple[RegionStatus, ...]:
+    """Return everything that ``eddi-scaffold regions`` shows about a package, by file and line."""
+    found: list[RegionStatus] = []
+    for name in files_below(root / EDDI / "pristine"):
+        found.extend(_of_file(root, name))
+    for path, orphan in load_orphans(root).items():
+        note = f"saved in {path.relative_to(root).as_posix()}"
+        found.append(RegionStatus(orphan.id, orphan.file, None, "orphaned", (note,), review=True))
+    for name in files_below(root / EDDI / "rejects"):
+        note = "put the edit where it belongs now, then delete this file"
+        file = f"{EDDI}/rejects/{name}"
+        found.append(RegionStatus(name, file, None, "rejected", (note,), review=True))
+    return tuple(found)
+
+
+def broken_files(root: Path) -> tuple[Refusal, ...]:
+    """Return the damaged markers of a package: a new rendering could not be merged."""
+    return tuple(
+        Refusal(status.file, status.line or 1, "; ".join(status.notes))
+        for name in files_below(root / EDDI / "pristine")
+        for status in _of_file(root, name)
+        if status.state == "broken"
+    )
+
+
+def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
+    """Say that bodies were looked at: their markers get the signature of the newest rendering.
+
+    Returns:
+        The ids that were found; files with damaged markers are left alone.
+    """
+    wanted, accepted = set(ids), []
+    for name in files_below(root / EDDI / "pristine"):
+        text, mine, theirs, _ = _documents(root, name)
+        if text is None or mine is None or theirs is None:
+            continue
+        lines = text.split("\n")
+        for region in mine.regions.values():
+            current = theirs.regions.get(region.id)
+            if region.id in wanted and current is not None:
+                line = lines[region.line - 1]
+                end = "\r" if line.endswith("\r") else ""
+                lines[region.line - 1] = with_sig(line.rstrip("\r"), current.sig) + end
+                accepted.append(region.id)
+        write_file(root / name, "\n".join(lines).encode())
+    return tuple(accepted)
+
+
+def _documents(
+    root: Path, name: str
+) -> tuple[str | None, Document | None, Document | None, list[Fault]]:
+    """Return a file's text, it and its rendering split at the markers, and what is wrong."""
+    text = read_text(root / name)
+    pristine = read_text(root / EDDI / "pristine" / name)
+    rendered = without_sentinel(pristine) if isinstance(pristine, str) else None
+    theirs = parse(rendered.replace("\r\n", "\n"))[0] if rendered is not None else None
+    if isinstance(text, Fault):
+        return None, None, theirs, [text]
+    if text is None:
+        return None, None, theirs, []
+    mine, faults = parse(text)
+    if faults:
+        return text, None, theirs, faults
+    return text, adopt_ids(mine, theirs) if theirs else mine, theirs, []
+
+
+def _of_file(root: Path, name: str) -> list[RegionStatus]:
+    text, mine, theirs, faults = _documents(root, name)
+    broken = [RegionStatus("", name, f.line, "broken", (f.reason,), review=True) for f in faults]
+    if text is None or mine is None:
+        return broken
+    base = read_text(root / EDDI / "base" / name)
+    old = parse(base)[0].regions if isinstance(base, str) else {}
+    new = theirs.regions if theirs else {}
+    doubts = doubtful_names(text, mine) if kind_of(name) == "python" else {}
+    return [
+        _status(name, r, old.get(r.id), new.get(r.id), doubts.get(r.id, ()))
+        for r in mine.regions.values()
+    ]
+
+
+def _status(
+    name: str, region: Region, old: Region | None, new: Region | None, doubts: Iterable[str]
+) -> RegionStatus:
+    if any(r is not None and same_body(region.body, r.body) for r in (old, new)):
+        return RegionStatus(region.id, name, region.line, "untouched")
+    notes = list(doubts)
+    if new is not None and new.sig is not None and region.sig != new.sig:
+        notes.insert(0, "written for other inputs or states; look at it, then accept it")
+    return RegionStatus(region.id, name, region.line, "edited", tuple(notes), review=bool(notes))

@@ -1,0 +1,165 @@
+"""Which body goes into which region: by id, by declared former id, by saved body."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from eddi_scaffold.regions.bodies import is_empty, same_body
+from eddi_scaffold.regions.markers import Document, Region
+from eddi_scaffold.regions.result import Note, Orphan
+
+
+@dataclass(frozen=True)
+class Claim:
+    """The body of one region of the new text.
+
+    Attributes:
+        region: the region as the generator rendered it.
+        body: the text that goes into it.
+        sig: signature that the body was written against.
+        indent: blanks before the begin marker where the body stood.
+        edited: whether a person wrote it.
+    """
+
+    region: Region
+    body: str
+    sig: str | None
+    indent: str
+    edited: bool
+
+
+@dataclass(frozen=True)
+class Claims:
+    """All bodies of a file.
+
+    Attributes:
+        by_id: one claim for each region of the new text.
+        orphans: hand-written bodies that nothing claims.
+        taken: saved bodies that are in the new text now.
+        notes: what to tell.
+    """
+
+    by_id: Mapping[str, Claim]
+    orphans: tuple[Orphan, ...]
+    taken: tuple[Orphan, ...]
+    notes: tuple[Note, ...]
+
+
+def adopt_ids(document: Document, theirs: Document) -> Document:
+    """Give regions without id the id of the one region in the same function of ``theirs``."""
+    counted = Counter(region.function for region in theirs.regions.values())
+    known = {
+        region.function: region.id
+        for region in theirs.regions.values()
+        if region.function and counted[region.function] == 1
+    }
+    present = set(document.regions)
+    return Document(
+        tuple(
+            replace(part, id=known[part.function])
+            if isinstance(part, Region)
+            and not part.explicit
+            and part.function in known
+            and known[part.function] not in present
+            else part
+            for part in document.parts
+        )
+    )
+
+
+def claim_bodies(
+    path: str,
+    base: Document | None,
+    mine: Document | None,
+    theirs: Document,
+    orphans: Sequence[Orphan],
+) -> Claims:
+    """Decide for each region of the new text whose body it gets."""
+    old = base.regions if base else {}
+    own = mine.regions if mine else {}
+    new = theirs.regions
+    hand = {
+        region.id: region
+        for region in own.values()
+        if not _untouched(region, old.get(region.id), new.get(region.id))
+    }
+    claims: dict[str, Claim] = {}
+    claimed: set[str] = set()
+    taken: list[Orphan] = []
+    notes: list[Note] = []
+    for region in new.values():
+        source = _own_or_former(region, hand, new, claimed)
+        if source is not None:
+            claimed.add(source.id)
+            before = old.get(source.id)
+            sig = source.sig or (before.sig if before else None)
+            claim = Claim(region, source.body, sig, source.indent, edited=True)
+            notes.extend(_told(path, claim, source, old.get(region.id)))
+        else:
+            # A region that is no news and holds the default was emptied by the person on purpose.
+            news = region.id not in own or region.id not in old
+            saved = _saved(region, new, [o for o in orphans if o not in taken]) if news else None
+            if saved is None:
+                claim = Claim(region, region.body, region.sig, region.indent, edited=False)
+            else:
+                claim = Claim(region, saved.body, saved.sig, saved.indent, edited=True)
+                text = f"the saved body of region {saved.id!r} is back in region {region.id!r}"
+                notes.append(Note(path, None, text, attention=False))
+                taken.append(saved)
+                notes.extend(_told(path, claim, None, old.get(region.id)))
+        claims[region.id] = claim
+    taken.extend(o for o in orphans if o not in taken and _stands(o, claims.get(o.id)))
+    lost = tuple(
+        Orphan(region.id, path, region.sig, region.indent, region.body)
+        for region in hand.values()
+        if region.id not in claimed and not is_empty(region.body)
+    )
+    notes.extend(
+        Note(path, own[o.id].line, f"region {o.id!r} is gone; its body is saved in .eddi/orphans")
+        for o in lost
+    )
+    return Claims(claims, lost, tuple(taken), tuple(notes))
+
+
+def _untouched(region: Region, before: Region | None, after: Region | None) -> bool:
+    return any(r is not None and same_body(region.body, r.body) for r in (before, after))
+
+
+def _own_or_former(
+    region: Region, hand: Mapping[str, Region], new: Mapping[str, Region], claimed: Iterable[str]
+) -> Region | None:
+    if region.id in hand:
+        return hand[region.id]
+    former = (hand[old] for old in region.was if old in hand and old not in new)
+    return next((found for found in former if found.id not in claimed), None)
+
+
+def _saved(region: Region, new: Mapping[str, Region], orphans: Sequence[Orphan]) -> Orphan | None:
+    names = [region.id, *(old for old in region.was if old not in new)]
+    for name in names:
+        found = [orphan for orphan in orphans if orphan.id == name]
+        if found:
+            return found[-1]
+    return None
+
+
+def _stands(orphan: Orphan, claim: Claim | None) -> bool:
+    return claim is not None and claim.edited and same_body(orphan.body, claim.body)
+
+
+def _told(path: str, claim: Claim, source: Region | None, before: Region | None) -> list[Note]:
+    region, line = claim.region, source.line if source else None
+    notes = []
+    if source is not None and source.id != region.id:
+        text = f"region {source.id!r} is called {region.id!r} now; its body moved along"
+        notes.append(Note(path, line, text, attention=False))
+    changed = before is None or before.sig != region.sig
+    if region.sig is not None and claim.sig != region.sig and changed:
+        text = (
+            f"the body of region {region.id!r} was written for other inputs or states; "
+            "look at it and accept it"
+        )
+        notes.append(Note(path, line, text))
+    return notes

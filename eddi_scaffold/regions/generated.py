@@ -1,0 +1,84 @@
+"""Files that nobody should edit: notice when somebody did, and keep a copy."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+from eddi_scaffold.regions.store import (
+    EDDI,
+    SENTINEL,
+    read_text,
+    save_reject,
+    without_sentinel,
+    write_file,
+)
+
+_LIST = "generated.txt"
+_MANIFEST = "manifest.json"
+
+
+def listed_generated(root: Path) -> list[str]:
+    """Return the generated-only files that the template lists, empty when it was interrupted."""
+    text = read_text(root / EDDI / _LIST)
+    plain = without_sentinel(text) if isinstance(text, str) else None
+    return sorted({line.strip() for line in (plain or "").split("\n") if line.strip()})
+
+
+def record_generated(root: Path) -> bool:
+    """Store the digests of the generated-only files; returns whether the record changed."""
+    digests = {name: digest for name in listed_generated(root) if (digest := _digest(root / name))}
+    if not digests:
+        return False
+    text = json.dumps({"sha256": digests}, indent=1, sort_keys=True) + "\n"
+    return write_file(root / EDDI / _MANIFEST, text.encode())
+
+
+def changed_generated(root: Path) -> list[str]:
+    """Return the generated-only files whose bytes differ from the last rendering."""
+    return [
+        name
+        for name, digest in sorted(_recorded(root).items())
+        if _digest(root / name) not in {digest, None}
+    ]
+
+
+def save_generated_edits(root: Path, paths: Iterable[str] | None = None) -> list[Path]:
+    """Copy edited generated-only files to ``.eddi/rejects/<path>.edited`` before a new rendering.
+
+    Args:
+        root: the package.
+        paths: files to keep; by default those of :func:`changed_generated`.
+
+    Returns:
+        Where the copies are.
+    """
+    names = changed_generated(root) if paths is None else list(paths)
+    return [save_reject(root, name, (root / name).read_bytes(), ".edited") for name in names]
+
+
+def _recorded(root: Path) -> dict[str, str]:
+    text = read_text(root / EDDI / _MANIFEST)
+    try:
+        found = json.loads(text)["sha256"] if isinstance(text, str) else {}
+        return {str(name): str(digest) for name, digest in found.items()}
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _digest(path: Path) -> str | None:
+    try:
+        return hashlib.sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return None
+
+
+__all__ = [
+    "SENTINEL",
+    "changed_generated",
+    "listed_generated",
+    "record_generated",
+    "save_generated_edits",
+]

@@ -1,0 +1,230 @@
+"""Merge one file: the last rendering, the person's text and the new rendering. Pure."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Literal
+from xml.parsers import expat
+
+from eddi_scaffold.regions.bodies import reindent, same_body
+from eddi_scaffold.regions.claims import Claim, Claims, adopt_ids, claim_bodies
+from eddi_scaffold.regions.lines import merge_lines
+from eddi_scaffold.regions.markers import (
+    Document,
+    Fault,
+    Region,
+    indent_of,
+    parse,
+    placeholder_id,
+    split_lines,
+    with_sig,
+)
+from eddi_scaffold.regions.outside import Reject, merge_python, regions_in, same_lines
+from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused, patch_text
+
+Kind = Literal["python", "xml", "lines"]
+_BOM = "\ufeff"
+
+
+def kind_of(path: str) -> Kind:
+    """Return how a file is merged and checked, by its name."""
+    suffix = PurePosixPath(path).suffix
+    if suffix == ".py":
+        return "python"
+    return "xml" if suffix in {".xml", ".launch"} else "lines"
+
+
+def merge(
+    path: str, base: str | None, mine: str | None, theirs: str, orphans: Sequence[Orphan] = ()
+) -> Merged | Refused:
+    """Return the new text of a file.
+
+    Args:
+        path: file relative to the package, ``/`` between folders.
+        base: the rendering that ``mine`` was made from, ``None`` when not known.
+        mine: the person's text, ``None`` when there is none.
+        theirs: the new rendering.
+        orphans: saved bodies that may come back, the newest last.
+
+    Returns:
+        The merged text and what had to leave it, or why nothing may be touched.
+    """
+    target, faults = parse(_plain(theirs))
+    if faults:
+        reasons = (Fault(f.line, f"in the new rendering: {f.reason}") for f in faults)
+        return Refused(tuple(reasons))
+    own = None
+    if mine is not None:
+        document, faults = parse(_plain(mine))
+        if faults:
+            return Refused(tuple(faults))
+        own = adopt_ids(document, target)
+    before = _base(base, target)
+    if own is not None and before is not None:
+        own = _dissolve(own, before, target)
+    claims = claim_bodies(path, before, own, target, orphans)
+    skeleton, rejects = _outside(path, before, own, target)
+    text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
+    if not _holds(path, text, skeleton, claims):
+        skeleton = target.skeleton
+        rejects = [_whole(before or target, own)] if own else []
+        text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
+    notes = [*claims.notes, *_reject_notes(path, rejects), *_broken_bodies(path, text)]
+    return Merged(
+        _as_written(text, mine if mine is not None else theirs),
+        claims.orphans,
+        claims.taken,
+        patch_text(path, rejects),
+        tuple(notes),
+    )
+
+
+def retire(path: str, base: str | None, mine: str) -> Merged | Refused:
+    """Return what must be kept of a file that is not rendered any more."""
+    own, faults = parse(_plain(mine))
+    if faults:
+        return Refused(tuple(faults))
+    before = _base(base, own)
+    claims = claim_bodies(path, before, own, Document(()), ())
+    changed = before is not None and not same_lines(before.skeleton, own.skeleton)
+    rejects = [_whole(before, own)] if before is not None and changed else []
+    return Merged(
+        None,
+        claims.orphans,
+        (),
+        patch_text(path, rejects),
+        (*claims.notes, *_reject_notes(path, rejects)),
+    )
+
+
+def check_text(path: str, text: str) -> Fault | None:
+    """Return why a Python or XML file is not valid, ``None`` when it is."""
+    try:
+        if kind_of(path) == "python":
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                compile(text.removeprefix(_BOM), path, "exec", dont_inherit=True)
+        elif kind_of(path) == "xml":
+            expat.ParserCreate().Parse(text.encode(), True)
+    except SyntaxError as problem:
+        return Fault(problem.lineno or 1, problem.msg)
+    except expat.ExpatError as problem:
+        return Fault(problem.lineno, expat.ErrorString(problem.code))
+    except (ValueError, RecursionError, MemoryError) as problem:
+        return Fault(1, str(problem))
+    return None
+
+
+def _plain(text: str) -> str:
+    text = text.removeprefix(_BOM)
+    return text.replace("\r\n", "\n") if _all_crlf(text) else text
+
+
+def _all_crlf(text: str) -> bool:
+    return 0 < text.count("\n") == text.count("\r\n")
+
+
+def _as_written(text: str, model: str) -> str:
+    if _all_crlf(model):
+        text = text.replace("\n", "\r\n")
+    return _BOM + text if model.startswith(_BOM) else text
+
+
+def _base(base: str | None, target: Document) -> Document | None:
+    if base is None:
+        return None
+    document, faults = parse(_plain(base))
+    return None if faults else adopt_ids(document, target)
+
+
+def _dissolve(mine: Document, base: Document, theirs: Document) -> Document:
+    """Turn regions that a person invented into ordinary lines: the generator never knew them."""
+    known = {*base.regions, *theirs.regions}
+    former = {old for region in theirs.regions.values() for old in region.was}
+    parts: list[str | Region] = []
+    for part in mine.parts:
+        if isinstance(part, str) or part.id in known or part.id in former:
+            parts.append(part)
+        else:
+            parts += [part.begin + "\n", *split_lines(part.body), part.end + "\n"]
+    return Document(tuple(parts))
+
+
+def _outside(
+    path: str, base: Document | None, mine: Document | None, theirs: Document
+) -> tuple[list[str], list[Reject]]:
+    new = theirs.skeleton
+    if mine is None or same_lines(mine.skeleton, new):
+        return new, []
+    if base is None:
+        return new, [_whole(theirs, mine)]
+    if same_lines(mine.skeleton, base.skeleton):
+        return new, []
+    if kind_of(path) == "python":
+        try:
+            return merge_python(base.skeleton, mine.skeleton, new)
+        except SyntaxError:
+            return new, [_whole(base, mine)]
+    merged = merge_lines(base.skeleton, mine.skeleton, new)
+    if merged is None or regions_in(merged) != regions_in(new):
+        return new, [_whole(base, mine)]
+    return merged, []
+
+
+def _whole(before: Document, after: Document) -> Reject:
+    return Reject("the file", tuple(before.skeleton), tuple(after.skeleton))
+
+
+def _assemble(skeleton: Sequence[str], claims: Mapping[str, Claim], *, python: bool) -> str:
+    out: list[str] = []
+    for line in skeleton:
+        region_id = placeholder_id(line)
+        claim = claims.get(region_id) if region_id is not None else None
+        if claim is None:
+            out.append(line)
+            continue
+        indent, region = indent_of(line), claim.region
+        begin = region.begin.strip()
+        if claim.edited and region.sig is not None:
+            begin = with_sig(begin, claim.sig)
+        body = reindent(claim.body, claim.indent, indent, python=python)
+        out += [indent + begin + "\n", body, indent + region.end.strip() + "\n"]
+    return "".join(out)
+
+
+def _holds(path: str, text: str, skeleton: Sequence[str], claims: Claims) -> bool:
+    """Check the merged text against the promise before anything is written."""
+    document, faults = parse(text)
+    found = {r.id: r.body for r in document.regions.values() if r.id in claims.by_id}
+    placed = list(found) == list(claims.by_id) and all(
+        same_body(found[key], claim.body) for key, claim in claims.by_id.items()
+    )
+    if faults or not placed:
+        return False
+    if kind_of(path) == "python":
+        return check_text(path, "".join(skeleton)) is None
+    defaults = {
+        key: replace(claim, body=claim.region.body, indent=claim.region.indent)
+        for key, claim in claims.by_id.items()
+    }
+    return check_text(path, _assemble(skeleton, defaults, python=False)) is None
+
+
+def _reject_notes(path: str, rejects: Sequence[Reject]) -> list[Note]:
+    return [
+        Note(
+            path,
+            None,
+            f"the edit in {r.where} does not fit the new text; "
+            f"it is saved in .eddi/rejects/{path}.patch",
+        )
+        for r in rejects
+    ]
+
+
+def _broken_bodies(path: str, text: str) -> list[Note]:
+    fault = check_text(path, text)
+    return [Note(path, fault.line, f"the file is not valid: {fault.reason}")] if fault else []

@@ -1,0 +1,223 @@
+"""Merge what stands outside of the regions of a Python file, definition by definition."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold.regions.definitions import Group, Item, split, split_function
+from eddi_scaffold.regions.lines import merge_lines
+from eddi_scaffold.regions.markers import indent_of, placeholder_id
+
+
+@dataclass(frozen=True)
+class Reject:
+    """An outside edit that has no place in the new text.
+
+    Attributes:
+        where: ``Class.method`` or the statement's text.
+        before: the generated lines that the person changed.
+        after: the person's lines.
+    """
+
+    where: str
+    before: tuple[str, ...]
+    after: tuple[str, ...]
+
+
+@dataclass
+class _Merge:
+    rejects: list[Reject] = field(default_factory=list)
+
+
+def merge_python(
+    base: Sequence[str], mine: Sequence[str], theirs: Sequence[str]
+) -> tuple[list[str], list[Reject]]:
+    """Merge three skeletons of a Python file; never moves a line into another definition.
+
+    Returns:
+        The merged skeleton, and the person's edits that did not fit in.
+
+    Raises:
+        SyntaxError: one of the three does not parse.
+    """
+    merge = _Merge()
+    lines = _block(merge, split(base), split(mine), split(theirs), "")
+    return lines, merge.rejects
+
+
+def regions_in(lines: Sequence[str]) -> list[str]:
+    """Return the ids of the regions whose placeholders stand in these lines, in order."""
+    return [found for line in lines if (found := placeholder_id(line)) is not None]
+
+
+def _block(
+    merge: _Merge,
+    base: Sequence[Item],
+    mine: Sequence[Item],
+    theirs: Sequence[Item],
+    scope: str,
+    *,
+    steps: bool = False,
+) -> list[str]:
+    """Merge the members of a block; ``steps`` says that they are a function's statements."""
+    old, own, new = _by_key(base), _by_key(mine), _by_key(theirs)
+    chosen: dict[str, list[str]] = {}
+    for key, item in new.items():
+        was, person = old.get(key), own.get(key)
+        if person is not None:
+            chosen[key] = _both(merge, was, person, item, _name(scope, key))
+        elif was is None or regions_in(item.lines) or not same_lines(was.lines, item.lines):
+            chosen[key] = list(item.lines)
+        # else: the person removed what the generator left as it was
+    order = list(chosen)
+    anchor: str | None = None
+    # Steps that a person put behind all others stay behind all others.
+    last = _added_last(own, old, new) if steps and not order[-1].startswith("return") else set()
+    for key, person in own.items():
+        if key not in new:
+            was = old.get(key)
+            if was is None and not (regions_in(person.lines)):
+                at = order.index(anchor) + 1 if anchor is not None else 0
+                order.insert(len(order) if key in last else at, key)
+                chosen[key] = list(person.lines)
+            elif was is None or not same_lines(was.lines, person.lines):
+                _reject_removed(merge, was, person, _name(scope, key))
+        if key in chosen:
+            anchor = key
+    return [line for key in order for line in _terminated(chosen[key])]
+
+
+def _added_last(own: dict[str, Item], old: Mapping[str, Item], new: Mapping[str, Item]) -> set[str]:
+    return set(itertools.takewhile(lambda key: key not in old and key not in new, reversed(own)))
+
+
+def _reject_removed(merge: _Merge, was: Item | None, person: Item, where: str) -> None:
+    if isinstance(was, Group) and isinstance(person, Group):
+        if not same_lines(was.header, person.header):
+            merge.rejects.append(Reject(where, was.header, person.header))
+        old = _by_key(was.items)
+        for key, item in _by_key(person.items).items():
+            before = old.get(key)
+            if before is None or not same_lines(before.lines, item.lines):
+                _reject_removed(merge, before, item, _name(where, key))
+        return
+    merge.rejects.append(Reject(where, was.lines if was else (), person.lines))
+
+
+def _both(merge: _Merge, was: Item | None, person: Item, item: Item, where: str) -> list[str]:
+    before = was.lines if was is not None else None
+    if isinstance(person, Group) and isinstance(item, Group):
+        return _groups(merge, was, person, item, where)
+    merged = _leaf(before, person.lines, item.lines)
+    if merged is not None:
+        return merged
+    if item.key.startswith("def ") and before is not None:
+        groups = [split_function(lines) for lines in (before, person.lines, item.lines)]
+        old, own, new = groups
+        if old is not None and own is not None and new is not None:
+            trial = _Merge()
+            lines = _groups(trial, old, own, new, where, steps=True)
+            if regions_in(lines) == regions_in(item.lines) and _parses(lines):
+                merge.rejects.extend(trial.rejects)
+                return lines
+    if item.key.startswith("from "):
+        united = _united(before or (), person.lines, item.lines)
+        if united is not None:
+            return united
+    merge.rejects.append(Reject(where, before if before is not None else item.lines, person.lines))
+    return list(item.lines)
+
+
+def _groups(
+    merge: _Merge, was: Item | None, person: Group, item: Group, where: str, *, steps: bool = False
+) -> list[str]:
+    old = was if isinstance(was, Group) else None
+    header = _leaf(old.header if old else None, person.header, item.header)
+    if header is None:
+        merge.rejects.append(Reject(where, (old or item).header, person.header))
+        header = list(item.header)
+    before = old.items if old else ()
+    return header + _block(merge, before, person.items, item.items, where, steps=steps)
+
+
+def _leaf(
+    was: Sequence[str] | None, person: Sequence[str], item: Sequence[str]
+) -> list[str] | None:
+    """Return the lines with both changes, ``None`` when they cannot be united."""
+    if same_lines(person, item) or (was is not None and same_lines(was, person)):
+        return list(item)
+    if was is None:
+        return None
+    merged = list(person) if same_lines(was, item) else merge_lines(was, person, item)
+    if merged is None or regions_in(merged) != regions_in(item) or not _parses(merged):
+        return None
+    return merged
+
+
+def _united(was: Sequence[str], person: Sequence[str], item: Sequence[str]) -> list[str] | None:
+    """Return a ``from`` import and a second one with the names that the person added."""
+    before, own, new = (_imported(block) for block in (was, person, item))
+    if before is None or own is None or new is None or _comments(person) - _comments(was):
+        return None
+    extra = [alias for alias in own if alias not in before and alias not in new]
+    module = next(line for line in item if line.startswith("from ")).split(" import")[0]
+    return [*_terminated(list(item)), *([f"{module} import {', '.join(extra)}\n"] if extra else [])]
+
+
+def _comments(lines: Sequence[str]) -> set[str]:
+    return {line.strip() for line in lines if "#" in line}
+
+
+def _imported(lines: Sequence[str]) -> dict[str, None] | None:
+    try:
+        body = ast.parse("".join(lines)).body
+    except SyntaxError:
+        return None
+    if len(body) > 1 or not all(isinstance(node, ast.ImportFrom) for node in body):
+        return None
+    return {ast.unparse(alias): None for node in body for alias in getattr(node, "names", ())}
+
+
+def _parses(lines: Sequence[str]) -> bool:
+    code = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+    indent = indent_of(code[0]) if code else ""
+    text = ("if True:\n" if indent else "") + "".join(_terminated(list(lines)))
+    return not code or any(_valid(text + end) for end in ("", f"{indent}    pass\n"))
+
+
+def _valid(text: str) -> bool:
+    try:
+        ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    return True
+
+
+def same_lines(one: Sequence[str], other: Sequence[str]) -> bool:
+    """Tell whether two blocks are the same but for line ends and blank lines around them."""
+    return _plain(one) == _plain(other)
+
+
+def _plain(lines: Sequence[str]) -> list[str]:
+    plain = [line.strip() if placeholder_id(line) is not None else line.rstrip() for line in lines]
+    while plain and not plain[-1]:
+        plain.pop()
+    return plain[next((i for i, line in enumerate(plain) if line), 0) :]
+
+
+def _by_key(items: Sequence[Item]) -> dict[str, Item]:
+    return {item.key: item for item in items}
+
+
+def _name(scope: str, key: str) -> str:
+    name = key.removeprefix("def ").removeprefix("class ")
+    return f"{scope}.{name}" if scope else name
+
+
+def _terminated(lines: list[str]) -> list[str]:
+    if lines and not lines[-1].endswith("\n"):
+        return [*lines[:-1], lines[-1] + "\n"]
+    return lines

@@ -1,0 +1,237 @@
+"""Bring a package's editable files to the newest rendering, with every hand edit in its place.
+
+Order of writes: saved bodies, rejected edits, what becomes the base, the files, saved bodies that
+are back in their files, the base. A process that is killed anywhere leaves a state from which the
+next run arrives at the same result.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.regions.generated import record_generated
+from eddi_scaffold.regions.markers import Fault, parse
+from eddi_scaffold.regions.merge import merge, retire
+from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused
+from eddi_scaffold.regions.store import (
+    EDDI,
+    clean_temporaries,
+    committed_text,
+    files_below,
+    load_orphans,
+    read_text,
+    remove_file,
+    save_orphan,
+    save_reject,
+    without_sentinel,
+    write_file,
+)
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A file that was left alone.
+
+    Attributes:
+        file: file relative to the package.
+        line: line in it, counted from 1.
+        reason: why, and what to do.
+    """
+
+    file: str
+    line: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class SyncReport:
+    """What a sync did.
+
+    Attributes:
+        touched: editable files that were written or removed.
+        notes: what happened to hand edits.
+        refused: files that were left alone.
+    """
+
+    touched: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
+    refused: tuple[Refusal, ...] = ()
+
+    @property
+    def needs_attention(self) -> bool:
+        """Whether a person must look at something (exit status 3 of our commands)."""
+        return bool(self.refused) or any(note.attention for note in self.notes)
+
+
+@dataclass(frozen=True)
+class _Texts:
+    path: str
+    base: str | None
+    mine: str | None
+    theirs: str | None  # None: not rendered any more
+
+
+@dataclass(frozen=True)
+class _Planned:
+    texts: _Texts
+    merged: Merged
+
+
+def sync_package(root: Path) -> SyncReport:
+    """Merge the new rendering of every editable file of a package with the person's text.
+
+    A second run changes nothing. Files with damaged markers are left alone.
+
+    Args:
+        root: the package's folder, with ``.eddi/pristine``.
+    """
+    refused: list[Refusal] = []
+    touched: list[str] = []
+    notes: list[Note] = []
+    try:
+        names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
+        clean_temporaries(root, names)
+        _finish_interrupted(root)
+        texts = [t for name in names if (t := _read(root, name, refused, notes)) is not None]
+        stored = load_orphans(root)
+        plan = _plan(texts, list(stored.values()), refused)
+        notes.extend(note for planned in plan for note in planned.merged.notes)
+        _write(root, plan, stored, touched)
+        record_generated(root)
+    except OSError as problem:
+        reason = f"{problem.strerror or problem}; nothing is lost, run sync again"
+        refused.append(Refusal(_relative(root, problem.filename), 1, reason))
+    return SyncReport(tuple(touched), tuple(dict.fromkeys(notes)), tuple(refused))
+
+
+def _read(root: Path, path: str, refused: list[Refusal], notes: list[Note]) -> _Texts | None:
+    base, mine, pristine = (
+        read_text(place)
+        for place in (root / EDDI / "base" / path, root / path, root / EDDI / "pristine" / path)
+    )
+    if isinstance(base, Fault):
+        base = None
+    for found, name in ((mine, path), (pristine, f"{EDDI}/pristine/{path}")):
+        if isinstance(found, Fault):
+            refused.append(Refusal(name, found.line, found.reason))
+            return None
+    assert not isinstance(mine, Fault)
+    assert not isinstance(pristine, Fault)
+    theirs = without_sentinel(pristine) if pristine is not None else None
+    if pristine is not None and theirs is None:
+        reason = "the rendering was interrupted (its last line is missing); render again"
+        refused.append(Refusal(f"{EDDI}/pristine/{path}", pristine.count("\n") + 1, reason))
+        return None
+    if mine is None and base is not None:
+        mine = committed_text(root, path)  # Copier removes files that the template dropped
+        faults = parse(mine)[1] if mine is not None else []
+        if faults:
+            text = f"the committed text has damaged markers ({faults[0].reason}); it is in git only"
+            notes.append(Note(path, faults[0].line, text))
+            mine = None
+    return _Texts(path, base, mine, theirs)
+
+
+def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal]) -> list[_Planned]:
+    """Merge all files; a body that leaves one file may come back in another one."""
+    first = [_merge(text, []) for text in texts]
+    refused.extend(
+        Refusal(text.path, fault.line, fault.reason)
+        for text, result in zip(texts, first, strict=True)
+        if isinstance(result, Refused)
+        for fault in result.faults
+    )
+    done = [
+        _Planned(text, result)
+        for text, result in zip(texts, first, strict=True)
+        if isinstance(result, Merged)
+    ]
+    pool = stored + [orphan for planned in done for orphan in planned.merged.orphans]
+    if not pool:
+        return done
+    plan = []
+    for planned in done:
+        result = _merge(planned.texts, pool)
+        assert isinstance(result, Merged)
+        pool = [orphan for orphan in pool if orphan not in result.taken]
+        plan.append(_Planned(planned.texts, result))
+    return plan
+
+
+def _merge(texts: _Texts, orphans: Sequence[Orphan]) -> Merged | Refused:
+    if texts.theirs is not None:
+        return merge(texts.path, texts.base, texts.mine, texts.theirs, orphans)
+    if texts.mine is None:
+        return Merged(None)
+    return retire(texts.path, texts.base, texts.mine)
+
+
+def _write(
+    root: Path, plan: Sequence[_Planned], stored: dict[Path, Orphan], touched: list[str]
+) -> None:
+    places = {orphan: path for path, orphan in stored.items()}
+    for planned in plan:
+        for orphan in planned.merged.orphans:
+            places[orphan] = save_orphan(root, orphan)
+    for planned in plan:
+        if planned.merged.patch:
+            save_reject(root, planned.texts.path, planned.merged.patch.encode())
+    for planned in plan:
+        _write_next(root, planned)
+    for planned in plan:
+        if _write_one(root, planned):
+            touched.append(planned.texts.path)  # noqa: PERF401 - kept when a later write fails
+    for planned in plan:
+        for orphan in planned.merged.taken:
+            remove_file(places[orphan])
+    for planned in plan:
+        _commit(root, planned.texts.path, planned.texts.theirs)
+
+
+def _write_one(root: Path, planned: _Planned) -> bool:
+    path, text = planned.texts.path, planned.merged.text
+    if text is None:
+        return remove_file(root / path)
+    return write_file(root / path, text.encode(), like=root / EDDI / "pristine" / path)
+
+
+def _write_next(root: Path, planned: _Planned) -> None:
+    texts, text = planned.texts, planned.merged.text
+    if text is None or texts.theirs is None or texts.base in {None, texts.theirs}:
+        return
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    write_file(root / EDDI / "next" / texts.path, f"{digest}\n{texts.theirs}".encode())
+
+
+def _commit(root: Path, path: str, theirs: str | None) -> None:
+    if theirs is None:
+        remove_file(root / EDDI / "base" / path)
+    else:
+        write_file(root / EDDI / "base" / path, theirs.encode())
+    remove_file(root / EDDI / "next" / path)
+
+
+def _finish_interrupted(root: Path) -> None:
+    """Commit the base of files that a killed sync had already replaced.
+
+    Without this, a new rendering after the kill would be merged against a base that is one
+    rendering older than the file.
+    """
+    for path in files_below(root / EDDI / "next"):
+        text, mine = read_text(root / EDDI / "next" / path), read_text(root / path)
+        if isinstance(text, str) and isinstance(mine, str):
+            digest, _, theirs = text.partition("\n")
+            if digest == hashlib.sha256(mine.encode()).hexdigest():
+                _commit(root, path, theirs)
+                continue
+        remove_file(root / EDDI / "next" / path)
+
+
+def _relative(root: Path, name: object) -> str:
+    try:
+        return Path(str(name)).relative_to(root).as_posix() if name else str(root)
+    except ValueError:
+        return str(name)
