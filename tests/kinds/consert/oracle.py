@@ -6,8 +6,8 @@ from functools import cache
 from typing import Any
 
 import yaml
-from eddi_scaffold.source import Source
 
+from eddi_scaffold.source import Source
 from tests.shared_data import shared
 
 

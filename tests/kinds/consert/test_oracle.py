@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 from eddi_scaffold.kinds.consert import KIND, names
+from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.model import ConSert
 from eddi_scaffold.problems import worst
 from eddi_scaffold.source import Source
-
 from tests.kinds.consert.oracle import as_source, oracle
 
 
@@ -51,3 +51,23 @@ def test_export_and_read_again_gives_the_same_model():
         assert dataclasses.asdict(again.data)  # a frozen dataclass through and through
         assert again.data == model.data
         assert KIND.export(again) == {file_name: text}
+
+
+def test_composition_agrees():
+    wrong = []
+    for case in oracle()["compose"]:
+        instances, codes = [], set()
+        for number, document in enumerate(case["models"]):
+            content = oracle()["models"][document] if isinstance(document, str) else document
+            reading = KIND.read_file(as_source(content, f"m{number}.yml"), ())
+            codes |= {problem.code for problem in reading.problems}
+            instances += [(model.name, model.data) for model in reading.models]
+        result, want = compose(instances), case["want"]
+        same = result.composable == want["composable"] and (
+            "code" not in want or want["code"] in codes
+        )
+        for key in ("unmatched_demands", "unmatched_services"):
+            same = same and list(getattr(result, key)) == want.get(key, [])
+        if not same or bool(result.reasons) == result.composable:
+            wrong.append((case["id"], want, result, sorted(codes)))
+    assert wrong == []
