@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import rospy
 
-from .report import OK, InputFact, NodeFact, Report, report
+from .report import OK, InputFact, NodeFact, Report, level_of, report
 from .subscriptions import Receipt
 
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
@@ -29,6 +29,7 @@ class Health:
         self._period = period
         self._inputs: Tuple[Any, ...] = tuple(monitor.inputs)
         self._states: Tuple[Tuple[str, str], ...] = ()
+        self._kinds: Tuple[str, ...] = ()
         self._blocks: Mapping[str, Sequence[str]] = {}
         self._blocks_wanted = True
         self._errors: Dict[str, int] = {}
@@ -41,7 +42,7 @@ class Health:
         self._reported_overruns = 0
 
     def after_step(self, receipts: Mapping[str, Receipt], error: str, duration: float) -> bool:
-        """Note a finished step; ``True`` when the level of the diagnostics may have changed.
+        """Note a finished step; ``True`` when the level of the inputs changed.
 
         Args:
             receipts: what had been received when the step began.
@@ -56,13 +57,13 @@ class Health:
             if state == "invalid":
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
             self._log_input(spec.id, reason if state == "invalid" else "")
-        changed = states != self._states or error != self._error
-        self._error = error
-        self._states = states
-        if changed or self._blocks_wanted:
+        kinds = tuple(state for state, _ in states)
+        if self._blocks_wanted or kinds != self._kinds:
             self._blocks_wanted = False
             self._blocks = dict(self._monitor.blocked())
-        return changed
+        self._states, self._kinds, self._error = states, kinds, error
+        before, self._level = self._level, level_of(kinds, error)
+        return self._level != before
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
@@ -80,7 +81,7 @@ class Health:
         about = f"input {name}"
         if reason or about in self._logged:
             state = self._eddi_input.states.get(name)
-            self.log_error(about, reason, getattr(state, "traceback", "") or "")
+            self.log_error(about, reason, getattr(state, "detail", ""))
 
     def _input_states(self, receipts: Mapping[str, Receipt]) -> Tuple[Tuple[str, str], ...]:
         faults = self._monitor.faults()

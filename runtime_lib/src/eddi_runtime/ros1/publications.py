@@ -22,9 +22,12 @@ _HEADERS = ("Header", "std_msgs/Header")
 
 
 def stamp() -> Any:
-    """Return the time for a header: ROS time, wall time while ROS time is 0 (no /clock yet)."""
-    now = rospy.Time.now()
-    return now if now.to_nsec() else rospy.Time.from_sec(time.time())
+    """Return the time for a header: ROS time, wall time while there is none (no /clock yet)."""
+    if rospy.rostime.is_rostime_initialized():
+        now = rospy.Time.now()
+        if now.to_nsec():
+            return now
+    return rospy.Time.from_sec(time.time())
 
 
 class MessageError(TypeError):

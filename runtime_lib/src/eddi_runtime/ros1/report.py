@@ -70,6 +70,11 @@ def worst(levels: Sequence[int]) -> int:
     return min(levels, key=_ORDER.index, default=OK)
 
 
+def level_of(states: Sequence[str], error: str) -> int:
+    """Return the level of input states and the error of a step (empty: none)."""
+    return worst([_LEVEL_OF_STATE[state] for state in states] + [ERROR if error else OK])
+
+
 def report(
     identity: Mapping[str, str], inputs: Sequence[InputFact], node: NodeFact
 ) -> Report:

@@ -1,0 +1,75 @@
+"""The fast fixture: a real ROS master and real nodes, without catkin and without a compiler."""
+
+import os
+import subprocess
+
+import pytest
+from eddi_scaffold.kinds.consert.messages import MESSAGES
+from tests.ros1 import models
+from tests.ros1.world import PYTHON, World, make_messages
+
+NEEDED = "import rospy, rosmaster, genpy, std_msgs.msg, diagnostic_msgs.msg"
+
+
+def _why_not():
+    """Return why ROS cannot be used here, ``None`` when it can."""
+    try:
+        tried = subprocess.run(
+            [PYTHON, "-c", NEEDED], env={"PATH": "/usr/bin:/bin"}, capture_output=True, text=True
+        )
+    except OSError as error:
+        return str(error)
+    return tried.stderr.strip().splitlines()[-1] if tried.returncode else None
+
+
+@pytest.fixture(scope="session")
+def ros_here():
+    reason = _why_not()
+    if reason is None:
+        return
+    text = f"{PYTHON} has no ROS 1: {reason}"
+    if os.environ.get("EDDI_REQUIRE_ROS") == "1":
+        pytest.fail(text)
+    pytest.skip(text)
+
+
+@pytest.fixture(scope="session")
+def messages(ros_here, tmp_path_factory):
+    return make_messages(tmp_path_factory.mktemp("messages"), MESSAGES)
+
+
+@pytest.fixture(scope="session")
+def shared_world(messages, tmp_path_factory):
+    """What all tests use together: one master, one probe that hears ``/diagnostics``."""
+    world = World(tmp_path_factory.mktemp("shared"), messages)
+    yield world
+    world.destroy()
+
+
+@pytest.fixture(scope="session")
+def master(shared_world):
+    return shared_world.master()
+
+
+@pytest.fixture(scope="session")
+def probe(shared_world, master):
+    probe = shared_world.probe(master)
+    probe.subscribe("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+    return probe
+
+
+@pytest.fixture
+def world(messages, tmp_path):
+    world = World(tmp_path, messages)
+    yield world
+    world.destroy()
+
+
+@pytest.fixture(scope="session")
+def model_files(tmp_path_factory):
+    """Model files by package name."""
+    folder = tmp_path_factory.mktemp("models")
+    for name, document in models.MODELS.items():
+        (folder / f"{name}.json").write_text(models.finished(document))
+    (folder / "tester_half.json").write_text(models.finished(models.tester(0.5)))
+    return {path.stem: path for path in folder.iterdir()}

@@ -1,0 +1,103 @@
+"""Model files of the test packages, as the generator writes them."""
+
+import copy
+import hashlib
+import json
+
+BINARY = {"kind": "binary", "type": "Test"}
+
+
+def finished(document):
+    """Return the canonical text of a model with its digest."""
+    document = {key: value for key, value in document.items() if key != "sha256"}
+    digest = hashlib.sha256(_canonical(document).encode()).hexdigest()
+    return _canonical({**document, "sha256": digest})
+
+
+def _canonical(document):
+    return json.dumps(document, sort_keys=True, indent=1, allow_nan=False) + "\n"
+
+
+def _input(name, requires, max_age=None):
+    return {"id": name, "attribute": name, "requires": [requires], "max_age": max_age}
+
+
+def _document(name, inputs, **model):
+    return {
+        "format": 1,
+        "kind": "consert",
+        "id": name,
+        "requires_runtime": "0.1",
+        "source": {"file": "test", "sha256": "", "path": ""},
+        "settings": {"guarantee_ids": "source"},
+        "inputs": inputs,
+        "model": {
+            "evidence": [],
+            "demands": [],
+            "gates": [],
+            "guarantees": [],
+            "edges": [],
+            "provided_services": [],
+            "required_services": [],
+            **model,
+        },
+    }
+
+
+def _guarantee(name):
+    return {"id": name, "class_name": name, "default": False, "ranking": None}
+
+
+CONSERTA = _document(
+    "ConSertA",
+    [_input("RtE_A_D0", "consertb", 1.0), _input("RtE_A_E0", "RtE_E0")],
+    evidence=[{"id": "RtE_A_E0", "dimension": BINARY}],
+    demands=[{"id": "RtE_A_D0", "dimensions": [BINARY]}],
+    gates=[{"id": "And0", "function": "And"}],
+    guarantees=[_guarantee("System_A_G0"), _guarantee("System_A_G1")],
+    edges=[
+        ["RtE_A_D0", "And0"],
+        ["RtE_A_E0", "And0"],
+        ["And0", "System_A_G0"],
+        ["RtE_A_D0", "System_A_G1"],
+    ],
+)
+
+CONSERTB = _document(
+    "ConSertB",
+    [_input("RtE_B_E0", "RtE_E0", "none")],
+    evidence=[{"id": "RtE_B_E0", "dimension": BINARY}],
+    guarantees=[_guarantee("System_B_G0")],
+    edges=[["RtE_B_E0", "System_B_G0"]],
+)
+
+_RANGE = {"start": "0", "end": "5", "inclusive": False}
+TESTER = _document(
+    "Tester",
+    [_input("E", "how"), _input("F", "flag"), _input("N", "number")],
+    evidence=[
+        {"id": "E", "dimension": BINARY},
+        {"id": "F", "dimension": BINARY},
+        {
+            "id": "N",
+            "dimension": {
+                "kind": "numeric",
+                "type": "Distance",
+                "covered": [_RANGE],
+                "subset": True,
+                "uom": "m",
+            },
+        },
+    ],
+    guarantees=[_guarantee("G_E"), _guarantee("G_F"), _guarantee("G_N")],
+    edges=[["E", "G_E"], ["F", "G_F"], ["N", "G_N"]],
+)
+
+MODELS = {"conserta": CONSERTA, "consertb": CONSERTB, "tester": TESTER}
+
+
+def tester(max_age):
+    """Return the tester's model with an age limit of the input F."""
+    document = copy.deepcopy(TESTER)
+    document["inputs"][1]["max_age"] = max_age
+    return document

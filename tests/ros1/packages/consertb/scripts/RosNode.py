@@ -1,0 +1,24 @@
+#!/usr/bin/env python3
+import sys
+
+import eddi_messages.msg
+from eddi_messages.msg import ConSertOutput
+from std_msgs.msg import Bool
+
+from eddi_runtime.ros1 import Input, MonitorNode, Output
+
+from consertb.EDDIInput import EDDIInput
+from consertb.EDDIMonitor import EDDIMonitor
+
+
+class RosNode(MonitorNode):
+    NAME = 'consertb'
+    FREQUENCY = 10.0
+    MODE = 'on_change'
+    INPUTS = (Input('RtE_E0', 'rte/e0b', Bool),)
+    OUTPUTS = (Output('consertb', 'consertb/guarantees', ConSertOutput),)
+    MESSAGES = eddi_messages.msg
+
+
+if __name__ == '__main__':
+    sys.exit(RosNode.main(EDDIInput, EDDIMonitor, __file__))
