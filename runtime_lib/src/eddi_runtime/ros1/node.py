@@ -127,7 +127,7 @@ class MonitorNode:
         error = ""
         try:
             output = self._evaluate(receipts, started)
-            self._publish(output)
+            error = self._publish(output)
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
             if self._stopping:
                 return
@@ -135,7 +135,7 @@ class MonitorNode:
             self._health.log_error("step", error, traceback.format_exc())
             output = self._publish_nothing_known()
         else:
-            self._health.log_error("step", "")
+            self._health.log_error("step", error)
         self._changes.note(output)
         self._watch_clock()
         if self._health.after_step(receipts, error, time.monotonic() - started):
@@ -147,15 +147,19 @@ class MonitorNode:
         self.eddi_input.processing(self.simulator_values)
         return self.monitor.execute_step(self.eddi_input)
 
-    def _publish(self, output: Any) -> None:
+    def _publish(self, output: Any) -> str:
+        """Publish an output; return what was wrong with it although it could be published."""
         if self._publications is None:
-            return
+            return ""
         message = self.create_ros_msg(output)
         if self._made_by_hand:
             check_serialises(message)
         self._publications.publish(message)
         if self._publications.with_status:
             self._publish_status(self._publications)
+        # Not every kind has it: rows that hand-written code spoilt and the monitor replaced.
+        faults = getattr(self._core, "output_faults", None)
+        return "; ".join(faults()) if faults is not None else ""
 
     def _publish_status(self, publications: Publications) -> None:
         tree = self._core.status_message()

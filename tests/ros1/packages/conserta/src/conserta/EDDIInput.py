@@ -4,8 +4,8 @@ from eddi_runtime import EDDIInputBase, by_id
 class EDDIInput(EDDIInputBase):
     def __init__(self):
         super().__init__()
-        self.RtE_A_D0 = False
-        self.RtE_A_E0 = False
+        self.RtE_A_D0 = None
+        self.RtE_A_E0 = None
 
     def process_RtE_A_D0(self, consertb):
         self.RtE_A_D0 = by_id(consertb.guarantees, 'System_B_G0').active

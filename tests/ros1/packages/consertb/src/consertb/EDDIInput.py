@@ -4,7 +4,7 @@ from eddi_runtime import EDDIInputBase
 class EDDIInput(EDDIInputBase):
     def __init__(self):
         super().__init__()
-        self.RtE_B_E0 = False
+        self.RtE_B_E0 = None
 
     def process_RtE_B_E0(self, RtE_E0):
         self.RtE_B_E0 = RtE_E0.data

@@ -1,0 +1,138 @@
+"""The loop: rates, wake-up by messages, names, bursts, a subscriber that hangs."""
+
+import shutil
+import socket
+import struct
+import time
+import xmlrpc.client
+
+import pytest
+from tests.ros1.world import HERE, active, until
+
+pytestmark = pytest.mark.ros
+BOOL, TEXT = "std_msgs/Bool", "std_msgs/String"
+
+
+def gaps(events):
+    times = [event["t"] for event in events]
+    return sorted(later - earlier for earlier, later in zip(times, times[1:], strict=False))
+
+
+def test_rates_bursts_and_on_change(world, master, probe, model_files):
+    """Row 21, fractions of Hz, and on_change: at once on a message, at the frequency without."""
+    model = f"_model:={model_files['tester_half']}"
+    start = probe.mark()
+    for space in ("slow", "burst", "change"):
+        probe.subscribe(f"/{space}/guarantees")
+    world.node(master, "tester", model, "__ns:=/slow", "_frequency:=2.5")
+    world.node(master, "tester", model, "__ns:=/burst")
+    change = {"TESTER_MODE": "on_change"}
+    world.node(master, "tester", model, "__ns:=/change", "_frequency:=0.5", env=change)
+    for space in ("slow", "burst", "change"):
+        probe.active(f"/{space}/guarantees", set(), after=start)
+
+    source = world.probe(master)
+    source.do("every", topic="/burst/flag", type=BOOL, fields={"data": True}, hz=1500)
+    probe.active("/burst/guarantees", {"G_F"})
+    mark = probe.mark()
+    time.sleep(2.0)
+    burst, slow = (probe.outputs(f"/{space}/guarantees", mark) for space in ("burst", "slow"))
+    assert 17 <= len(burst) <= 22  # 10 Hz, whatever comes in
+    assert 4 <= len(slow) <= 6
+    source.do("stop", topic="/burst/flag")
+    sent = source.wait(lambda e: e["event"] == "sent")
+    assert sent["count"] > 1000
+    _, _, values = probe.diagnostics(
+        "/burst/tester", lambda lv, t, v: int(v["F.received"]) > 0.5 * sent["count"]
+    )
+    assert values["F"] in ("ok", "stale")
+
+    delays = []
+    for value in [True, False] * 5:
+        mark = probe.mark()
+        sent = probe.publish("/change/flag", BOOL, {"data": value}, latch=True)
+        expected = {"G_F"} if value else set()
+        delays.append(probe.active("/change/guarantees", expected, after=mark)["t"] - sent["t"])
+    assert sorted(delays)[5] < 0.2  # one period of the rate is 2 s
+    mark = probe.mark()
+    probe.publish("/change/flag", BOOL, {"data": True})
+    probe.active("/change/guarantees", {"G_F"}, after=mark)
+    mark = probe.mark()
+    stale = probe.active("/change/guarantees", set(), after=mark)  # nobody sends anything
+    assert stale
+
+
+def test_remaps_namespaces_and_the_model_beside_the_script(world, master, probe, model_files, tmp_path):
+    """Relative topics follow the namespace; the model is found in source and install layouts."""
+    source = tmp_path / "ws" / "tester"
+    shutil.copytree(HERE / "packages" / "tester", source)
+    (source / "config").mkdir()
+    shutil.copy(model_files["tester"], source / "config" / "model.json")
+    script = tmp_path / "install" / "lib" / "tester" / "RosNode.py"
+    script.parent.mkdir(parents=True)
+    shutil.copy(source / "scripts" / "RosNode.py", script)
+    shared = tmp_path / "install" / "share" / "tester"
+    shared.mkdir(parents=True)
+    shutil.copytree(source / "config", shared / "config")
+    start = probe.mark()
+    for topic in ("/robot1/guarantees", "/elsewhere", "/robot3/guarantees"):
+        probe.subscribe(topic)
+    devel = source / "scripts" / "RosNode.py"
+    world.node(master, "tester", "__ns:=/robot1", script=devel)
+    world.node(
+        master, "tester", "__ns:=/robot2", "guarantees:=/elsewhere", "flag:=/flag2", script=script
+    )
+    third = world.node(
+        master, "tester", "__name:=mine", script=script, env={"ROS_NAMESPACE": "robot3"}
+    )
+    probe.publish("/robot1/flag", BOOL, {"data": True}, latch=True)
+    probe.active("/robot1/guarantees", {"G_F"}, after=start)
+    probe.publish("/flag2", BOOL, {"data": True}, latch=True)
+    probe.active("/elsewhere", {"G_F"}, after=start)
+    probe.active("/robot3/guarantees", set(), after=start)
+    assert master.call("lookupNode", "/robot3/mine")
+    assert third.end()[0] == 0
+
+
+def hung_subscriber(master, node, topic, kind, md5):
+    """Connect as a subscriber with a tiny receive buffer that never reads."""
+    uri = until(lambda: master.call("lookupNode", node))
+    proxy = xmlrpc.client.ServerProxy(uri)
+    _, _, (_, host, port) = until(
+        lambda: (lambda a: a if a[0] == 1 else None)(
+            proxy.requestTopic("/hung", topic, [["TCPROS"]])
+        )
+    )
+    line = socket.socket()
+    line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+    line.connect((host, port))
+    fields = {"callerid": "/hung", "topic": topic, "type": kind, "md5sum": md5}
+    parts = [f"{key}={value}".encode() for key, value in fields.items()]
+    header = b"".join(struct.pack("<I", len(part)) + part for part in parts)
+    line.sendall(struct.pack("<I", len(header)) + header)
+    return line
+
+
+def test_a_subscriber_that_hangs(world, master, probe, model_files):
+    """Row 13: the period is kept while one subscriber takes nothing."""
+    start = probe.mark()
+    probe.subscribe("/hung/guarantees")
+    model = f"_model:={model_files['tester']}"
+    world.node(master, "tester", model, "__ns:=/hung", "_frequency:=400", "_diagnostics:=false")
+    probe.active("/hung/guarantees", set(), after=start)
+    md5 = "c306fb7ec8f6dbe6af438338cb2d6720"
+    lines = [
+        hung_subscriber(
+            master, "/hung/tester", "/hung/guarantees", "eddi_messages/ConSertOutput", md5
+        )
+        for _ in range(3)
+    ]
+    time.sleep(2.5)  # about 60 kB per line: far more than the buffers take
+    mark = probe.mark()
+    time.sleep(0.5)
+    later = probe.outputs("/hung/guarantees", mark)
+    assert len(later) > 100
+    assert gaps(later)[-1] < 0.1 + 0.15  # 100 ms are required, the rest is a busy machine
+    for line in lines:
+        line.close()
+    assert active(later[-1]) == set()

@@ -1,0 +1,188 @@
+"""What the ROS master does to a node: it dies, returns, hangs, has a clock, knows our name."""
+
+import signal
+import time
+
+import pytest
+from eddi_scaffold.kinds.consert.messages import MESSAGES
+from tests.ros1.world import Master, free_port, make_messages, until
+
+pytestmark = pytest.mark.ros
+BOOL = "std_msgs/Bool"
+OUT = "eddi_messages/ConSertOutput"
+
+
+def test_a_roscore_that_dies_and_returns(world, model_files):
+    """Rows 4 and 5: connections go on; the node registers again, or ends so that it is respawned.
+
+    Guards our use of rospy's topic manager for the installed version of ros_comm.
+    """
+    master = world.master()
+    probe = world.probe(master)
+    for topic, kind in (("/guarantees", OUT), ("/diagnostics", "diagnostic_msgs/DiagnosticArray")):
+        probe.subscribe(topic, kind)
+    model = f"_model:={model_files['tester']}"
+    node = world.node(master, "tester", model, "_watchdog_period:=0.5")
+    leaving = world.node(
+        master, "tester", model, "_watchdog_period:=0.5", "_on_master_loss:=exit", "__name:=leaving"
+    )
+    probe.publish("/flag", BOOL, {"data": True}, latch=True)
+    probe.active("/guarantees", {"G_F"}, after=0)
+    until(lambda: master.call("lookupNode", "/leaving"), what="the second node")
+
+    master.process.destroy()
+    mark = probe.mark()
+    probe.active("/guarantees", {"G_F"}, after=mark)  # existing connections go on
+    level, text, _ = probe.diagnostics(
+        "/tester", lambda lv, t, v: v["master"] == "lost", after=mark
+    )
+    assert level >= 1 and "ROS master lost" in text
+    assert node.text.count("does not answer, going on without it") == 1
+
+    again = Master(world, master.port).start()
+    returned = time.monotonic()
+    until(lambda: again.call("lookupNode", "/tester"), what="registered again")
+    assert time.monotonic() - returned < 2 * 0.5 + 0.5
+    assert leaving.wait() == 3
+    probe.diagnostics("/tester", lambda lv, t, v: v["master"] == "re-registered")
+    new = world.probe(again)
+    new.subscribe("/guarantees", OUT)
+    new.active("/guarantees", {"G_F"}, after=0)  # state was kept, a new subscriber is served
+    mark = new.mark()
+    new.publish("/how", "std_msgs/String", {"data": "true"}, latch=True)  # a new publisher, too
+    new.active("/guarantees", {"G_E", "G_F"}, after=mark)
+    services = dict(again.call("getSystemState")[2])
+    assert "/tester/set_logger_level" in services
+    status, seconds = node.end()
+    assert status == 0 and seconds < 2.0
+
+
+def test_no_roscore_at_start_and_one_that_hangs(world, model_files):
+    """Row 6: waits with one line, ends on SIGTERM; a master that hangs delays no end."""
+    absent = Master(world)
+    model = f"_model:={model_files['tester']}"
+    waiting = world.node(absent, "tester", model)
+    ended = world.node(absent, "tester", model, "__name:=other")
+    for node in (waiting, ended):
+        until(lambda node=node: "does not answer" in node.text, what="the line that it waits")
+    assert ended.end(signal.SIGTERM)[1] < 2.0
+    absent.start()
+    until(lambda: absent.call("lookupNode", "/tester"), what="start after the wait")
+    assert waiting.text.count("does not answer") == 1
+    until(lambda: "monitor of Tester" in waiting.text)
+
+    absent.process.send(signal.SIGSTOP)
+    status, seconds = waiting.end()
+    assert status == 0 and seconds < 2.5
+
+
+def test_publishers_of_another_type(world, master, probe, model_files, tmp_path):
+    """Row 7: another type and another MD5 are errors that name topic, expected and found type."""
+    probe.publish("/typed/flag", "std_msgs/Float64", {"data": 1.0}, latch=True)
+    other = make_messages(
+        tmp_path / "other",
+        {**MESSAGES, "ConSertOutput": MESSAGES["ConSertOutput"] + "bool surplus\n"},
+    )
+    older = world.probe(master, other)
+    older.do("publish", topic="/typed/consertb/guarantees", type=OUT, fields={}, latch=True)
+    mark = probe.mark()
+    world.node(
+        master, "tester", f"_model:={model_files['tester']}", "__ns:=/typed", "_watchdog_period:=0.3"
+    )
+    node = world.node(
+        master, "conserta", f"_model:={model_files['conserta']}", "__ns:=/typed"
+    )
+    level, text, _ = probe.diagnostics(
+        "/typed/tester", lambda lv, t, v: "wrong_type.0" in v, after=mark
+    )
+    assert level == 2
+    assert "/typed/flag: std_msgs/Bool expected, the publisher sends std_msgs/Float64" in text
+    level, text, values = probe.diagnostics(
+        "/typed/conserta", lambda lv, t, v: "wrong_type.0" in v, after=mark
+    )
+    assert level == 2 and values["RtE_A_D0"] == "missing"
+    assert "/typed/consertb/guarantees" in text and "md5sum" in text
+    assert node.end()[1] < 2.0
+
+
+def test_simulated_time(world, model_files):
+    """Rows 10 and 11: without /clock the node runs and evidence ages; a jump back is one line."""
+    master = world.master()
+    master.call("setParam", "/use_sim_time", True)
+    probe = world.probe(master)
+    for topic, kind in (("/guarantees", OUT), ("/diagnostics", "diagnostic_msgs/DiagnosticArray")):
+        probe.subscribe(topic, kind)
+    node = world.node(master, "tester", f"_model:={model_files['tester_half']}")
+    probe.publish("/flag", BOOL, {"data": True}, latch=True)
+    probe.active("/guarantees", {"G_F"}, after=0)
+    mark = probe.mark()
+    probe.active("/guarantees", set(), after=mark)  # the limit of 0.5 s is real time
+    event = probe.wait(lambda e: e.get("topic") == "/diagnostics", after=mark)
+    assert abs(event["data"]["header"]["stamp"] - time.time()) < 60.0
+
+    for second in (100, 101, 50):
+        seen = probe.mark()
+        clock = {"clock": {"secs": second, "nsecs": 0}}
+        probe.publish("/clock", "rosgraph_msgs/Clock", clock, latch=True)
+        probe.wait(
+            lambda e, at=second: e.get("topic") == "/diagnostics"
+            and e["data"]["header"]["stamp"] == at,
+            after=seen,
+        )
+    mark = probe.mark()
+    probe.publish("/flag", BOOL, {"data": True})
+    probe.active("/guarantees", {"G_F"}, after=mark)
+    assert node.text.count("/clock jumped back by 51.000 s") == 1
+    assert node.end()[0] == 0
+
+
+def test_one_name_for_two_nodes(world, master, probe, model_files):
+    """Row 12: the second refuses to start; who loses its name all the same says so."""
+    model = f"_model:={model_files['tester']}"
+    first = world.node(master, "tester", model, "__ns:=/twice")
+    uri = until(lambda: master.call("lookupNode", "/twice/tester"))
+    until(lambda: "monitor of" in first.text)
+    second = world.node(master, "tester", model, "__ns:=/twice")
+    assert second.wait() == 1
+    assert f"a node with the name /twice/tester is running at {uri}" in second.text
+    assert master.call("lookupNode", "/twice/tester") == uri and first.popen.poll() is None
+
+    # What an older tool does: it registers the name, and the master ends the node that had it.
+    intruder = f"http://localhost:{free_port()}/"
+    import xmlrpc.client
+
+    xmlrpc.client.ServerProxy(master.uri).registerPublisher(
+        "/twice/tester", "/twice/else", BOOL, intruder
+    )
+    assert first.wait() == 1
+    assert "another one has its name" in first.text
+
+
+def test_models_that_cannot_be_used(world, master, model_files, tmp_path):
+    """Row 19: the node ends before it registers, with path and reason on stderr."""
+    good = model_files["tester"].read_text()
+    for name, text in {
+        "damaged": good[:100],
+        "changed": good.replace('"Distance"', '"Speed"'),
+        "newer": good.replace('"requires_runtime": "0.1"', '"requires_runtime": "99.0"'),
+    }.items():
+        (tmp_path / f"{name}.json").write_text(text)
+    nodes = {
+        name: world.node(master, "tester", f"_model:={tmp_path}/{name}.json", f"__name:={name}")
+        for name in ("damaged", "changed", "newer", "absent")
+    }
+    nodes["beside"] = world.node(master, "tester", "__name:=beside")
+    nodes["rate"] = world.node(
+        master, "tester", "_frequency:=0", "_queue_size:=none", "__name:=rate"
+    )
+    for name, node in nodes.items():
+        assert node.wait() == 1, node.text
+        assert master.call("lookupNode", f"/{name}") is None
+        assert "Traceback" not in node.text
+    for name in ("damaged", "changed", "newer", "absent"):
+        assert f"{tmp_path}/{name}.json" in nodes[name].text
+    assert "sha256" in nodes["changed"].text
+    assert "tester/config/model.json nor " in nodes["beside"].text
+    assert "share/scripts/config/model.json" in nodes["beside"].text
+    assert "~frequency: a number > 0 (Hz) expected, got 0" in nodes["rate"].text
+    assert "~queue_size" in nodes["rate"].text
