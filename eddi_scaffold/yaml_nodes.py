@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from eddi_scaffold.problems import Place, Problem, error
+from eddi_scaffold.problems import Place, Problem, error, info
 from eddi_scaffold.yaml_text import Verbatim, dump_plain, quoted
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ MAX_DEPTH = 32
 MAX_DIGITS = 64
 
 _FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_IS_SLOW = _FAST_LOADER is yaml.SafeLoader
+_LARGE = 100_000
 _NULLS = frozenset({"", "~", "null", "Null", "NULL"})
 _BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
 _DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -123,8 +125,8 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         code: code of all problems of this step (``C001`` for a ConSert).
 
     Returns:
-        The root node and the problems, all errors; the node is ``None`` where the document
-        cannot be understood at all, and present when only keys are repeated.
+        The root node and the problems; the node is ``None`` where the document cannot be
+        understood at all, and present when only keys are repeated (which is an error too).
     """
     if len(source.data) > MAX_BYTES:
         message = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
@@ -134,7 +136,11 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
     except UnicodeDecodeError as problem:
         before = source.data[: problem.start].decode("utf-8", "replace")
         return None, [error(code, "the file is not UTF-8", _place_after(source.name, before))]
-    return _Composer(source.name, code, text).compose()
+    node, problems = _Composer(source.name, code, text).compose()
+    if _IS_SLOW and len(source.data) > _LARGE:
+        message = "PyYAML has no C loader on this machine: reading takes ten times as long"
+        problems.append(info(code, message, Place(source.name)))
+    return node, problems
 
 
 def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:

@@ -19,8 +19,8 @@ class Verbatim(str):
 
 _PLAIN = re.compile(
     r"[A-Za-z_/\u00a1-\u2027\u202a-\ud7ff]"
-    r"(?:[A-Za-z0-9_ .,/+()\-\u00a1-\u2027\u202a-\ud7ff]*"
-    r"[A-Za-z0-9_.,/+()\-\u00a1-\u2027\u202a-\ud7ff])?"
+    r"(?:[A-Za-z0-9_ ./+()\-\u00a1-\u2027\u202a-\ud7ff]*"
+    r"[A-Za-z0-9_./+()\-\u00a1-\u2027\u202a-\ud7ff])?"
 )
 _WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "null"})
 _ESCAPED = re.compile('["\\\\\x00-\x1f\x7f-\xa0\u2028\u2029\ud800-\udfff\ufeff\ufffe\uffff]')

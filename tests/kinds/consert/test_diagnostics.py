@@ -10,6 +10,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.source import Source
 

@@ -1,0 +1,194 @@
+"""Composition: reasons, order, bindings, instances, and ConSerts that wait for each other."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds.consert.compose import compose
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    Bound,
+    CategoricalDimension,
+    ConSert,
+    Demand,
+    Evidence,
+    Guarantee,
+    NumericDimension,
+    Propagation,
+    ProvidedService,
+    Range,
+    RequiredService,
+)
+from eddi_scaffold.kinds.consert.ranges import Span, exact, is_inside
+
+
+def numeric(*ranges, uom="s", subset="Demand", type_="Latency"):
+    bounds = tuple(
+        Range(Bound(a, float(a)), Bound(b, float(b)), end == "]") for a, b, end in ranges
+    )
+    return NumericDimension(type_, bounds, subset, uom)
+
+
+def provider(*dimensions, id_="G", service="T"):
+    return ConSert(
+        "P",
+        (Guarantee(id_, dimensions),),
+        (),
+        (Evidence("E", BinaryDimension("B")),),
+        (),
+        (Propagation("E", id_),),
+        (),
+        (ProvidedService("S", service, (id_,)),),
+    )
+
+
+def user(*dimensions, id_="D", service="T", offers="U"):
+    own = Guarantee("GU", (BinaryDimension("X"),))
+    return ConSert(
+        "U",
+        (own,),
+        (Demand(id_, dimensions),),
+        (),
+        (),
+        (Propagation(id_, "GU"),),
+        (RequiredService("R", service, (id_,)),),
+        (ProvidedService("Q", offers, ("GU",)),),
+    )
+
+
+REASONS = [
+    (
+        numeric(("0", "2", "]")),
+        numeric(("0", "3", "]")),
+        "dimension Latency: [0, 3] s of D is not inside [0, 2] s of p/G",
+    ),
+    (
+        numeric(("0", "3", "]"), subset="Guarantee"),
+        numeric(("0", "2", "]"), subset="Guarantee"),
+        "dimension Latency: [0, 3] s of p/G is not inside [0, 2] s of D",
+    ),
+    (
+        numeric(("0", "2", ")")),
+        numeric(("0", "2000", "]"), uom="ms"),
+        "dimension Latency: [0, 2000] ms of D is not inside [0, 2) s of p/G",
+    ),
+    (
+        numeric(("0", "2", "]"), uom="m"),
+        numeric(("0", "2", "]")),
+        "dimension Latency: the unit m of p/G and the unit s of D do not compare",
+    ),
+    (
+        numeric(("0", "2", "]"), uom=None),
+        numeric(("0", "2", "]")),
+        "dimension Latency: the ratio of p/G and the unit s of D do not compare",
+    ),
+    (
+        numeric(("0", "2", "]"), subset="Guarantee"),
+        numeric(("0", "2", "]")),
+        "dimension Latency: the subset is Guarantee in p/G and Demand in D",
+    ),
+    (
+        CategoricalDimension("Level", ("a", "b"), "Demand"),
+        CategoricalDimension("Level", ("b", "c"), "Demand"),
+        "dimension Level: {b, c} of D is not inside {a, b} of p/G",
+    ),
+    (BinaryDimension("Y"), BinaryDimension("X"), "p/G has no Binary dimension X"),
+]
+
+
+@pytest.mark.parametrize(("offered", "wanted", "reason"), REASONS)
+def test_reason_of_the_nearest_candidate(offered, wanted, reason):
+    result = compose([("p", provider(offered)), ("u", user(wanted))])
+    assert not result.composable
+    assert result.unmatched_demands == ("D",)
+    assert result.unmatched_services == ()
+    assert result.reasons == (f"demand u/D is not fulfilled: {reason}",)
+    assert result.order == ("p",)
+
+
+def test_nobody_there():
+    result = compose([("u", user(BinaryDimension("X")))])
+    assert result.unmatched_demands == ("D",)
+    assert result.unmatched_services == ("R",)
+    assert result.reasons == (
+        "demand u/D is not fulfilled: no other ConSert guarantees anything in a service of type T",
+        "required service u/R is not provided: no other ConSert provides a service of type T",
+    )
+
+
+def test_order_and_bindings_do_not_depend_on_the_order_of_files():
+    parts = [("u", user(BinaryDimension("X"))), ("p", provider(BinaryDimension("X")))]
+    for instances in (parts, parts[::-1]):
+        result = compose(instances)
+        assert result.composable
+        assert result.order == ("p", "u")
+        assert result.bindings == {("u", "D"): (("p", "G"),)}
+
+
+def test_bindings_never_lead_back():
+    """Both u and w could feed each other; only p, accepted before, is bound."""
+    x = BinaryDimension("X")
+    parts = [("u", user(x, offers="T")), ("w", user(x, offers="T")), ("p", provider(x))]
+    result = compose(parts)
+    assert result.order == ("p", "u", "w")
+    assert result.bindings == {("u", "D"): (("p", "G"),), ("w", "D"): (("p", "G"),)}
+
+
+def test_conserts_that_wait_for_each_other():
+    x = BinaryDimension("X")
+    result = compose([("a", user(x, offers="T")), ("b", user(x, offers="T"))])
+    assert not result.composable
+    assert result.unmatched_demands == result.unmatched_services == ()
+    assert result.reasons == (
+        "a waits for b, which cannot be accepted",
+        "b waits for a, which cannot be accepted",
+        "these ConSerts wait for each other (provider -> user): a -> b -> a",
+    )
+
+
+def test_two_instances_need_two_names():
+    model = user(BinaryDimension("X"))
+    result = compose([("u", model), ("u", model)])
+    assert [p.code for p in result.problems] == ["C027"]
+    assert result.reasons == ("2 ConSerts are called 'u'",)
+    again = compose([("u", model), ("v", model)])
+    assert again.unmatched_demands == ("u/D", "v/D")
+
+
+def test_touching_ranges_are_one():
+    offered = numeric(("0", "1", ")"), ("1", "2", "]"))
+    assert compose([("p", provider(offered)), ("u", user(numeric(("0.5", "2", "]"))))]).composable
+    gap = numeric(("0", "1", ")"), ("1.0001", "2", "]"))
+    assert not compose([("p", provider(gap)), ("u", user(numeric(("0", "2", "]"))))]).composable
+
+
+def test_open_ends_and_exact_bounds():
+    offered = numeric(("0", "inf", ")"))
+    assert not compose(
+        [("p", provider(offered)), ("u", user(numeric(("0", "inf", "]"))))]
+    ).composable
+    assert compose([("p", provider(offered)), ("u", user(numeric(("0", "1e300", "]"))))]).composable
+    assert exact(Bound("0.1", 0.1)) == Fraction(1, 10)
+    assert exact(Bound("1e-999999999", 0.0)) == 0
+
+
+spans = st.lists(
+    st.tuples(st.integers(0, 8), st.integers(1, 4), st.booleans()).map(
+        lambda t: Span(Fraction(t[0]), Fraction(t[0] + t[1]), t[2])
+    ),
+    max_size=4,
+)
+
+
+@given(spans, spans)
+def test_inclusion_is_that_of_the_numbers(inner, outer):
+    def holds(ranges, x):
+        return any(r.start <= x and (x <= r.end if r.closed else x < r.end) for r in ranges)
+
+    points = [Fraction(n, 2) for n in range(30)]
+    expected = all(holds(outer, x) for x in points if holds(inner, x))
+    assert is_inside(inner, outer) == expected

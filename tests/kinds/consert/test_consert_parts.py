@@ -1,0 +1,151 @@
+"""Export, runtime model, inputs, outline and messages of one ConSert."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+from eddi_scaffold.kinds import Settings, kinds
+from eddi_scaffold.kinds.consert import KIND
+from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.source import Source
+from tests.kinds.consert.example import ROVER, read
+
+
+def test_the_kind_is_found():
+    assert kinds()["consert"] is KIND
+
+
+def test_export_writes_the_layout_of_d72():
+    assert KIND.export(read(ROVER)) == {"Rover.yml": ROVER}
+
+
+def test_export_of_an_empty_list_and_a_strange_name():
+    text = ROVER.partition("gates:\n")[0].replace("demands:", "demands:", 1)
+    text += "gates: []\ntree_propagations: []\nrequired_services: []\nprovided_services: []\n"
+    consert = KIND.read_file(Source("a/../b c.yml", text.encode()), ()).models[0]
+    ((name, written),) = KIND.export(consert).items()
+    assert name == "b_c.yml"
+    assert "gates: []\n" in written
+
+
+def test_counts_and_outline():
+    model = read(ROVER)
+    assert dict(KIND.counts(model)) == {
+        "guarantees": 3,
+        "demands": 1,
+        "evidence": 2,
+        "gates": 1,
+        "tree_propagations": 5,
+        "required_services": 1,
+        "provided_services": 1,
+    }
+    assert list(KIND.outline(model)) == [
+        "guarantee FastDrive: Driving",
+        "  And Both",
+        "    evidence Distance: Clearance in [0.5, inf) or [-1, 0]",
+        "    demand MapKnown: MapAge in {new, 1e3, no}",
+        "  evidence Lidar: Healthy",
+        "guarantee SlowDrive: Driving; Speed in [0, 1.50] m/s",
+        "  evidence Lidar: Healthy",
+        "guarantee StandStill: Standing (default)",
+        "requires Mapping (MapService): MapKnown",
+        "provides Drive (Motion): FastDrive, SlowDrive, StandStill",
+    ]
+
+
+def test_inputs_are_demands_then_evidence():
+    demand, distance, lidar = KIND.inputs(read(ROVER))
+    assert (demand.id, demand.type, demand.covered) == (
+        "MapKnown",
+        "bool",
+        "MapAge in {new, 1e3, no}",
+    )
+    assert (distance.id, distance.type, distance.unit, distance.units) == (
+        "Distance",
+        "float",
+        "",
+        {"": (1, 1)},
+    )
+    assert (lidar.id, lidar.type, lidar.unit, lidar.units) == ("Lidar", "bool", None, None)
+    assert lidar.description == 'The lidar\'s "self test": passed'
+    assert all(given.safety for given in (demand, distance, lidar))
+
+
+def test_units_of_a_velocity():
+    text = ROVER.replace('        uom: ""\n', "        uom: kilometer_per_hour\n")
+    distance = KIND.inputs(read(text))[1]
+    assert distance.unit == "kilometer_per_hour"
+    assert distance.units == {
+        "kilometer_per_hour": (1, 1),
+        "km/h": (1, 1),
+        "meter_per_second": (18, 5),
+        "m/s": (18, 5),
+    }
+
+
+def test_runtime_model_is_json_with_traces():
+    data = KIND.runtime_model(read(ROVER), Settings())
+    assert json.loads(json.dumps(data, allow_nan=False)) == data
+    assert data["evidence"][0] == {
+        "id": "Distance",
+        "dimension": {
+            "kind": "numeric",
+            "type": "Clearance",
+            "covered": [
+                {"start": "0.5", "end": "inf", "inclusive": False},
+                {"start": "-1", "end": "0", "inclusive": True},
+            ],
+            "subset": "Demand",
+            "uom": "",
+        },
+        "line": 37,
+    }
+    assert data["guarantees"][2] == {
+        "id": "StandStill",
+        "dimensions": [{"kind": "binary", "type": "Standing"}],
+        "class_name": "StandStill",
+        "default": True,
+        "ranking": None,
+        "line": 21,
+    }
+    assert data["edges"][0] == ["Distance", "Both"]
+    assert data["gates"] == [{"id": "Both", "function": "And", "line": 56}]
+
+
+def test_messages_keep_the_md5_of_the_packages_in_the_wild():
+    guarantee = hashlib.md5(MESSAGES["Guarantee"].strip().encode()).hexdigest()
+    assert guarantee == "b3a7e576b5781883d831dab64cec7ef8"
+    output = MESSAGES["ConSertOutput"].strip().replace("Guarantee[]", guarantee)
+    assert hashlib.md5(output.encode()).hexdigest() == "c306fb7ec8f6dbe6af438338cb2d6720"
+
+
+def test_sniff():
+    assert KIND.sniff(Source("a.yml", ROVER.encode()))
+    assert KIND.sniff(Source("a.json", b'{\n"guarantees": []}'))
+    assert KIND.sniff(Source("a.yaml", b"{guarantees: []}"))
+    assert not KIND.sniff(Source("a.xml", ROVER.encode()))
+    assert not KIND.sniff(Source("eddi_config.yml", b"Model:\n  id: A\n# guarantees\n"))
+
+
+def test_marks_of_default_guarantees():
+    text = ROVER.replace("    default: true\n", "")
+    source = Source("Rover.yml", text.encode())
+    assert {p.code for p in KIND.read_file(source, ()).problems} == {"C012"}
+    for mark in ("StandStill", "Rover/StandStill"):
+        assert read(text, marks=(mark,)).data == read(ROVER).data
+    (problem,) = KIND.read_file(source, ("Standstill", "StandStill")).problems
+    assert problem.message == "--default-guarantee Standstill: there is no guarantee 'Standstill'"
+    assert (problem.code, problem.hint) == ("C028", "did you mean 'StandStill'?")
+
+
+def test_a_deep_chain_is_cut_in_the_outline():
+    gates = "".join(f"  - {{id: g{n}, function: Or}}\n" for n in range(50))
+    edges = "".join(f"  - {{from: g{n + 1}, to: g{n}}}\n" for n in range(49))
+    text = ROVER.replace("gates:\n", f"gates:\n{gates}")
+    head = "tree_propagations:\n"
+    text = text.replace(
+        head, f"{head}{edges}  - {{from: g0, to: SlowDrive}}\n  - {{from: Lidar, to: g49}}\n"
+    )
+    lines = KIND.outline(read(text))
+    assert "  " * 30 + "Or g29 ..." in lines

@@ -1,0 +1,270 @@
+"""Properties of reading and writing ConSerts, and input that nobody would write on purpose."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds import Settings
+from eddi_scaffold.kinds.consert import KIND
+from eddi_scaffold.kinds.consert.check import check_consert
+from eddi_scaffold.kinds.consert.compose import compose
+from eddi_scaffold.kinds.consert.from_yaml import read_consert
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    Bound,
+    CategoricalDimension,
+    ConSert,
+    Demand,
+    Evidence,
+    Gate,
+    Guarantee,
+    NumericDimension,
+    Propagation,
+    ProvidedService,
+    Range,
+    RequiredService,
+)
+from eddi_scaffold.kinds.consert.static import static_checks
+from eddi_scaffold.kinds.consert.to_yaml import to_yaml
+from eddi_scaffold.problems import has_errors
+from eddi_scaffold.source import Source
+from tests.kinds.consert.example import ROVER
+
+TRICKY = [
+    "On",
+    "no",
+    "null",
+    "~",
+    "1e3",
+    "1:30",
+    "0x10",
+    "1_000",
+    "class",
+    "a b",
+    "ü",
+    "-",
+    ": ",
+    "#",
+]
+texts = st.sampled_from(TRICKY) | st.text(
+    st.characters(exclude_categories=("Cs",)), min_size=1, max_size=8
+)
+bounds = st.sampled_from(["0", "-1.50", "1e3", "+5", ".5", "1E-3", "7."]).map(
+    lambda text: Bound(text, float(text))
+)
+ranges = st.builds(Range, bounds, bounds, st.booleans()) | st.just(
+    Range(Bound("-inf", float("-inf")), Bound("inf", float("inf")), inclusive=True)
+)
+subsets = st.sampled_from(["Demand", "Guarantee"])
+dimensions = (
+    st.builds(BinaryDimension, texts)
+    | st.builds(
+        CategoricalDimension,
+        texts,
+        st.lists(texts, min_size=1, max_size=3).map(tuple),
+        subsets,
+    )
+    | st.builds(
+        NumericDimension,
+        texts,
+        st.lists(ranges, min_size=1, max_size=3).map(tuple),
+        subsets,
+        st.sampled_from([None, "", "m", "km/h", "ns"]),
+    )
+)
+some_dimensions = st.lists(dimensions, min_size=1, max_size=2).map(tuple)
+descriptions = st.none() | texts
+
+
+def tuples(strategy):
+    return st.lists(strategy, max_size=3).map(tuple)
+
+
+conserts = st.builds(
+    ConSert,
+    st.just("m"),
+    tuples(
+        st.builds(
+            Guarantee,
+            texts,
+            some_dimensions,
+            descriptions,
+            st.booleans(),
+            st.none() | st.integers(-9, 9),
+        )
+    ),
+    tuples(st.builds(Demand, texts, some_dimensions, descriptions)),
+    tuples(st.builds(Evidence, texts, dimensions, descriptions)),
+    tuples(st.builds(Gate, texts, st.sampled_from(["And", "Or"]))),
+    tuples(st.builds(Propagation, texts, texts)),
+    tuples(st.builds(RequiredService, texts, texts, tuples(texts))),
+    tuples(st.builds(ProvidedService, texts, texts, tuples(texts))),
+)
+
+
+@given(conserts)
+def test_written_and_read_again_is_equal(consert):
+    again, problems = read_consert(Source("m.yml", to_yaml(consert).encode()))
+    assert problems == []
+    assert again == consert
+
+
+@given(conserts)
+def test_checks_never_raise_and_what_is_left_can_be_used(consert):
+    checked, problems = check_consert(consert)
+    assert checked is not None or has_errors(problems)
+    if checked is None:
+        return
+    static_checks(checked)
+    compose([("a", checked), ("b", checked)])
+    (model,) = KIND.read_file(Source("m.yml", to_yaml(checked).encode()), ()).models
+    assert model.data == checked
+    for use in (KIND.inputs, KIND.outline, KIND.counts, KIND.export):
+        use(model)
+    KIND.runtime_model(model, Settings())
+
+
+def test_order_of_lists_changes_nothing_but_the_order():
+    (model,) = KIND.read_file(Source("m.yml", ROVER.encode()), ()).models
+    lists = [f.name for f in dataclasses.fields(ConSert) if f.name not in ("name", "place")]
+    for seed in range(20):
+        shuffle = random.Random(seed)
+        changed = {}
+        for name in lists:
+            items = list(getattr(model.data, name))
+            shuffle.shuffle(items)
+            changed[name] = tuple(items)
+        other = dataclasses.replace(model.data, **changed)
+        checked, problems = check_consert(other)
+        assert checked == other
+        assert {(p.code, p.message) for p in problems} == {
+            (p.code, p.message) for p in check_consert(model.data)[1]
+        }
+        assert sorted(p.message for p in static_checks(other)) == sorted(
+            p.message for p in static_checks(model.data)
+        )
+
+
+@given(st.data())
+def test_mutations_of_an_example_never_raise(data):
+    text = ROVER
+    for _ in range(data.draw(st.integers(1, 4))):
+        at = data.draw(st.integers(0, len(text)))
+        length = data.draw(st.sampled_from([0, 1, 5, 40]))
+        words = [
+            "",
+            " ",
+            "\n",
+            "- ",
+            ": ",
+            "null",
+            "[]",
+            "{}",
+            "&a",
+            "*a",
+            "'",
+            "\t",
+            "\x00",
+            ".nan",
+        ]
+        new = data.draw(st.sampled_from(words) | st.text(max_size=3))
+        text = text[:at] + new + text[at + length :]
+    reading = KIND.read_file(
+        Source("m.yml", text.encode("utf-8", "surrogatepass")), ("StandStill",)
+    )
+    assert reading.models or has_errors(reading.problems)
+
+
+@given(st.data())
+def test_mutations_of_lines_never_raise(data):
+    lines = ROVER.splitlines(keepends=True)
+    for _ in range(data.draw(st.integers(1, 4))):
+        at, other = (data.draw(st.integers(0, len(lines) - 1)) for _ in range(2))
+        action = data.draw(st.sampled_from(["drop", "double", "swap", "indent"]))
+        if action == "drop" and len(lines) > 1:
+            del lines[at]
+        elif action == "double":
+            lines.insert(at, lines[other])
+        elif action == "swap":
+            lines[at], lines[other] = lines[other], lines[at]
+        else:
+            lines[at] = "  " + lines[at]
+    reading = KIND.read_file(Source("m.yml", "".join(lines).encode()), ())
+    assert reading.models or has_errors(reading.problems)
+
+
+def binary_consert(gates, edges):
+    dimension = BinaryDimension("T")
+    return ConSert(
+        "m",
+        (Guarantee("G", (dimension,)),),
+        (),
+        (Evidence("E", dimension),),
+        tuple(Gate(*gate) for gate in gates),
+        tuple(Propagation(*edge) for edge in edges),
+        (),
+        (),
+    )
+
+
+def test_a_chain_of_50000_gates():
+    ids = ["E", *(f"g{n}" for n in range(50_000)), "G"]
+    edges = list(itertools.pairwise(ids))
+    consert = binary_consert([(id_, "And") for id_ in ids[1:-1]], edges)
+    checked, problems = check_consert(consert)
+    assert checked == consert
+    assert {problem.code for problem in problems} == {"C024"}
+    assert static_checks(consert) == []
+    assert compose([("a", consert)]).composable
+
+
+def test_a_closed_chain_of_50000_gates():
+    ids = [f"g{n}" for n in range(50_000)]
+    edges = [*zip(ids, [*ids[1:], "g0"], strict=True), ("E", "G")]
+    checked, problems = check_consert(binary_consert([(id_, "Or") for id_ in ids], edges))
+    assert checked is None
+    (cycle,) = (problem.message for problem in problems if problem.code == "C010")
+    assert cycle.startswith("cycle: g0 -> g1 -> ")
+    assert cycle.endswith(" -> (49989 more) -> g0")
+
+
+def test_a_ladder_of_shared_gates_is_linear():
+    """Two gates per level, each fed by both of the level below: 2 ** 500 paths."""
+    gates, edges, below = [], [], ("E", "E")
+    for level in range(500):
+        pair = (f"a{level}", f"o{level}")
+        gates += [(pair[0], "And"), (pair[1], "Or")]
+        edges += [(source, target) for target in pair for source in dict.fromkeys(below)]
+        below = pair
+    consert = binary_consert(gates, [*edges, *((source, "G") for source in below)])
+    checked, problems = check_consert(consert)
+    assert checked == consert
+    assert not has_errors(problems)
+    static_checks(consert)
+    model = KIND.read_file(Source("m.yml", to_yaml(consert).encode()), ()).models[0]
+    assert len(KIND.outline(model)) < 3_000
+
+
+def test_thousands_of_wrong_edges_are_reported_in_time():
+    consert = binary_consert(
+        [(f"g{n}", "And") for n in range(3_000)], [(f"x{n}", f"y{n}") for n in range(3_000)]
+    )
+    problems = check_consert(consert)[1]
+    assert sum(problem.code in ("C008", "C009") for problem in problems) == 6_000
+
+
+@pytest.mark.parametrize("count", [2, 5_000])
+def test_every_knot_is_reported_once(count):
+    edges = [("E", "G")]
+    for n in range(count):
+        edges += [(f"a{n}", f"b{n}"), (f"b{n}", f"a{n}"), (f"a{n}", f"a{n + 1}")]
+    gates = [(f"{kind}{n}", "And") for n in range(count + 1) for kind in "ab"]
+    problems = check_consert(binary_consert(gates, edges))[1]
+    cycles = [problem.message for problem in problems if problem.code == "C010"]
+    assert cycles == [f"cycle: a{n} -> b{n} -> a{n}" for n in range(count)]
