@@ -38,6 +38,8 @@ class ModelInput:
             units in which a configuration may declare the input.
         description: one line for generated comments.
         covered: short text that says which values count as good (``[0, 5) m``), for comments.
+        is_good: would this value, in ``unit``, be evidence that can make an output active? Used to
+            refuse unsafe defaults; ``None`` when the kind has no such notion.
     """
 
     id: str
@@ -47,6 +49,7 @@ class ModelInput:
     units: Mapping[str, tuple[int, int]] | None = None
     description: str | None = None
     covered: str | None = None
+    is_good: Callable[[object], bool] | None = None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import BinaryIO
 
 from eddi_scaffold.problems import Place, Problem, error, warning
@@ -22,7 +22,16 @@ from eddi_scaffold.readers.spelling import (
     local_name,
     package_key,
 )
-from eddi_scaffold.readers.xmi import XSI_TYPE, Element, Limits, Tree, feature_of, line_of, load
+from eddi_scaffold.readers.xmi import (
+    DEFAULT_LIMITS,
+    XSI_TYPE,
+    Element,
+    Limits,
+    Tree,
+    feature_of,
+    line_of,
+    load,
+)
 from eddi_scaffold.readers.xml_text import looks_like_xml
 from eddi_scaffold.source import Source
 
@@ -34,6 +43,7 @@ class EddiDocument:
 
     Attributes:
         name: path as the user gave it.
+        document: the document element.
         roots: the root objects; several only below ``xmi:XMI``.
         references: resolver of this document.
         limits: limits that reading obeys.
@@ -41,6 +51,7 @@ class EddiDocument:
 
     def __init__(self, tree: Tree, name: str, limits: Limits) -> None:
         self.name = name
+        self.document = tree.document
         self.roots = tree.roots
         self.limits = limits
         self.references = References(tree.roots)
@@ -54,7 +65,7 @@ class EddiDocument:
         """Return the class that an element states: by ``xsi:type``, or by its tag at a root."""
         printed = element.get(XSI_TYPE)
         if printed is None:
-            if element not in self._documents:
+            if not self.is_root(element):
                 return ClassName()
             name, uri = feature_of(element), _namespace(str(element.tag))
             printed = f"{element.prefix}:{name}" if element.prefix else name
@@ -62,6 +73,10 @@ class EddiDocument:
             prefix, _, name = printed.strip().rpartition(":")
             uri = element.nsmap.get(prefix or None) or prefix
         return ClassName(package_key(uri), fold(name), printed)
+
+    def is_root(self, element: Element) -> bool:
+        """Tell whether an element is a root object, or the ``xmi:XMI`` element above the roots."""
+        return element in self._documents
 
     def feature(self, element: Element) -> str:
         """Return the name of the feature that contains an element."""
@@ -160,7 +175,7 @@ def sniff(source: Source) -> bool:
 
 def read_document(
     source: Source,
-    limits: Limits = Limits(),  # noqa: B008 - Limits is frozen
+    limits: Limits = DEFAULT_LIMITS,
 ) -> tuple[EddiDocument | None, list[Problem]]:
     """Parse an EDDI; ``None`` and the errors X001, X002 or X003 when that is impossible."""
     return read_stream(io.BytesIO(source.data), source.name, limits)
@@ -169,7 +184,7 @@ def read_document(
 def read_stream(
     stream: BinaryIO,
     name: str,
-    limits: Limits = Limits(),  # noqa: B008 - Limits is frozen
+    limits: Limits = DEFAULT_LIMITS,
 ) -> tuple[EddiDocument | None, list[Problem]]:
     """Parse an EDDI from a seekable stream, without a copy of its bytes in memory."""
     tree, problems = load(stream, name, limits)
@@ -191,7 +206,7 @@ def _shown_class(document: EddiDocument, element: Element) -> str:
     return document.class_of(element).printed or feature_of(element)
 
 
-def _root_misprints(document: EddiDocument) -> Iterable[Problem]:
+def _root_misprints(document: EddiDocument) -> list[Problem]:
     return [
         warning(
             "X006",

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.readers.spelling import fold, is_misprint
-from eddi_scaffold.readers.xmi import feature_of
+from eddi_scaffold.readers.xmi import feature_of, select
 
 if TYPE_CHECKING:
     from eddi_scaffold.readers.xmi import Element
@@ -180,7 +180,7 @@ class References:
         found: dict[str, Element] = {}
         query = 'descendant-or-self::*[@*[local-name()="id" and contains(namespace-uri(), "XMI")]]'
         for root in self._roots:
-            for element in root.xpath(query):
+            for element in select(root, query):
                 for key, value in element.attrib.items():
                     if str(key).endswith("}id"):
                         found.setdefault(str(value), element)

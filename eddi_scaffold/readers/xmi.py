@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import BinaryIO, TypeAlias
+from typing import Any, BinaryIO, TypeAlias
 
 from lxml import etree
 
@@ -31,6 +31,7 @@ XMI = "http://www.omg.org/XMI"
 _KNOWN_PREFIXES = {"xsi": XSI, "xmi": XMI}
 _UNDECLARED = re.compile(r"Namespace prefix (\S+) (?:for \S+ )?on \S+ is not defined")
 _MAX_REPAIRS = 100
+_LAST_LINE = 65535
 # Between two "<" lie at least 5 bytes per attribute: no window of half of that without "<" means
 # no element with more than 1,000 attributes, at a thousandth of the cost of looking at each.
 _WINDOW = 2500
@@ -52,6 +53,9 @@ class Limits:
     reference_tokens: int = 100_000
 
 
+DEFAULT_LIMITS = Limits()
+
+
 @dataclass(frozen=True)
 class Tree:
     """A parsed document.
@@ -68,7 +72,7 @@ class Tree:
 def load(
     stream: BinaryIO,
     name: str,
-    limits: Limits = Limits(),  # noqa: B008 - Limits is frozen
+    limits: Limits = DEFAULT_LIMITS,
 ) -> tuple[Tree | None, list[Problem]]:
     """Parse a document from a seekable stream.
 
@@ -86,7 +90,7 @@ def load(
     document, undeclared, problem = _parse(stream, head, name)
     if document is None:
         return None, [problem] if problem else []
-    if document.getroottree().docinfo.doctype:
+    if _docinfo(document).doctype:
         return None, [_doctype(Place(name, 1))]
     crowded = _crowded(document, stream, limits.attributes)
     if crowded is not None:
@@ -105,8 +109,27 @@ def load(
 
 
 def line_of(element: Element) -> int | None:
-    """Return the line of an element, counted from 1."""
-    return element.sourceline
+    """Return the line of an element, counted from 1.
+
+    libxml2 stores lines of elements up to 65,534. Above that it answers with the line on which
+    the next text ends, from which the line of the element follows.
+    """
+    stated: Any = element.sourceline  # the stubs give it no type
+    if not isinstance(stated, int) or stated < _LAST_LINE:
+        return stated if isinstance(stated, int) else None
+    node: Element | None = element
+    while node is not None:
+        text = node.text or (None if len(node) else node.tail)
+        if text:
+            return stated - str(text).count("\n")
+        node = node[0] if len(node) else node.getnext()
+    return stated
+
+
+def select(element: Element, query: str) -> list[Any]:
+    """Return what an XPath query finds: elements or texts."""
+    found = element.xpath(query)
+    return found if isinstance(found, list) else []
 
 
 def feature_of(element: Element) -> str:
@@ -122,7 +145,7 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
         deep: look inside its children too.
     """
     steps = "descendant-or-self::*/" if deep else ""
-    texts = element.xpath(f"{steps}text()[normalize-space()]")
+    texts = select(element, f"{steps}text()[normalize-space()]")
     found: list[tuple[Element, str]] = []
     for text in texts:
         before = text.getparent()  # for a tail: the sibling that it follows
@@ -169,17 +192,16 @@ def _parse(
     undeclared: list[str] = []
     at = root_name_end(head)
     for _ in range(_MAX_REPAIRS):
-        names = "".join(f' xmlns:{p}="{_KNOWN_PREFIXES.get(p, p)}"' for p in undeclared)
-        insertion = names.encode(head.encoding, "replace")
+        declared = "".join(f' xmlns:{p}="{_KNOWN_PREFIXES.get(p, p)}"' for p in undeclared)
+        content: Any = _Input(stream, at or 0, declared.encode(head.encoding, "replace"))
         parser = _parser()
         try:
-            tree = etree.parse(_Input(stream, at or 0, insertion), parser)
-            return tree.getroot(), undeclared, None
+            return etree.parse(content, parser).getroot(), undeclared, None
         except (etree.XMLSyntaxError, LookupError, ValueError) as problem:
             missing = _missing_prefixes(parser)
             new = [prefix for prefix in missing if prefix not in undeclared]
             if not new or at is None:
-                return None, [], _syntax_error(problem, parser, head, name, repaired=bool(names))
+                return None, [], _syntax_error(problem, parser, head, name, repaired=bool(declared))
             undeclared += new
     return None, [], error("X001", "too many undeclared prefixes", Place(name, 1))
 
@@ -220,12 +242,15 @@ def _roots(document: Element) -> tuple[Element, ...]:
 
 def _crowded(document: Element, stream: BinaryIO, limit: int) -> Element | None:
     """Return an element with too many attributes."""
-    encoding = document.getroottree().docinfo.encoding or "UTF-8"
+    encoding = _docinfo(document).encoding or "UTF-8"
     if _ASCII_LIKE.fullmatch(encoding) and limit * 5 >= 2 * _WINDOW and not _has_gap(stream):
         return None
-    found = document.xpath(f"(descendant-or-self::*[count(@*) > {limit}])[1]")
-    first = found[0] if isinstance(found, list) and found else None
-    return first if isinstance(first, Element) else None
+    found: list[Element] = select(document, f"descendant-or-self::*[count(@*) > {limit}]")
+    return found[0] if found else None
+
+
+def _docinfo(document: Element) -> Any:
+    return document.getroottree().docinfo  # the stubs lack half of its attributes
 
 
 def _has_gap(stream: BinaryIO) -> bool:

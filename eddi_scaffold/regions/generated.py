@@ -21,10 +21,19 @@ _MANIFEST = "manifest.json"
 
 
 def listed_generated(root: Path) -> list[str]:
-    """Return the generated-only files that the template lists, empty when it was interrupted."""
+    """Return the generated-only files that the template lists, empty when it was interrupted.
+
+    A listed name may be a pattern such as ``src/**/*.py``.
+    """
     text = read_text(root / EDDI / _LIST)
     plain = without_sentinel(text) if isinstance(text, str) else None
-    return sorted({line.strip() for line in (plain or "").split("\n") if line.strip()})
+    lines = {line.strip() for line in (plain or "").split("\n") if line.strip()}
+    return sorted({name for line in lines for name in _matching(root, line)})
+
+
+def recorded_generated(root: Path) -> list[str]:
+    """Return the generated-only files of the last finished rendering."""
+    return sorted(_recorded(root))
 
 
 def record_generated(root: Path) -> bool:
@@ -59,6 +68,12 @@ def save_generated_edits(root: Path, paths: Iterable[str] | None = None) -> list
     return [save_reject(root, name, (root / name).read_bytes(), ".edited") for name in names]
 
 
+def _matching(root: Path, line: str) -> list[str]:
+    if "*" not in line:
+        return [line]
+    return [path.relative_to(root).as_posix() for path in root.glob(line) if path.is_file()]
+
+
 def _recorded(root: Path) -> dict[str, str]:
     text = read_text(root / EDDI / _MANIFEST)
     try:
@@ -80,5 +95,6 @@ __all__ = [
     "changed_generated",
     "listed_generated",
     "record_generated",
+    "recorded_generated",
     "save_generated_edits",
 ]

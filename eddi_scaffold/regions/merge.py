@@ -68,10 +68,11 @@ def merge(
     claims = claim_bodies(path, before, own, target, orphans)
     skeleton, rejects = _outside(path, before, own, target)
     text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
-    if not _holds(path, text, skeleton, claims):
-        skeleton = target.skeleton
-        rejects = [_whole(before or target, own)] if own else []
+    if own is not None and skeleton != target.skeleton and not _valid(path, skeleton, claims):
+        skeleton, rejects = target.skeleton, [_whole(before or target, own)]
         text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
+    if not _placed(text, claims):
+        return Refused((Fault(1, "the merged text would lose a region; put its markers back"),))
     notes = [*claims.notes, *_reject_notes(path, rejects), *_broken_bodies(path, text)]
     return Merged(
         _as_written(text, mine if mine is not None else theirs),
@@ -195,15 +196,19 @@ def _assemble(skeleton: Sequence[str], claims: Mapping[str, Claim], *, python: b
     return "".join(out)
 
 
-def _holds(path: str, text: str, skeleton: Sequence[str], claims: Claims) -> bool:
+def _placed(text: str, claims: Claims) -> bool:
     """Check the merged text against the promise before anything is written."""
     document, faults = parse(text)
     found = {r.id: r.body for r in document.regions.values() if r.id in claims.by_id}
-    placed = list(found) == list(claims.by_id) and all(
-        same_body(found[key], claim.body) for key, claim in claims.by_id.items()
+    return (
+        not faults
+        and list(found) == list(claims.by_id)
+        and all(same_body(found[key], claim.body) for key, claim in claims.by_id.items())
     )
-    if faults or not placed:
-        return False
+
+
+def _valid(path: str, skeleton: Sequence[str], claims: Claims) -> bool:
+    """Tell whether merged lines are valid whatever the bodies hold."""
     if kind_of(path) == "python":
         return check_text(path, "".join(skeleton)) is None
     defaults = {

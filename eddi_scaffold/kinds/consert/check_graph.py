@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from eddi_scaffold.kinds.consert.graph import cycles, inputs_of, reached
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, info, warning
+from eddi_scaffold.kinds.consert.near import NearNames
+from eddi_scaffold.problems import Place, Problem, error, info, warning
 from eddi_scaffold.yaml_nodes import shown
 
 if TYPE_CHECKING:
@@ -17,11 +18,16 @@ if TYPE_CHECKING:
 NodeKind = Literal["evidence", "demand", "gate", "guarantee"]
 LEAF_KINDS: tuple[NodeKind, ...] = ("evidence", "demand")
 _LONGEST_CHAIN = 12
+_LOOSE_ENDS = frozenset({"C008", "C009"})
+"""An edge that leads nowhere leaves its other end alone: that is not reported again."""
 
 
 def check_graph(consert: ConSert) -> list[Problem]:
     """Check the ids of the nodes and the edges between them."""
     kinds = kinds_of(consert)
+    problems = [*_repeated_ids(consert), *_edges(consert, kinds)]
+    if len(kinds) < len(list(_nodes(consert))):  # what follows would be guesswork
+        return problems
     inputs = {
         id_: () if kinds[id_] in LEAF_KINDS else sources
         for id_, sources in inputs_of(consert).items()
@@ -29,15 +35,14 @@ def check_graph(consert: ConSert) -> list[Problem]:
     reachable = reached(inputs, (g.id for g in consert.guarantees))
     # an edge from something unknown is reported itself: its target is not "without support" too
     fed = {edge.target for edge in consert.tree_propagations}
-    return [
-        *_repeated_ids(consert),
-        *_edges(consert, kinds),
-        *_cycles(consert, inputs),
-        *(p for guarantee in consert.guarantees for p in _support(guarantee, fed)),
-        *_unreached(consert, reachable),
-        *(p for gate in consert.gates for p in _gate(gate, inputs, reachable, fed)),
-        *_no_guarantees(consert),
-    ]
+    problems += _cycles(consert, inputs)
+    for guarantee in consert.guarantees:
+        problems += _support(guarantee, fed)
+    if not any(problem.code in _LOOSE_ENDS for problem in problems):
+        problems += _unreached(consert, reachable)
+    for gate in consert.gates:
+        problems += _gate(gate, inputs, reachable, fed)
+    return [*problems, *_no_guarantees(consert)]
 
 
 def kinds_of(consert: ConSert) -> dict[str, NodeKind]:
@@ -89,21 +94,24 @@ def _where(place: Place) -> str:
 
 def _edges(consert: ConSert, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]:
     seen: set[tuple[str, str]] = set()
+    near = NearNames(kinds)
     for edge in consert.tree_propagations:
         text = f"edge from {shown(edge.source)} to {shown(edge.target)}"
-        yield from _edge(edge, text, kinds)
+        yield from _edge(edge, text, kinds, near)
         if (edge.source, edge.target) in seen:
             yield warning("C023", f"{text} stands here again: read once", edge.place)
         seen.add((edge.source, edge.target))
 
 
-def _edge(edge: Propagation, text: str, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]:
+def _edge(
+    edge: Propagation, text: str, kinds: Mapping[str, NodeKind], near: NearNames
+) -> Iterator[Problem]:
     if edge.source not in kinds:
         message = f"{text}: nothing has the id {shown(edge.source)}"
-        yield error("C008", message, edge.place, did_you_mean(edge.source, kinds))
+        yield error("C008", message, edge.place, near.hint(edge.source))
     if edge.target not in kinds:
         message = f"{text}: nothing has the id {shown(edge.target)}"
-        yield error("C009", message, edge.place, did_you_mean(edge.target, kinds))
+        yield error("C009", message, edge.place, near.hint(edge.target))
     elif kinds[edge.target] in LEAF_KINDS:
         kind = kinds[edge.target]
         yield error("C011", f"{text}: {kind} cannot have support", edge.place)

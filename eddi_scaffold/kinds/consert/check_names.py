@@ -25,12 +25,12 @@ def check_names(consert: ConSert) -> list[Problem]:
     ids = {node.id: node.place for group in groups for node in group}
     inputs = {node.id for group in groups[:2] for node in group}
     return [
-        *(p for id_, place in ids.items() for p in _name(id_, place)),
+        *(p for id_, place in ids.items() for p in _name(id_, place, is_input=id_ in inputs)),
         *_collisions(ids, inputs),
     ]
 
 
-def _name(id_: str, place: Place) -> Iterator[Problem]:
+def _name(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
     if not id_:
         yield error("C018", "the id is empty", place)
         return
@@ -39,17 +39,17 @@ def _name(id_: str, place: Place) -> Iterator[Problem]:
         yield error("C018", message, place, "use at least one of the letters A-Z, a-z, 0-9")
         return
     if not names.is_identifier(id_):
-        derived = names.attribute(id_)
+        derived = names.attribute(id_) if is_input else names.identifier(id_)
         message = f"the id {shown(id_)} is no identifier: code uses {derived!r}, messages the id"
         yield warning("C018", message, place)
         return
-    yield from _reserved(id_, place)
+    yield from _reserved(id_, place, is_input=is_input)
 
 
-def _reserved(id_: str, place: Place) -> Iterator[Problem]:
-    attribute = names.attribute(id_)
-    if attribute != id_:
-        message = f"the id {shown(id_)} is a reserved word: code uses {attribute!r}"
+def _reserved(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
+    name = names.attribute(id_) if is_input else names.identifier(id_)
+    if name != id_:
+        message = f"the id {shown(id_)} is a reserved word: code uses {name!r}"
         yield warning("C018", message, place)
         return
     for title, image in _IMAGES:

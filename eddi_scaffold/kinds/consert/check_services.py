@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.kinds.consert.near import NearNames
+from eddi_scaffold.problems import Place, Problem, error, warning
 from eddi_scaffold.yaml_nodes import shown
 
 if TYPE_CHECKING:
@@ -32,11 +33,11 @@ def _members(
 ) -> Iterator[Problem]:
     if not members:
         yield error("C022", f"{name} has no {kind}s", place)
-    known_ids = set(known)
+    known_ids, near = set(known), NearNames(known)
     for member in dict.fromkeys(members):
         if member not in known_ids:
             message = f"{name} names an unknown {kind} {shown(member)}"
-            yield error("C020", message, place, did_you_mean(member, known))
+            yield error("C020", message, place, near.hint(member))
 
 
 def _demands_alone(consert: ConSert) -> Iterator[Problem]:

@@ -1,4 +1,4 @@
-"""Dimensions of ConSerts in EDDI XML, in the SESAME form and in the English of the older dialect."""
+"""Dimensions of ConSerts in EDDI XML: the SESAME form, and English in the older dialect."""
 
 from __future__ import annotations
 

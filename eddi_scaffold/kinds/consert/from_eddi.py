@@ -6,16 +6,16 @@ ConSerts of any source can get wrong is said by ``check``.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds.consert import spelling as names
 from eddi_scaffold.kinds.consert.eddi_graph import read_graph
 from eddi_scaffold.kinds.consert.eddi_names import check_consert_names, check_stray_text
 from eddi_scaffold.kinds.consert.eddi_services import provided_services, required_services
+from eddi_scaffold.kinds.consert.marks import mark_defaults
 from eddi_scaffold.kinds.consert.model import ConSert
 from eddi_scaffold.readers.findings import Findings
-from eddi_scaffold.readers.spelling import is_misprint
+from eddi_scaffold.readers.spelling import is_misprint, local_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -45,6 +45,7 @@ def read_eddi(
     parts: list[Element] = []
     first: dict[str, Element] = {}
     for element in consert_elements(document):
+        _check_class(element, findings)
         consert, services = _consert(element, source, findings)
         parts += [element, *services]
         name = _name(element, source, document)
@@ -53,12 +54,13 @@ def read_eddi(
             message = f'the ConSert name "{name}" is used twice, first in line {line}'
             findings.error("C007", message, element, "rename one of them")
         elif consert is not None:
-            conserts.append(_marked(consert, default_guarantees))
+            conserts.append(consert)
         first.setdefault(name, element)
     if parts:
         check_stray_text(parts, findings)
         _count_misprints(parts[0], findings)
-    return tuple(conserts), findings.problems()
+    marked, unclear = mark_defaults(conserts, default_guarantees if parts else (), source.name)
+    return marked, [*findings.problems(), *unclear]
 
 
 def consert_elements(document: EddiDocument) -> Iterator[Element]:
@@ -101,12 +103,12 @@ def _name(element: Element, source: Source, document: EddiDocument) -> str:
     return document.attribute(element, names.NAME) or source.stem
 
 
-def _marked(consert: ConSert, marks: Sequence[str]) -> ConSert:
-    def is_marked(id_: str) -> bool:
-        return id_ in marks or f"{consert.name}/{id_}" in marks
-
-    guarantees = tuple(replace(g, default=g.default or is_marked(g.id)) for g in consert.guarantees)
-    return replace(consert, guarantees=guarantees)
+def _check_class(element: Element, findings: Findings) -> None:
+    package = element.getparent()
+    printed = findings.document.class_of(package).printed if package is not None else ""
+    if package is not None and is_misprint(local_name(printed)):
+        message = f'class "{printed}" is read as "ConSertPackage"'
+        findings.count("warning", "X006", message, package)
 
 
 def _count_misprints(element: Element, findings: Findings) -> None:

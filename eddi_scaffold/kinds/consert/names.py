@@ -86,17 +86,24 @@ def escaped(name: str) -> str:
     return f"{name}_" if is_reserved(name) else name
 
 
-def attribute(id_: str) -> str:
-    """Return the attribute of ``EDDIInput`` for an input: the id itself wherever possible.
+def identifier(id_: str) -> str:
+    """Return an identifier for an id: the id itself wherever possible.
 
     Characters outside ``[A-Za-z0-9_]`` become ``_``, a leading digit gets a ``_`` before it, and
-    reserved words and members of the base class get one behind.
+    a reserved word one behind.
     """
     name = re.sub(r"[^A-Za-z0-9_]", "_", id_)
-    if not name or name[0].isdigit():
-        name = f"_{name}"
+    return escaped(f"_{name}" if not name or name[0].isdigit() else name)
+
+
+def attribute(id_: str) -> str:
+    """Return the attribute of ``EDDIInput`` for an input: its identifier wherever possible.
+
+    What would hide a member of the base class or a ``process_...`` method gets a ``_`` behind.
+    """
+    name = identifier(id_)
     hides = name in INPUT_MEMBERS or name.startswith("process_")
-    return f"{name}_" if hides else escaped(name)
+    return f"{name}_" if hides else name
 
 
 def published_class(id_: str) -> str:

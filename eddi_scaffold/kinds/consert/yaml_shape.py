@@ -9,9 +9,11 @@ from eddi_scaffold import yaml_nodes as y
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, nearest, warning
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
 MAX_ID = 128
+_MOST_STRANGE = 100
+"""Unknown keys of one map that are compared with a missing one."""
 
 
 @dataclass(frozen=True)
@@ -83,19 +85,23 @@ class Shape:
     def _keys(
         self, node: y.Map, what: str, mandatory: Sequence[str], optional: Sequence[str]
     ) -> None:
-        known, present = (*mandatory, *optional), node.keys()
-        strange = [key for key in present if key not in known]
+        known = dict.fromkeys((*mandatory, *optional))
+        keys = node.keys()
+        present, strange = set(keys), [key for key in keys if key not in known]
         instead: dict[str, str] = {}
         for key in mandatory:
             if key not in present:
-                found = nearest(key, strange)
+                found = nearest(key, strange[:_MOST_STRANGE])
                 if found is not None:
                     instead[found] = key
                 hint = _missing_hint(key, found)
                 self.report("C002", f"{what} has no key {key!r}", node.place, hint)
+        absent = [key for key in known if key not in present]
         for name, _ in node.entries:
             if name.text not in known and name.text not in instead:
-                self.problems.append(_unknown_key(name, what, known, present))
+                message = f"unknown key {y.shown(name.text)} in {what} is ignored"
+                hint = did_you_mean(name.text, absent)
+                self.problems.append(warning("C004", message, name.place, hint))
 
     def items(self, node: y.Node, what: str) -> tuple[y.Node, ...] | None:
         """Read a list, C003 for anything else."""
@@ -186,9 +192,3 @@ def _missing_hint(key: str, found: str | None) -> str | None:
     if (found, key) == ("dimension", "dimensions"):
         return "the key 'dimension' is there: use `dimensions: [...]`"
     return f"the key {y.shown(found)} is there: did you mean {key!r}?"
-
-
-def _unknown_key(key: y.Scalar, what: str, known: Iterable[str], present: Iterable[str]) -> Problem:
-    absent = [name for name in known if name not in present]
-    hint = did_you_mean(key.text, absent)
-    return warning("C004", f"unknown key {y.shown(key.text)} in {what} is ignored", key.place, hint)

@@ -1,0 +1,5 @@
+"""``python -m eddi_scaffold``."""
+
+from eddi_scaffold.cli import main
+
+main()

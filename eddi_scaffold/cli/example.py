@@ -1,0 +1,38 @@
+"""``eddi-scaffold example``: a worked example to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def example(
+    name: Annotated[str, typer.Argument(help="Name of the example; `list` prints them.")],
+    folder: Annotated[Path | None, typer.Argument(help="New folder for its files.")] = None,
+) -> None:
+    """Write a worked example: model, configurations, a recording.
+
+    Example: eddi-scaffold example two-conserts demo
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.examples import example_files, names
+    from eddi_scaffold.problems import EddiError, Place, did_you_mean, error
+    from eddi_scaffold.transaction import write
+
+    if name == "list":
+        for known in names():
+            console.data(known)
+        return
+    if name not in names():
+        hint = did_you_mean(name, names()) or f"examples: {', '.join(names())}"
+        raise EddiError(error("G012", f"there is no example {name!r}", hint=hint))
+    target = folder or Path(name)
+    if target.exists() and any(target.iterdir()):
+        raise EddiError(error("G013", "the folder is not empty", Place(str(target)), "name a new one"))
+    files = example_files(name)
+    write(target, files)
+    for file in sorted(files):
+        console.data(str(target / file))
+    console.say(f"next: read {target / 'README.md'}")

@@ -1,0 +1,40 @@
+"""``eddi-scaffold export``: the models of an EDDI in their own formats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import DefaultGuarantees, Name
+
+
+def export(
+    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")],
+    kind: Annotated[str | None, typer.Option("--kind", help="Only models of this kind, such as consert.")] = None,
+    name: Name = None,
+    default_guarantee: DefaultGuarantees = None,
+) -> None:
+    """Write each model as a file of its own: ConSerts as YAML.
+
+    Example: eddi-scaffold export example.xml -o models
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.kinds import kinds
+    from eddi_scaffold.models import checked_models, select
+    from eddi_scaffold.problems import EddiError, did_you_mean, error
+    from eddi_scaffold.transaction import FileState, write
+
+    if kind is not None and kind not in kinds():
+        hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
+        raise EddiError(error("G009", f"there is no kind {kind!r}", hint=hint))
+    reading = checked_models(model, default_guarantee or ())
+    console.problems(reading.problems)
+    files: dict[str, FileState] = {}
+    for item in select(reading.models, name, kinds()[kind] if kind else None):
+        files |= {file: FileState(text.encode()) for file, text in kinds()[item.kind].export(item).items()}
+    write(output, files)
+    for file in sorted(files):
+        console.data(str(output / file))

@@ -1,0 +1,60 @@
+"""``eddi-scaffold generate``: whole packages from models and configurations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, DryRun, ModelFile, Name
+
+
+def generate(
+    model: ModelFile,
+    workspace: Annotated[
+        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace (for the platform ros1).")
+    ] = None,
+    config: ConfigFiles = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder (for the platform plain).")] = None,
+    platform: Annotated[str, typer.Option(help="ros1 or plain.")] = "ros1",
+    name: Name = None,
+    default_guarantee: DefaultGuarantees = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Generate monitors, or regenerate them; hand-written lines stay.
+
+    Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
+    """
+    from eddi_scaffold.assembly import assemble, monitors_of
+    from eddi_scaffold.cli.reporting import finish
+    from eddi_scaffold.console import console
+    from eddi_scaffold.generation import bring
+    from eddi_scaffold.platforms import chosen
+    from eddi_scaffold.problems import EddiError, Place, error
+    from eddi_scaffold.project import own_template
+
+    target = chosen(platform)
+    place, option = (workspace, "-w WORKSPACE") if target.root else (output, "-o FOLDER")
+    if place is None:
+        raise EddiError(error("G006", f"the platform {platform} needs {option}"))
+    if target.root and not place.is_dir():
+        hint = f"mkdir -p {place}/src"
+        raise EddiError(error("G007", "there is no such catkin workspace", Place(str(place)), hint))
+    root = place / target.root
+    monitors, problems = monitors_of(model, config or [], name, default_guarantee or ())
+    assembly = assemble(monitors, target, root, problems)
+    console.problems(assembly.problems)
+    outcome = bring(root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress)
+    steps = _next_steps(target.name, place, assembly.monitors)
+    finish(outcome, dry_run=dry_run, next_steps=steps)
+
+
+def _next_steps(platform: str, place: Path, monitors: list[str] | tuple[str, ...]) -> list[str]:
+    if platform == "ros1":
+        return [
+            f"cd {place} && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3",
+            "source devel/setup.bash",
+            "roslaunch eddi_monitor_launcher eddi.launch",
+        ]
+    return [f"pip install {place / monitors[0]}"]

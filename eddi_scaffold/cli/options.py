@@ -1,0 +1,24 @@
+"""Options that several commands share, so that they read the same everywhere."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ModelFile = Annotated[Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")]
+ConfigFiles = Annotated[
+    list[Path] | None, typer.Option("-c", "--config", help="eddi_config.yml; repeat it for several monitors.")
+]
+Workspace = Annotated[Path, typer.Option("-w", "--workspace", help="Catkin workspace (it holds `src`).")]
+Name = Annotated[str | None, typer.Option("--name", help="Which model of the file, when it holds several.")]
+DefaultGuarantees = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--default-guarantee",
+        help="`ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its service); repeatable.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the difference, change nothing.")]

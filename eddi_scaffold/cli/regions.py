@@ -1,0 +1,41 @@
+"""``eddi-scaffold regions``: what was written by hand, and what needs a look."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import Json
+
+
+def regions(
+    path: Annotated[Path, typer.Argument(help="A package, or a folder that holds packages.")] = Path(),
+    check: Annotated[bool, typer.Option("--check", help="Exit with 3 when a person must look; for CI.")] = False,
+    accept: Annotated[
+        list[str] | None, typer.Option("--accept", help="Region id that was looked at and is right; repeatable.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List the regions of hand-written code and their state.
+
+    Example: eddi-scaffold regions --check catkin_ws
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.handwritten import accept_regions, inventory
+
+    for region_id in accept_regions(path, accept) if accept else ():
+        console.success(f"accepted {region_id}")
+    entries = inventory(path)
+    if as_json:
+        console.json({"regions": [entry.as_json() for entry in entries]})
+    else:
+        for entry in entries:
+            status = entry.status
+            place = f"{entry.file}:{status.line}" if status.line else entry.file
+            console.data(f"{status.state:9} {status.id}  {place}")
+            for note in status.notes:
+                console.data(f"          {note}")
+    if check and any(entry.status.review for entry in entries):
+        raise typer.Exit(3)

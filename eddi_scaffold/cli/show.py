@@ -1,0 +1,47 @@
+"""``eddi-scaffold show``: what is in a model file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
+
+
+def show(
+    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    name: Name = None,
+    default_guarantee: DefaultGuarantees = None,
+    as_json: Json = False,
+) -> None:
+    """Show the models of a file as a tree, or as JSON.
+
+    Example: eddi-scaffold show example.xml
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.kinds import kinds
+    from eddi_scaffold.models import read_models, select
+    from eddi_scaffold.problems import EddiError, has_errors
+    from eddi_scaffold.showing import survey_of
+    from eddi_scaffold.source import read_source
+
+    source = read_source(model)
+    survey, problems = survey_of(source)
+    reading = read_models(source, default_guarantee or ())
+    if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
+        raise EddiError(*(problems if has_errors(problems) else reading.problems))
+    if as_json:
+        console.json(survey)
+        return
+    chosen = select(reading.models, name) if name is not None else reading.models
+    for item in chosen:
+        for line in kinds()[item.kind].outline(item):
+            console.data(line)
+    listed = {(item.kind, item.name) for item in reading.models}
+    for other in survey["models"] if name is None else ():
+        if (other["kind"], other["name"]) not in listed:
+            counts = ", ".join(f"{number} {what}" for what, number in other["counts"].items())
+            console.data(f"{other['kind']} {other['name']} ({counts}); no monitor yet")
+    console.problems(reading.problems)

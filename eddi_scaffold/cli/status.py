@@ -1,0 +1,35 @@
+"""``eddi-scaffold status``: drift of generated packages, and what was written by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import ConfigFiles, Json
+
+
+def status(
+    packages: Annotated[list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")] = None,
+    workspace: Annotated[Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")] = None,
+    model: Annotated[Path | None, typer.Option("-m", "--model", help="Compare with this model file.")] = None,
+    config: ConfigFiles = None,
+    as_json: Json = False,
+) -> None:
+    """Say which packages differ from what they would be now, and what was written by hand.
+
+    Example: eddi-scaffold status -w catkin_ws
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.drift import drift_of
+    from eddi_scaffold.upgrading import groups
+
+    reports = [report for group in groups(workspace, packages or []) for report in drift_of(group, model, config or [])]
+    if as_json:
+        console.json({"packages": [report.as_json() for report in reports]})
+    else:
+        for report in reports:
+            console.data(report.as_text())
+    if any(report.drifted for report in reports):
+        raise typer.Exit(1)

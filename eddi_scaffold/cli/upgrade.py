@@ -1,0 +1,38 @@
+"""``eddi-scaffold upgrade``: newer model, configuration or templates into existing packages."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import ConfigFiles, DryRun
+
+
+def upgrade(
+    packages: Annotated[list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")] = None,
+    workspace: Annotated[Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")] = None,
+    model: Annotated[Path | None, typer.Option("-m", "--model", help="Newer model file.")] = None,
+    config: ConfigFiles = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Bring generated packages up to date; hand-written lines stay.
+
+    Example: eddi-scaffold upgrade -w catkin_ws -m example_v2.xml --dry-run
+    """
+    from eddi_scaffold.cli.reporting import finish
+    from eddi_scaffold.console import console
+    from eddi_scaffold.generation import Outcome, bring
+    from eddi_scaffold.project import own_template
+    from eddi_scaffold.upgrading import groups, targets
+
+    outcomes: list[Outcome] = []
+    template = own_template()
+    planned = [(group, *targets(group, model, config or [])) for group in groups(workspace, packages or [])]
+    for group, wanted, problems in planned:
+        console.problems(problems)
+        outcomes.append(bring(group.root, wanted, template, dry_run=dry_run, progress=console.progress))
+    attention = [outcome for outcome in outcomes if outcome.attention]
+    for outcome in sorted(outcomes, key=lambda o: o in attention):  # the one that exits with 3 comes last
+        finish(outcome, dry_run=dry_run)

@@ -1,0 +1,334 @@
+"""``eddi_config.yml``: how one model is connected to a robot (SESAME D7.2 Figs 32 and 39).
+
+The only importer of pydantic. Values follow YAML 1.1, as D7.2's tools and roslaunch do.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictFloat,
+    StrictInt,
+    StrictStr,
+    ValidationError,
+)
+
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, in_order, warning
+from eddi_scaffold.source import Source
+from eddi_scaffold.yaml_nodes import Items, Map, Node, differs_between_versions, read_map, value_11
+
+_ALIASES = {
+    "EDDIOoutputs": "EDDIOutputs",
+    "EDDIOOutputs": "EDDIOutputs",
+    "SimulatorOutput": "SimulatorOutputs",
+}
+_TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
+_MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
+_TYPES = {
+    "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
+    "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
+    "int64": "int", "str": "str", "string": "str", "text": "str",
+}  # fmt: skip
+
+
+def _topic(text: str) -> str:
+    if _TOPIC.fullmatch(text) is None:
+        raise ValueError("a ROS name is expected: letters, digits, `_` and `/`, such as /rte/e0a")
+    return text
+
+
+def _message_type(text: str) -> str:
+    match = _MESSAGE_TYPE.fullmatch(text)
+    if match is None:
+        raise ValueError("a message type is expected, such as std_msgs.Bool or std_msgs/Bool")
+    return f"{match[1]}/{match[2]}"
+
+
+def _input_type(text: str) -> str:
+    if text.lower() not in _TYPES:
+        raise ValueError("the type of an input is bool, float, int or str")
+    return _TYPES[text.lower()]
+
+
+def _max_age(value: object) -> object:
+    if value == "none" or value is None:
+        return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("seconds (a number above 0) or the word none are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+    if not math.isfinite(value) or value <= 0:
+        raise ValueError("seconds must be a number above 0, or the word none")
+    return float(value)
+
+
+def _frequency(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("a number of steps per second is expected")  # noqa: TRY004 - pydantic collects ValueErrors
+    if not math.isfinite(value) or value <= 0:
+        raise ValueError("the frequency must be above 0")
+    return float(value)
+
+
+def _named(value: object) -> object:
+    """Accept D7.2's ids that YAML 1.1 reads as numbers."""
+    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
+MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
+Topic = Annotated[StrictStr, AfterValidator(_topic)]
+Default = StrictBool | StrictInt | StrictFloat | StrictStr | None
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ModelSection(_Section):
+    """Which model runs, and how.
+
+    Attributes:
+        frequency: steps per second, in Hz.
+        mode: one step per period, or at once when a message comes (and per period).
+        guarantee_ids: publish the ids of the model or D7.2's class names.
+        debounce: a leaf counts as TRUE again after so many TRUE samples in a row.
+    """
+
+    id: Name
+    type: StrictStr
+    frequency: Annotated[float, BeforeValidator(_frequency)] = 10.0
+    mode: Literal["rate", "on_change"] = "rate"
+    guarantee_ids: Literal["source", "class"] = "source"
+    debounce: Annotated[int, Field(ge=1, strict=True)] | None = None
+    filter: dict[str, Any] | None = None
+    parameters: Any = None
+
+
+class SimulatorOutput(_Section):
+    """One topic of the robot that the monitor listens to; ``max_age`` in seconds is the default of its inputs."""
+
+    id: Name
+    type: Annotated[StrictStr, AfterValidator(_message_type)]
+    topic: Topic
+    max_age: MaxAge = None
+
+
+class Input(_Section):
+    """One input of the monitor.
+
+    Attributes:
+        requires: ids of the simulator outputs it is made of.
+        default: value before the first message.
+        unit: unit of the value, when it is not the model's.
+        field: path into the message (``data``, ``guarantees[G0].active``).
+        max_age: seconds after which the value is unknown, or ``none`` for never.
+        renamed_from: former id; its hand-written body moves along.
+    """
+
+    id: Name
+    type: Annotated[StrictStr, AfterValidator(_input_type)] | None = None
+    requires: list[Name] = []
+    default: Default = None
+    unit: StrictStr | None = None
+    field: StrictStr | None = None
+    max_age: MaxAge = None
+    renamed_from: Name | None = None
+    allow_unsafe_default: StrictBool = False
+
+
+class Output(_Section):
+    """One topic on which the result is published."""
+
+    id: Name
+    topic: Topic
+
+
+class PackageSection(_Section):
+    """What stands in the generated package.xml."""
+
+    version: Annotated[StrictStr, Field(pattern=r"^\d+\.\d+\.\d+$")] = "0.1.0"
+    description: Annotated[StrictStr, Field(pattern=r"^[^\n\r]+$")] | None = None
+    maintainer: Annotated[StrictStr, Field(pattern=r"^[^<>\n]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>$")] | None = None
+    license: Annotated[StrictStr, Field(pattern=r"^[^\n\r]+$")] = "Apache-2.0"
+
+
+class Config(_Section):
+    """The whole file, checked for form; whether it fits the model is checked with the model."""
+
+    Model: ModelSection
+    SimulatorOutputs: list[SimulatorOutput] = []
+    EDDIInputs: list[Input] = []
+    EDDIOutputs: list[Output] = []
+    Package: PackageSection = PackageSection()
+
+    def as_json(self) -> str:
+        """Return the configuration as canonical JSON: what the answers remember."""
+        return json.dumps(self.model_dump(exclude_defaults=True), sort_keys=True)
+
+
+@dataclass(frozen=True)
+class ConfigFile:
+    """A configuration with the place of each of its parts.
+
+    Attributes:
+        places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
+    """
+
+    config: Config
+    name: str
+    places: Mapping[tuple[str | int, ...], Place]
+
+    def place(self, *path: str | int) -> Place:
+        """Return the place of a part, or of the nearest part around it."""
+        for end in range(len(path), -1, -1):
+            if path[:end] in self.places:
+                return self.places[path[:end]]
+        return Place(self.name)
+
+
+def from_json(text: str, name: str) -> ConfigFile:
+    """Read back what ``Config.as_json`` wrote."""
+    return ConfigFile(Config.model_validate(json.loads(text)), name, {})
+
+
+def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
+    """Read a configuration; the result is ``None`` when a problem is an error."""
+    document, problems = read_map(source, "E001")
+    if document is None:
+        return None, problems
+    places: dict[tuple[str | int, ...], Place] = {}
+    data = _plain(_renamed(document, problems), (), places, problems)
+    # an empty section is an empty list, as D7.2's tools read it
+    data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
+    try:
+        config = Config.model_validate(data)
+    except ValidationError as failed:
+        return None, in_order([*problems, *_translated(failed, places, source.name)])
+    file = ConfigFile(config, source.name, places)
+    problems += _repeated_ids(file)
+    return (None if has_errors(problems) else file), in_order(problems)
+
+
+def _renamed(document: Map, problems: list[Problem]) -> Map:
+    """Give the sections that D7.2's figures misspell their names."""
+    entries = []
+    for key, value in document.entries:
+        if key.text in _ALIASES:
+            name = _ALIASES[key.text]
+            problems.append(
+                warning("E002", f"{key.text!r} is read as {name!r}", key.place, "rename the section")
+            )
+            key = replace(key, text=name)  # noqa: PLW2901 - the same key, spelt right
+        entries.append((key, value))
+    return replace(document, entries=tuple(entries))
+
+
+def _plain(
+    node: Node,
+    path: tuple[str | int, ...],
+    places: dict[tuple[str | int, ...], Place],
+    problems: list[Problem],
+) -> Any:
+    """Turn a node graph into plain values; note where each stands."""
+    places[path] = node.place
+    if isinstance(node, Map):
+        result = {}
+        for key, value in node.entries:
+            inner = (*path, key.text)
+            result[key.text] = _plain(value, inner, places, problems)
+            if isinstance(value, Map | Items):
+                places[inner] = key.place
+        return result
+    if isinstance(node, Items):
+        return [_plain(item, (*path, i), places, problems) for i, item in enumerate(node.items)]
+    if differs_between_versions(node):
+        value = value_11(node)
+        message = f"{node.text!r} is read as {value!r} (YAML 1.1)"
+        problems.append(warning("E008", message, node.place, "write it in quotes if a text is meant"))
+    return value_11(node)
+
+
+def _translated(
+    failed: ValidationError, places: Mapping[tuple[str | int, ...], Place], file: str
+) -> Iterable[Problem]:
+    """Turn pydantic's findings into problems with a place, one per value."""
+    seen: set[tuple[str | int, ...]] = set()
+    for found in failed.errors():
+        path = tuple(found["loc"])
+        while path and path not in places:
+            path = path[:-1]
+        if path in seen and found["type"] != "missing":
+            continue
+        seen.add(path)
+        place = places.get(path, Place(file))
+        where = ".".join(str(part) for part in found["loc"][: len(path) + 1])
+        if found["type"] == "missing":
+            key = found["loc"][-1]
+            yield error("E003", f"{where.removesuffix(f'.{key}') or 'the file'} has no {key!r}", place)
+        elif found["type"] == "extra_forbidden":
+            key = str(found["loc"][-1])
+            known = _known_keys(path[:-1])
+            yield error(
+                "E004",
+                f"unknown key {key!r}",
+                place,
+                did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}",
+            )
+        else:
+            text = found["msg"].removeprefix("Value error, ")
+            yield error("E005", f"{where}: {text[:1].lower()}{text[1:]}", place)
+
+
+def _known_keys(path: tuple[str | int, ...]) -> set[str]:
+    sections: dict[str, type[BaseModel]] = {
+        "Model": ModelSection,
+        "SimulatorOutputs": SimulatorOutput,
+        "EDDIInputs": Input,
+        "EDDIOutputs": Output,
+        "Package": PackageSection,
+    }
+    section = sections.get(str(path[0])) if path else Config
+    return set(section.model_fields) if section else set()
+
+
+def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
+    config = file.config
+    required_ids = {name for item in config.EDDIInputs for name in item.requires}
+    for section, entries in (
+        ("SimulatorOutputs", config.SimulatorOutputs),
+        ("EDDIInputs", config.EDDIInputs),
+        ("EDDIOutputs", config.EDDIOutputs),
+    ):
+        first: dict[str, int] = {}
+        for index, entry in enumerate(entries):
+            if entry.id in first:
+                before = file.place(section, first[entry.id], "id").line
+                # A parsed robot system may hold one id twice: harmless until an input requires it.
+                harmless = section == "SimulatorOutputs" and entry.id not in required_ids
+                yield (warning if harmless else error)(
+                    "E006",
+                    f"the id {entry.id!r} stands twice in {section}, first in line {before}",
+                    file.place(section, index, "id"),
+                )
+            first.setdefault(entry.id, index)
+    known = {entry.id for entry in config.SimulatorOutputs}
+    for index, item in enumerate(config.EDDIInputs):
+        for position, required in enumerate(item.requires):
+            if required not in known:
+                yield error(
+                    "E007",
+                    f"input {item.id!r} requires {required!r}, which is no simulator output",
+                    file.place("EDDIInputs", index, "requires", position),
+                    did_you_mean(required, known),
+                )

@@ -1,0 +1,114 @@
+"""Everything that is printed: data to stdout, words to stderr. The only module that writes there."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import TextIO
+
+from eddi_scaffold.problems import Problem, in_order
+
+_COLOURS = {"error": "31", "warning": "33", "info": "36", "hint": "36", "success": "32", "place": "1"}
+
+
+class Console:
+    """Where a command's words go.
+
+    Attributes:
+        quiet: print errors only.
+        verbose: print infos as well.
+        colour: ``None`` decides by terminal, ``NO_COLOR`` and ``FORCE_COLOR``.
+    """
+
+    def __init__(self) -> None:
+        self.quiet = False
+        self.verbose = False
+        self.colour: bool | None = None
+
+    def data(self, text: str) -> None:
+        """Print data that one could pipe."""
+        _write(sys.stdout, _clean(f"{text}\n"))
+
+    def json(self, value: object) -> None:
+        """Print one JSON value."""
+        _write(sys.stdout, json.dumps(value, ensure_ascii=False, sort_keys=False, indent=2) + "\n")
+
+    def say(self, text: str) -> None:
+        """Print words, unless quiet."""
+        if not self.quiet:
+            _write(sys.stderr, _clean(f"{text}\n"))
+
+    def success(self, text: str) -> None:
+        """Print that something is done, unless quiet."""
+        if not self.quiet:
+            _write(sys.stderr, self._painted("success", _clean(text)) + "\n")
+
+    def progress(self, text: str) -> None:
+        """Print what is being done, on a terminal only."""
+        if sys.stderr.isatty() and not self.quiet:
+            _write(sys.stderr, f"{text}\n")
+
+    def problems(self, problems: Iterable[Problem], *, summary: bool = True) -> None:
+        """Print problems in order, with source lines, carets, hints and a closing count."""
+        shown = [p for p in in_order(problems) if self._wanted(p)]
+        for problem in shown:
+            _write(sys.stderr, self._problem(problem))
+        if shown and summary:
+            self.say(count_line(shown))
+
+    def _wanted(self, problem: Problem) -> bool:
+        if problem.level == "error":
+            return True
+        return not self.quiet and (problem.level == "warning" or self.verbose)
+
+    def _problem(self, problem: Problem) -> str:
+        place = problem.place
+        where = ":".join(str(part) for part in (place.file, place.line, place.col) if part)
+        level = self._painted(problem.level, f"{problem.level}:")
+        start = self._painted("place", f"{_clean(where)}: ") if where else ""
+        lines = [f"{start}{level} {_clean(problem.message)} [{problem.code}]"]
+        if problem.excerpt is not None and problem.excerpt.strip():
+            excerpt = problem.excerpt[:160].expandtabs(8)
+            lines.append(f"    {_clean(excerpt)}")
+            if place.col is not None and place.col <= 160:
+                before = len(problem.excerpt[: place.col - 1].expandtabs(8))
+                lines.append(f"    {' ' * before}^")
+        if problem.hint:
+            lines.append(f"  {self._painted('hint', 'hint:')} {_clean(problem.hint)}")
+        return "".join(f"{line}\n" for line in lines)
+
+    def _painted(self, role: str, text: str) -> str:
+        return f"\x1b[{_COLOURS[role]}m{text}\x1b[0m" if self._coloured() else text
+
+    def _coloured(self) -> bool:
+        if self.colour is not None:
+            return self.colour
+        if os.environ.get("NO_COLOR"):
+            return False
+        return bool(os.environ.get("FORCE_COLOR")) or sys.stderr.isatty()
+
+
+def count_line(problems: Sequence[Problem]) -> str:
+    """Return the closing line: ``2 errors, 1 warning``."""
+    counts = Counter(problem.level for problem in problems)
+    parts = [f"{counts[level]} {level}{'s' if counts[level] != 1 else ''}" for level in ("error", "warning", "info") if counts[level]]
+    return ", ".join(parts)
+
+
+def _clean(text: str) -> str:
+    """Replace what is not printable, so that text of a model cannot steer the terminal."""
+    return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)
+
+
+def _write(stream: TextIO, text: str) -> None:
+    """Write text; what the encoding of the stream cannot hold becomes an escape."""
+    encoding = stream.encoding or "utf-8"
+    stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
+    stream.flush()
+
+
+console = Console()
+"""The one console of the process; its flags are set by the command line."""

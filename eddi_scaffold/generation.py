@@ -1,0 +1,181 @@
+"""Bring packages to the state that their answers describe, keeping every hand edit.
+
+All packages of one command are rendered and merged in a scratch folder; the destination changes at
+the end, in one step, or not at all.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold import transaction
+from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.project import ANSWERS_FILE, Template, read_answers, render
+from eddi_scaffold.regions.generated import changed_generated, recorded_generated, save_generated_edits
+from eddi_scaffold.regions.sync import sync_package
+from eddi_scaffold.transaction import FileState
+
+PRIVATE_ANSWERS = ("_commit", "_src_path")
+"""What Copier itself writes into an answers file."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command did, or would do.
+
+    Attributes:
+        root: folder that all paths are relative to.
+        changes: path -> new state, ``None`` for a removed file.
+        before: path -> state before, for the changed ones that existed.
+        notes: one line each: what happened to hand edits, warnings of Copier.
+        attention: a person must look at hand edits.
+    """
+
+    root: Path
+    changes: Mapping[str, FileState | None]
+    before: Mapping[str, FileState]
+    notes: Sequence[str]
+    attention: bool
+
+    def diff(self) -> str:
+        """Return the change as a unified diff, paths relative to ``root``."""
+        return "".join(_diff(path, self.before.get(path), state) for path, state in sorted(self.changes.items()))
+
+
+@dataclass
+class _Work:
+    """What the packages of one command add up to."""
+
+    changes: dict[str, FileState | None] = field(default_factory=dict)
+    before: dict[str, FileState] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    attention: bool = False
+
+
+def existing(root: Path) -> dict[str, dict[str, Any]]:
+    """Return folder name -> answers of the generated packages directly below ``root``."""
+    folders = sorted(path for path in root.iterdir() if path.is_dir()) if root.is_dir() else []
+    found = ((folder.name, read_answers(folder)) for folder in folders)
+    return {name: answers for name, answers in found if answers is not None}
+
+
+def bring(
+    root: Path,
+    packages: Sequence[PackageAnswers],
+    template: Template,
+    *,
+    dry_run: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Outcome:
+    """Render the packages, merge them with what is below ``root``, and write the result.
+
+    Args:
+        root: folder that the packages' folders are relative to.
+        packages: what to render.
+        template: where from.
+        dry_run: change nothing.
+        progress: told the folder of each package before it is rendered.
+
+    Raises:
+        EddiError: a hand-edited file has damaged markers (R010), a result does not compile (R011),
+            or the destination cannot be written (F002); nothing was written.
+    """
+    transaction.recover(root)
+    work = _Work()
+    with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
+        for number, package in enumerate(packages):
+            progress(package.folder)
+            _bring_one(root, package, template, Path(scratch, str(number)), work)
+    if not dry_run:
+        transaction.write(root, work.changes)
+    return Outcome(root, work.changes, work.before, work.notes, work.attention)
+
+
+def _bring_one(root: Path, package: PackageAnswers, template: Template, scratch: Path, work: _Work) -> None:
+    target = root / package.folder
+    rendered = scratch / "rendered"
+    notes = render(package.answers, template, rendered)
+    before = transaction.tree_of(target)
+    staged = scratch / "staged"
+    if before:
+        if read_answers(target) is None:
+            hint = f"move it away, or choose another model id; a package of ours has a file {ANSWERS_FILE}"
+            raise EddiError(error("R012", "the folder exists and was not generated", Place(str(target)), hint))
+        shutil.copytree(target, staged, ignore=shutil.ignore_patterns(".git", "__pycache__"))
+        notes += _keep_generated_edits(staged, rendered)
+    _lay(rendered, staged)
+    report = sync_package(staged)
+    if report.refused:
+        raise EddiError(
+            *(
+                error("R010", refusal.reason, Place(str(target / refusal.file), refusal.line))
+                for refusal in report.refused
+            )
+        )
+    after = transaction.tree_of(staged)
+    _check_python(after, target)
+    changed = {path: after.get(path) for path in {*before, *after} if before.get(path) != after.get(path)}
+    work.changes.update({f"{package.folder}/{path}": state for path, state in changed.items()})
+    work.before.update({f"{package.folder}/{path}": before[path] for path in changed if path in before})
+    work.notes += [note for note in notes if note not in work.notes]
+    work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in report.notes]
+    work.attention = work.attention or report.needs_attention
+
+
+def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
+    """Save edited generated-only files before they are replaced, and drop those that vanished."""
+    edited = changed_generated(staged)
+    saved = save_generated_edits(staged, edited)
+    notes = [
+        f"{name} says do not edit, but was edited: your text is kept in {copy.relative_to(staged)}"
+        for name, copy in zip(edited, saved, strict=True)
+    ]
+    for name in recorded_generated(staged):
+        if not (rendered / name).exists():
+            (staged / name).unlink(missing_ok=True)
+    return notes
+
+
+def _lay(rendered: Path, staged: Path) -> None:
+    """Put a rendering over a package: generated-only and pristine files, editable ones if absent."""
+    shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
+    editable = {path.relative_to(rendered / ".eddi" / "pristine") for path in _files(rendered / ".eddi" / "pristine")}
+    for path in _files(rendered):
+        relative = path.relative_to(rendered)
+        target = staged / relative
+        if relative in editable and target.exists():
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, target)
+
+
+def _files(folder: Path) -> Iterable[Path]:
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def _check_python(after: Mapping[str, FileState], target: Path) -> None:
+    for path, state in after.items():
+        if path.endswith(".py") and not path.startswith(".eddi/"):
+            try:
+                ast.parse(state.data)
+            except (SyntaxError, ValueError) as problem:
+                line = getattr(problem, "lineno", None)
+                message = f"the hand-written code is not valid Python: {getattr(problem, 'msg', problem)}"
+                raise EddiError(error("R011", message, Place(str(target / path), line))) from None
+
+
+def _diff(path: str, before: FileState | None, after: FileState | None) -> str:
+    old = before.data.decode("utf-8", "replace").splitlines(keepends=True) if before else []
+    new = after.data.decode("utf-8", "replace").splitlines(keepends=True) if after else []
+    lines = difflib.unified_diff(
+        old, new, f"a/{path}" if before else "/dev/null", f"b/{path}" if after else "/dev/null"
+    )
+    return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)

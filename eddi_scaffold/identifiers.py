@@ -1,0 +1,54 @@
+"""Names in generated code: ids of a model are any text, identifiers are not.
+
+The reserved words are a frozen list, not the running interpreter's, so that the same model gives
+the same code under every Python version.
+"""
+
+from __future__ import annotations
+
+import re
+
+RESERVED = frozenset(
+    "False None True and as assert async await break case class continue def del elif else except "
+    "finally for from global if import in is lambda match nonlocal not or pass raise return self "
+    "super try type while with yield _".split()
+)
+INPUT_MEMBERS = frozenset({"begin_step", "bind", "processing", "states", "update"})
+"""Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
+
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_PACKAGE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+
+
+def is_identifier(name: str) -> bool:
+    """Tell whether ``name`` can stand in generated code as it is (ASCII, not reserved)."""
+    return (
+        _IDENTIFIER.fullmatch(name) is not None
+        and name not in RESERVED
+        and not name.startswith("__")
+    )
+
+
+def attribute(name: str) -> str:
+    """Return the Python name for an id: the id itself wherever possible.
+
+    Characters outside ``[A-Za-z0-9_]`` become ``_``, a leading digit gets a ``_`` before it, and
+    reserved words and members of the runtime's ``EDDIInputBase`` get one behind.
+    """
+    words = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    if not words or words[0].isdigit():
+        words = f"_{words}"
+    if words.startswith("__"):
+        words = f"input{words}"
+    hides = words in INPUT_MEMBERS or words.startswith("process_")
+    return f"{words}_" if hides or words in RESERVED else words
+
+
+def is_package_name(name: str) -> bool:
+    """Tell whether ``name`` has the form of REP-144 and is at least two characters long."""
+    return len(name) >= 2 and _PACKAGE.fullmatch(name) is not None
+
+
+def package_name(model_id: str) -> str:
+    """Derive a package name of the form of REP-144 from a model id; may be too short or empty."""
+    return re.sub(r"[^a-z0-9]+", "_", model_id.lower()).strip("_").lstrip("0123456789_")

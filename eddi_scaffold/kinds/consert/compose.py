@@ -1,0 +1,249 @@
+"""Composition: whether the demands of ConSerts are met by guarantees of others.
+
+Source: SESAME D7.2 section 3.1 (``conserts compose``). Unlike there, the order of the files does
+not matter, and units are converted exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.kinds.consert.graph import cycles
+from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
+from eddi_scaffold.kinds.consert.paths import constants
+from eddi_scaffold.problems import Problem, error
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from eddi_scaffold.kinds.consert.model import ConSert, Demand, Guarantee
+
+Ref = tuple[str, str]
+"""Instance name and id."""
+
+
+@dataclass(frozen=True)
+class Composition:
+    """What came of putting ConSerts together.
+
+    Attributes:
+        composable: every demand and required service is met, and no ConSerts wait for each other.
+        order: instance names, providers first; those that could not be accepted are missing.
+        bindings: (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which
+            depends on the instance itself.
+        unmatched_demands: ids of demands that nobody in the set fulfils, as ``INSTANCE/ID``
+            where several instances have a demand of that id.
+        unmatched_services: ids of required services that nobody in the set provides, likewise.
+        reasons: one sentence for each thing that stands in the way.
+        problems: instance names that are used twice (C027).
+    """
+
+    composable: bool
+    order: tuple[str, ...]
+    bindings: Mapping[Ref, tuple[Ref, ...]]
+    unmatched_demands: tuple[str, ...]
+    unmatched_services: tuple[str, ...]
+    reasons: tuple[str, ...]
+    problems: tuple[Problem, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Offer:
+    """A guarantee that another ConSert could lean on."""
+
+    instance: str
+    guarantee: Guarantee
+    services: frozenset[str]
+
+
+@dataclass
+class _Need:
+    """A demand or a required service, with the instances that can meet it."""
+
+    instance: str
+    id: str
+    met_by: dict[str, list[str]] = field(default_factory=dict)
+    reason: str = ""
+    is_demand: bool = True
+
+
+def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
+    """Put ConSerts together.
+
+    Args:
+        instances: name and checked model of each; a model may be there several times.
+    """
+    problems = tuple(_repeated_names([name for name, _ in instances]))
+    if problems:
+        return Composition(
+            composable=False,
+            order=(),
+            bindings={},
+            unmatched_demands=(),
+            unmatched_services=(),
+            reasons=tuple(problem.message for problem in problems),
+            problems=problems,
+        )
+    offers = [offer for name, consert in instances for offer in _offers(name, consert)]
+    needs = [need for name, consert in instances for need in _needs(name, consert, offers)]
+    provided = {
+        (service.functional_service_type, name)
+        for name, consert in instances
+        for service in consert.provided_services
+    }
+    needs += [need for name, consert in instances for need in _services(name, consert, provided)]
+    rounds = _accept([name for name, _ in instances], needs)
+    unmet = [need for need in needs if not need.met_by]
+    return Composition(
+        composable=len(rounds) == len(instances),
+        order=tuple(rounds),
+        bindings=_bindings(needs, rounds),
+        unmatched_demands=_ids(needs, unmet, is_demand=True),
+        unmatched_services=_ids(needs, unmet, is_demand=False),
+        reasons=(*(need.reason for need in unmet), *_waiting(instances, needs, rounds)),
+    )
+
+
+def _repeated_names(names: Sequence[str]) -> Iterator[Problem]:
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            message = f"{names.count(name)} ConSerts are called {name!r}"
+            yield error("C027", message, hint="give each a name of its own: NAME=FILE")
+
+
+def _offers(instance: str, consert: ConSert) -> list[_Offer]:
+    types: dict[str, set[str]] = {}
+    for service in consert.provided_services:
+        for id_ in service.guarantees:
+            types.setdefault(id_, set()).add(service.functional_service_type)
+    values = constants(consert)
+    return [
+        _Offer(instance, guarantee, frozenset(types.get(guarantee.id, ())))
+        for guarantee in consert.guarantees
+        if values[guarantee.id] is not False  # what can never hold fulfils nothing
+    ]
+
+
+def _needs(instance: str, consert: ConSert, offers: Sequence[_Offer]) -> Iterator[_Need]:
+    for demand in consert.demands:
+        types = [
+            service.functional_service_type
+            for service in consert.required_services
+            if demand.id in service.demands
+        ]
+        need = _Need(instance, demand.id)
+        others = [offer for offer in offers if offer.instance != instance]
+        candidates = [
+            offer for offer in others if not types or not offer.services.isdisjoint(types)
+        ]
+        misses = _judge(need, demand, candidates)
+        need.reason = f"demand {_name(need)} is not fulfilled: " + _nearest(misses, types)
+        yield need
+
+
+def _judge(need: _Need, demand: Demand, candidates: Sequence[_Offer]) -> list[Mismatch]:
+    misses: list[Mismatch] = []
+    for offer in candidates:
+        found = mismatch(offer.guarantee, demand, f"{offer.instance}/{offer.guarantee.id}")
+        if found is None:
+            need.met_by.setdefault(offer.instance, []).append(offer.guarantee.id)
+        else:
+            misses.append(found)
+    return misses
+
+
+def _nearest(misses: Sequence[Mismatch], types: Sequence[str]) -> str:
+    if misses:
+        return min(misses, key=lambda miss: miss.distance).text
+    if types:
+        return f"no other ConSert guarantees anything in a service of type {' or '.join(types)}"
+    return "no other ConSert guarantees anything"
+
+
+def _services(instance: str, consert: ConSert, provided: set[tuple[str, str]]) -> Iterator[_Need]:
+    for service in consert.required_services:
+        type_ = service.functional_service_type
+        need = _Need(instance, service.id, is_demand=False)
+        need.met_by = {
+            other: []
+            for service_type, other in sorted(provided)
+            if service_type == type_ and other != instance
+        }
+        text = f"required service {_name(need)} is not provided: no other ConSert provides "
+        need.reason = f"{text}a service of type {type_}"
+        yield need
+
+
+def _accept(names: Sequence[str], needs: Sequence[_Need]) -> dict[str, int]:
+    """Accept in rounds what needs only what has been accepted; instance -> its round."""
+    open_needs: dict[str, list[_Need]] = {name: [] for name in names}
+    for need in needs:
+        open_needs[need.instance].append(need)
+    rounds: dict[str, int] = {}
+    number = 0
+    while True:
+        ready = [
+            name
+            for name, own in open_needs.items()
+            if name not in rounds and all(_is_met(need, rounds) for need in own)
+        ]
+        if not ready:
+            return rounds
+        rounds |= dict.fromkeys(ready, number)
+        number += 1
+
+
+def _is_met(need: _Need, accepted: Mapping[str, int]) -> bool:
+    return any(name in accepted for name in need.met_by)
+
+
+def _bindings(needs: Sequence[_Need], rounds: Mapping[str, int]) -> dict[Ref, tuple[Ref, ...]]:
+    """Bind demands to guarantees of earlier rounds, so that no ConSert leans on itself."""
+    return {
+        (need.instance, need.id): tuple(
+            (other, id_)
+            for other, ids in need.met_by.items()
+            if _is_before(rounds, other, need.instance)
+            for id_ in ids
+        )
+        for need in needs
+        if need.is_demand and need.met_by
+    }
+
+
+def _is_before(rounds: Mapping[str, int], first: str, second: str) -> bool:
+    last = len(rounds)
+    return first in rounds and rounds[first] < rounds.get(second, last)
+
+
+def _ids(needs: Sequence[_Need], unmet: Sequence[_Need], *, is_demand: bool) -> tuple[str, ...]:
+    ids = [need.id for need in needs if need.is_demand == is_demand]
+    return tuple(
+        need.id if ids.count(need.id) == 1 else _name(need)
+        for need in unmet
+        if need.is_demand == is_demand
+    )
+
+
+def _name(need: _Need) -> str:
+    return f"{need.instance}/{need.id}"
+
+
+def _waiting(
+    instances: Sequence[tuple[str, ConSert]],
+    needs: Sequence[_Need],
+    rounds: Mapping[str, int],
+) -> Iterator[str]:
+    """Say which ConSerts wait for others that cannot be accepted, and who wait for each other."""
+    waits: dict[str, tuple[str, ...]] = {name: () for name, _ in instances}
+    for need in needs:
+        if need.instance not in rounds and not _is_met(need, rounds):
+            waits[need.instance] = (*waits[need.instance], *need.met_by)
+    for name, others in waits.items():
+        if others:
+            names = " or ".join(dict.fromkeys(others))
+            yield f"{name} waits for {names}, which cannot be accepted"
+    for cycle in cycles(waits):
+        chain = " -> ".join([*cycle, cycle[0]])
+        yield f"these ConSerts wait for each other (provider -> user): {chain}"

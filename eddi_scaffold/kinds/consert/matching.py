@@ -1,0 +1,128 @@
+"""Whether one guarantee fulfils one demand, and if not, what is in the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.kinds.consert import units
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    CategoricalDimension,
+    Demand,
+    Dimension,
+    Guarantee,
+    NumericDimension,
+)
+from eddi_scaffold.kinds.consert.ranges import is_inside, range_text, span
+
+if TYPE_CHECKING:
+    from eddi_scaffold.kinds.consert.ranges import Span
+
+_KINDS = {
+    BinaryDimension: "Binary",
+    CategoricalDimension: "Categorical",
+    NumericDimension: "Numeric",
+}
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """Why a guarantee does not fulfil a demand.
+
+    Attributes:
+        distance: the more, the less the guarantee is what the author of the demand had in mind.
+        text: the first dimension in the way.
+    """
+
+    distance: tuple[int, int]
+    text: str
+
+
+def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None:
+    """Compare a guarantee with a demand.
+
+    Every dimension of the demand needs one of the guarantee with the same kind, type and subset
+    flag, whose covered values fit in the direction of the flag; further dimensions of the
+    guarantee do not matter.
+
+    Args:
+        guarantee: what another ConSert offers.
+        demand: what is needed.
+        name: how the guarantee is called in the text.
+
+    Returns:
+        ``None`` when the guarantee fulfils the demand.
+    """
+    missing = [
+        min((_reason(d, g, name, demand.id) for g in guarantee.dimensions), key=lambda r: r[0])
+        if guarantee.dimensions
+        else (3, f"{name} has no dimension")
+        for d in demand.dimensions
+        if not any(fits(g, d) for g in guarantee.dimensions)
+    ]
+    if not missing:
+        return None
+    return Mismatch((len(missing), sum(rank for rank, _ in missing)), missing[0][1])
+
+
+def fits(given: Dimension, wanted: Dimension) -> bool:
+    """Tell whether a dimension of a guarantee satisfies one of a demand."""
+    if type(given) is not type(wanted) or given.type != wanted.type:
+        return False
+    if isinstance(given, CategoricalDimension) and isinstance(wanted, CategoricalDimension):
+        sets = set(wanted.covered), set(given.covered)
+        inner, outer = sets if given.subset == "Demand" else sets[::-1]
+        return given.subset == wanted.subset and inner <= outer
+    if isinstance(given, NumericDimension) and isinstance(wanted, NumericDimension):
+        if given.subset != wanted.subset or units.factor(given.uom, wanted.uom) is None:
+            return False
+        spans = _spans(wanted), _spans(given)
+        return is_inside(*(spans if given.subset == "Demand" else spans[::-1]))
+    return True
+
+
+def _spans(dimension: NumericDimension) -> list[Span]:
+    unit = units.find(dimension.uom) or units.RATIO
+    return [span(one, unit.factor) for one in dimension.covered]
+
+
+def _reason(wanted: Dimension, given: Dimension, name: str, demand: str) -> tuple[int, str]:
+    """Say why a dimension does not fit; the rank grows with the difference."""
+    title = f"dimension {wanted.type}"
+    if type(given) is not type(wanted) or given.type != wanted.type:
+        kind = _KINDS[type(wanted)]
+        return 3, f"{name} has no {kind} {title}"
+    if isinstance(wanted, BinaryDimension) or isinstance(given, BinaryDimension):
+        return 3, f"{name} has no Binary {title}"
+    if given.subset != wanted.subset:
+        text = f"{title}: the subset is {given.subset} in {name} and {wanted.subset} in {demand}"
+        return 2, text
+    if _has_other_quantity(given, wanted):
+        return (
+            2,
+            f"{title}: {_unit(given)} of {name} and {_unit(wanted)} of {demand} do not compare",
+        )
+    sides = (wanted, demand), (given, name)
+    (inner, of_inner), (outer, of_outer) = sides if given.subset == "Demand" else sides[::-1]
+    text = f"{_covered(inner)} of {of_inner} is not inside {_covered(outer)} of {of_outer}"
+    return 1, f"{title}: {text}"
+
+
+def _has_other_quantity(given: Dimension, wanted: Dimension) -> bool:
+    return (
+        isinstance(given, NumericDimension)
+        and isinstance(wanted, NumericDimension)
+        and units.factor(given.uom, wanted.uom) is None
+    )
+
+
+def _unit(dimension: Dimension) -> str:
+    uom = dimension.uom if isinstance(dimension, NumericDimension) else None
+    return f"the unit {uom}" if uom else "the ratio"
+
+
+def _covered(dimension: CategoricalDimension | NumericDimension) -> str:
+    if isinstance(dimension, CategoricalDimension):
+        return f"{{{', '.join(dimension.covered)}}}"
+    return " or ".join(range_text(one, dimension.uom) for one in dimension.covered)

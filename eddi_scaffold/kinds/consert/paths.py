@@ -1,0 +1,144 @@
+"""Path sets: the minimal sets of leaves whose being TRUE makes a node TRUE.
+
+ConSerts have no negation, so these sets say all about a node. They are found from the leaves
+upwards by MOCUS (Fussell and Vesely 1972): union for And, collection for Or, absorption after
+each step. Sets are bit masks over the leaves in file order.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.kinds.consert.graph import in_order, inputs_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from eddi_scaffold.kinds.consert.graph import Graph
+    from eddi_scaffold.kinds.consert.model import ConSert
+
+CAP = 256
+"""Most sets that are kept for one node; beyond it nothing is said about the node."""
+
+_BUDGET = 3_000_000
+
+Sets = frozenset[int]
+"""Path sets as bit masks; empty: constant FALSE; with 0: constant TRUE."""
+
+
+def leaves_of(consert: ConSert) -> list[str]:
+    """Return evidence, then demands: bit ``n`` of a mask is leaf ``n`` of this list."""
+    return [node.id for group in (consert.evidence, consert.demands) for node in group]
+
+
+def constants(consert: ConSert) -> dict[str, bool | None]:
+    """Return for each node whether it is constant TRUE or FALSE; ``None``: it depends on leaves.
+
+    Linear in the size of the ConSert, with the meaning of :func:`path_sets`.
+    """
+    inputs, defaults = inputs_of(consert), _defaults(consert)
+    ors = {gate.id for gate in consert.gates if gate.function == "Or"}
+    values: dict[str, bool | None] = dict.fromkeys(leaves_of(consert))
+    for id_ in in_order(inputs):
+        if id_ in values:
+            continue
+        if id_ in defaults:
+            values[id_] = True
+            continue
+        given = [values[source] for source in inputs[id_]]
+        wins = id_ in ors
+        if wins in given:
+            values[id_] = wins
+        else:
+            values[id_] = None if None in given else not wins
+    return values
+
+
+def path_sets(consert: ConSert) -> dict[str, Sets | None]:
+    """Return the path sets of every node; ``None`` where there are more than :data:`CAP`.
+
+    A default guarantee holds always; a guarantee or gate without input is what an And or Or
+    without input is.
+    """
+    inputs, defaults = inputs_of(consert), _defaults(consert)
+    ors = {gate.id for gate in consert.gates if gate.function == "Or"}
+    found: dict[str, Sets | None] = {
+        id_: frozenset({1 << index}) for index, id_ in enumerate(leaves_of(consert))
+    }
+    work = Work()
+    for id_ in in_order(inputs):
+        if id_ in defaults:
+            found[id_] = frozenset({0})
+        elif id_ not in found:
+            given = [found[source] for source in inputs[id_]]
+            found[id_] = combined(given, is_or=id_ in ors, work=work)
+    return found
+
+
+def _defaults(consert: ConSert) -> set[str]:
+    return {guarantee.id for guarantee in consert.guarantees if guarantee.default}
+
+
+class Work:
+    """What may still be spent on path sets: they can grow exponentially."""
+
+    def __init__(self) -> None:
+        self.left = _BUDGET
+
+    def spend(self, amount: int) -> bool:
+        """Take an amount of work; ``False`` when there is not enough left."""
+        self.left -= amount
+        return self.left >= 0
+
+
+def combined(given: Sequence[Sets | None], *, is_or: bool, work: Work) -> Sets | None:
+    """Return the path sets of an And or Or over nodes with these path sets."""
+    known = [sets for sets in given if sets is not None]
+    if len(known) != len(given):
+        return None
+    if is_or:
+        return minimal({mask for sets in known for mask in sets}, work)
+    result: Sets | None = frozenset({0})
+    for sets in known:
+        if result is None or len(result) * len(sets) > CAP * CAP:
+            return None
+        result = minimal({first | second for first in result for second in sets}, work)
+    return result
+
+
+def minimal(masks: Iterable[int], work: Work) -> Sets | None:
+    """Return the masks that contain no other one; ``None`` beyond the cap or the budget."""
+    kept: list[int] = []
+    for mask in sorted(masks, key=lambda m: (m.bit_count(), m)):
+        if not work.spend(len(kept) + 1):
+            return None
+        if not any(other & mask == other for other in kept):
+            kept.append(mask)
+            if len(kept) > CAP:
+                return None
+    return frozenset(kept)
+
+
+def implies(first: Sets, second: Sets) -> bool:
+    """Tell whether the second holds whenever the first does."""
+    return all(any(other & mask == other for other in second) for mask in first)
+
+
+def redundant_inputs(
+    id_: str,
+    inputs: Graph,
+    found: Mapping[str, Sets | None],
+    *,
+    is_or: bool,
+    work: Work,
+) -> set[str]:
+    """Return the inputs of a node without any of which its path sets stay the same."""
+    sources = inputs[id_]
+    if len(sources) < 2 or found[id_] is None:
+        return set()
+    return {
+        source
+        for source in sources
+        if combined([found[s] for s in sources if s != source], is_or=is_or, work=work)
+        == found[id_]
+    }

@@ -1,0 +1,70 @@
+"""Which models are in a file, whatever its format: the one way from a path to typed models."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from eddi_scaffold.kinds import Kind, Model, Reading, kinds
+from eddi_scaffold.problems import EddiError, Place, did_you_mean, error, has_errors
+from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.source import Source, read_source
+
+_XML_STARTS = (b"<", b"\xef\xbb\xbf<", b"\xff\xfe<\x00", b"\xfe\xff\x00<")
+
+
+def is_xml(source: Source) -> bool:
+    """Tell whether the file looks like XML (its suffix says nothing)."""
+    return source.data.lstrip(b" \t\r\n").startswith(_XML_STARTS)
+
+
+def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:
+    """Read every model of every kind in one file, with all problems."""
+    if is_xml(source):
+        document, problems = read_document(source)
+        models: list[Model] = []
+        for kind in kinds().values() if document is not None else ():
+            reading = kind.read_eddi(document, source, default_guarantees)
+            models += reading.models
+            problems = [*problems, *reading.problems]
+        return Reading(tuple(models), tuple(problems))
+    for kind in kinds().values():
+        if kind.sniff(source):
+            return kind.read_file(source, default_guarantees)
+    known = ", ".join(kind.title for kind in kinds().values())
+    message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
+    return Reading((), (error("F003", message, Place(source.name)),))
+
+
+def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Reading:
+    """Read the models of a file for a command that needs them whole.
+
+    Raises:
+        EddiError: a problem is an error, or there is no model in the file (F004).
+    """
+    source = read_source(path)
+    reading = read_models(source, default_guarantees)
+    if has_errors(reading.problems):
+        raise EddiError(*reading.problems)
+    if not reading.models:
+        message = "there is no model in this file that a monitor can be made of"
+        raise EddiError(error("F004", message, Place(source.name)), *reading.problems)
+    return reading
+
+
+def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) -> Sequence[Model]:
+    """Select the models called ``name`` (compared without case) and of ``kind``.
+
+    Raises:
+        EddiError: none is left (F005).
+    """
+    left = [model for model in models if kind is None or model.kind == kind.name]
+    if name is not None:
+        exact = [model for model in left if model.name == name]
+        left = exact or [model for model in left if model.name.casefold() == name.casefold()]
+    if not left:
+        names = [model.name for model in models]
+        wanted = f"no model {name!r}" if name is not None else "no such model"
+        hint = (did_you_mean(name, names) if name else None) or f"there are: {', '.join(names)}"
+        raise EddiError(error("F005", f"there is {wanted} in this file", Place(models[0].source.name), hint))
+    return left

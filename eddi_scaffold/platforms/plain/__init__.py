@@ -1,0 +1,34 @@
+"""Plain Python: one pip-installable package per monitor, with the runtime inside."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+
+from eddi_scaffold.answers import Monitor, shared_answers
+from eddi_scaffold.config import Config
+from eddi_scaffold.platforms import PackageAnswers, Platform
+from eddi_scaffold.problems import Problem
+
+
+def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
+    return PackageAnswers(monitor.package, shared_answers(monitor, "plain_monitor")), []
+
+
+def _support(monitors: Sequence[str], config: Config | None) -> list[PackageAnswers]:
+    return []
+
+
+def _taken_names() -> Mapping[str, str]:
+    reason = "it would hide a module of Python's standard library"
+    return {**dict.fromkeys(sys.stdlib_module_names, reason), "numpy": "it would hide numpy"}
+
+
+PLATFORM = Platform(
+    name="plain",
+    root="",
+    needs_config=False,
+    monitor=_monitor,
+    support=_support,
+    taken_names=_taken_names,
+)

@@ -1,0 +1,129 @@
+"""The answers of the packages of a ROS 1 workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from eddi_scaffold.answers import Monitor, identity_answers, one_line, shared_answers
+from eddi_scaffold.config import Config, ConfigFile
+from eddi_scaffold.kinds import JsonValue, kinds
+from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.platforms.ros1.messages import packages_of
+from eddi_scaffold.problems import Problem, error
+
+MESSAGE_PACKAGE = "eddi_messages"
+
+
+def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
+    """Return the answers of one monitor package; the configuration is there (``needs_config``)."""
+    assert monitor.config is not None, "the ros1 platform needs a configuration"
+    config = monitor.config.config
+    output_type = f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
+    classes = _class_names([source.type for source in config.SimulatorOutputs if _used(monitor, source.id)])
+    classes = {output_type: f"eddi_messages.msg.{monitor.kind.output_message}", **classes}
+    status = monitor.kind.status_message
+    answers = shared_answers(monitor, "ros1_monitor")
+    answers["message_packages"] = sorted({name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE})
+    answers["frequency"] = repr(config.Model.frequency)
+    answers["mode"] = config.Model.mode
+    answers["message_imports"] = _imports(classes)
+    answers["subscriptions"] = [
+        {"id": ascii(source.id), "topic": ascii(source.topic), "message_class": classes[source.type]}
+        for source in _subscribed(monitor)
+    ]
+    answers["publications"] = [
+        {
+            "id": ascii(output.id),
+            "title": one_line(output.id),
+            "topic": ascii(output.topic),
+            "topic_text": output.topic,
+            "type_text": output_type,
+            "message_class": classes[output_type],
+            "status_topic": ascii(f"{output.topic}/status" if status else None),
+            "status_class": f"eddi_messages.msg.{status}" if status else "None",
+        }
+        for output in config.EDDIOutputs
+    ]
+    folder = f"{monitor.package}"
+    return PackageAnswers(folder, answers), list(_check(monitor.config))
+
+
+def support_answers(monitors: Sequence[str], config: Config | None) -> list[PackageAnswers]:
+    """Return the answers of messages, launcher, runtime and metapackage."""
+    texts = {name: text for kind in kinds().values() for name, text in kind.messages.items()}
+    messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
+    listed = sorted(monitors)
+
+    def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
+        answers = {"template": template, **identity_answers(name, description, None), **more}
+        if config is not None and config.Package.maintainer is not None:
+            answers |= {
+                key: identity_answers(name, description, config)[key]
+                for key in ("maintainer_name", "maintainer_email", "license")
+            }
+        return PackageAnswers(name, answers)
+
+    return [
+        package(
+            "ros1_messages",
+            MESSAGE_PACKAGE,
+            "Messages of the EDDI runtime monitors",
+            messages=messages,
+            message_packages=packages_of(texts.values()),
+        ),
+        package("ros1_metapackage", "eddi_monitor", "All EDDI runtime monitors of this workspace", monitors=listed),
+        package(
+            "ros1_launcher",
+            "eddi_monitor_launcher",
+            "Launch file that starts every EDDI runtime monitor of this workspace",
+            monitors=listed,
+        ),
+        package("ros1_runtime", "eddi_runtime", "Runtime library of the EDDI monitors"),
+    ]
+
+
+def _used(monitor: Monitor, source_id: str) -> bool:
+    return any(source_id == source.id for binding in monitor.inputs for source in binding.requires)
+
+
+def _subscribed(monitor: Monitor) -> Iterable[object]:
+    """Return the simulator outputs that an input requires, in the order of the configuration."""
+    assert monitor.config is not None
+    seen: set[str] = set()
+    for source in monitor.config.config.SimulatorOutputs:
+        if _used(monitor, source.id) and source.id not in seen:
+            seen.add(source.id)
+            yield source
+
+
+def _class_names(types: Iterable[str]) -> dict[str, str]:
+    """Return message type -> Python name; equal class names of two packages get the package before."""
+    unique = sorted(set(types))
+    names = [name.partition("/")[2] for name in unique]
+    return {
+        full: (name if names.count(name) == 1 and name not in {"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "MonitorNode"} else full.replace("/", "_"))
+        for full, name in zip(unique, names, strict=True)
+    }
+
+
+def _imports(classes: dict[str, str]) -> list[str]:
+    lines = []
+    for full, name in sorted(classes.items()):
+        package, _, message = full.partition("/")
+        if name.startswith("eddi_messages.msg."):
+            continue
+        alias = "" if name == message else f" as {name}"
+        lines.append(f"from {package}.msg import {message}{alias}")
+    return lines
+
+
+def _check(config: ConfigFile) -> Iterable[Problem]:
+    if not config.config.EDDIOutputs:
+        message = "EDDIOutputs names no topic: the result would not be published"
+        hint = "add `- id: ...` with `topic: ...`"
+        yield error("E030", message, config.place("EDDIOutputs"), hint)
+    heard = {source.topic for source in config.config.SimulatorOutputs}
+    for index, output in enumerate(config.config.EDDIOutputs):
+        if output.topic in heard:
+            message = f"the monitor would listen to its own output {output.topic}"
+            yield error("E031", message, config.place("EDDIOutputs", index, "topic"))

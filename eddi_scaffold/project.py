@@ -1,0 +1,113 @@
+"""Render one package with Copier: the only importer of copier.
+
+The template is this project's own repository: the checkout that runs, or, for an installed wheel,
+the git bundle that travels in it and is put where a later ``copier update`` finds it again.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold import __version__
+from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.source import read_source
+from eddi_scaffold.yaml_nodes import read_document, value_11
+
+ANSWERS_FILE = ".copier-answers.yml"
+_BUNDLE = "templates.bundle"
+
+
+@dataclass(frozen=True)
+class Template:
+    """Where Copier finds the templates.
+
+    Attributes:
+        location: path as it is recorded in the answers file (``_src_path``).
+        ref: git reference to render.
+    """
+
+    location: str
+    ref: str | None
+
+
+def own_template() -> Template:
+    """Return the templates that belong to the running eddi-scaffold.
+
+    Raises:
+        EddiError: neither a checkout nor a bundle is there (T001).
+    """
+    package = Path(__file__).resolve().parent
+    if (package.parent / "copier.yml").is_file():
+        return Template(str(package.parent), "HEAD" if (package.parent / ".git").exists() else None)
+    if (package / _BUNDLE).is_file():
+        return Template(_installed_bundle(package / _BUNDLE), f"v{__version__}")
+    hint = "install eddi-scaffold again, or run it from a git checkout"
+    raise EddiError(error("T001", "the templates of eddi-scaffold are missing", hint=hint))
+
+
+def _installed_bundle(bundle: Path) -> str:
+    """Put the wheel's bundle below the home folder, where its path is the same for every user."""
+    home = Path("~").expanduser()
+    shelf = Path(os.environ.get("XDG_DATA_HOME") or home / ".local" / "share") / "eddi-scaffold"
+    target = shelf / _BUNDLE
+    try:
+        data = bundle.read_bytes()
+        if not target.is_file() or target.read_bytes() != data:
+            shelf.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile(dir=shelf, delete=False) as file:
+                file.write(data)
+            Path(file.name).replace(target)
+    except OSError as problem:
+        message = f"cannot put the templates at {target}: {problem.strerror}"
+        raise EddiError(error("T002", message, hint="set XDG_DATA_HOME to a folder you can write")) from None
+    return f"~/{target.relative_to(home)}" if target.is_relative_to(home) else str(target)
+
+
+def read_answers(package: Path) -> dict[str, Any] | None:
+    """Read what a package was generated from; ``None`` when it is no package of ours."""
+    path = package / ANSWERS_FILE
+    node = read_document(read_source(path), "T005")[0] if path.is_file() else None
+    data = value_11(node) if node is not None else None
+    known = isinstance(data, dict) and "template" in data and "generator_version" in data
+    return data if known else None
+
+
+def render(answers: Mapping[str, Any], template: Template, folder: Path) -> list[str]:
+    """Render a package into an empty or missing folder.
+
+    Returns:
+        Copier's warnings, such as a checkout with uncommitted changes.
+
+    Raises:
+        EddiError: git is missing (T003), or Copier refused (T004).
+    """
+    import copier
+    from copier.errors import CopierError
+
+    if shutil.which("git") is None:
+        message = "git is not installed, the templates cannot be read"
+        raise EddiError(error("T003", message, hint="apt-get install git"))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            copier.run_copy(
+                template.location,
+                folder,
+                data=dict(answers),
+                vcs_ref=template.ref,
+                defaults=True,
+                overwrite=True,
+                unsafe=True,
+                quiet=True,
+                skip_tasks=True,
+            )
+        except (CopierError, ValueError) as problem:
+            raise EddiError(error("T004", f"Copier refused: {problem}")) from problem
+    return sorted({str(warning.message) for warning in caught if warning.category.__module__.startswith("copier")})

@@ -1,0 +1,120 @@
+"""Replace many files as one step: all of them are new, or all of them are old.
+
+The new texts are staged in one folder beside the files, then a journal is written, then each file
+is replaced. Killed before the journal: nothing happened. Killed after it: the next ``recover``
+finishes the replacements.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.problems import EddiError, Place, error
+
+_PREFIX = ".eddi-transaction-"
+_JOURNAL = "journal.json"
+
+
+@dataclass(frozen=True)
+class FileState:
+    """Content and permission bits of one file."""
+
+    data: bytes
+    executable: bool = False
+
+
+def tree_of(folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})) -> dict[str, FileState]:
+    """Read all files below a folder: relative POSIX path -> state; empty when it does not exist."""
+    found: dict[str, FileState] = {}
+    for root, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if name not in skip)
+        for name in sorted(files):
+            path = Path(root, name)
+            if path.is_file():
+                mode = path.stat().st_mode
+                relative = path.relative_to(folder).as_posix()
+                found[relative] = FileState(path.read_bytes(), bool(mode & 0o100))
+    return found
+
+
+def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
+    """Write, replace or (``None``) remove the files below ``root`` as one step.
+
+    Raises:
+        OSError: the disk is full or a folder is not writable; then nothing was changed.
+    """
+    if not changes:
+        return
+    root.mkdir(parents=True, exist_ok=True)
+    staging = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root))
+    try:
+        journal: list[tuple[str, str | None]] = []
+        for number, (path, state) in enumerate(sorted(changes.items())):
+            if state is None:
+                journal.append((path, None))
+                continue
+            staged = staging / str(number)
+            _write(staged, state.data)
+            staged.chmod(0o755 if state.executable else 0o644)
+            journal.append((path, str(number)))
+        _write(staging / "journal.new", json.dumps(journal).encode())
+        (staging / "journal.new").replace(staging / _JOURNAL)
+    except BaseException:
+        shutil.rmtree(staging, ignore_errors=True)
+        raise
+    _finish(root, staging)
+
+
+def write(root: Path, changes: Mapping[str, FileState | None]) -> None:
+    """Do the same as ``apply`` for a command.
+
+    Raises:
+        EddiError: nothing could be written (F002).
+    """
+    try:
+        apply(root, changes)
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        raise EddiError(error("F002", f"cannot write: {reason}", Place(str(root)))) from None
+
+
+def recover(root: Path) -> bool:
+    """Finish what a killed ``apply`` began below ``root``; tell whether there was something."""
+    unfinished = sorted(root.glob(f"{_PREFIX}*")) if root.is_dir() else []
+    for staging in unfinished:
+        if (staging / _JOURNAL).exists():
+            _finish(root, staging)
+        else:
+            shutil.rmtree(staging, ignore_errors=True)
+    return bool(unfinished)
+
+
+def _finish(root: Path, staging: Path) -> None:
+    for path, staged in json.loads((staging / _JOURNAL).read_bytes()):
+        target = root / path
+        if staged is None:
+            target.unlink(missing_ok=True)
+            _remove_empty_folders(target.parent, root)
+        elif (staging / staged).exists():  # not yet moved by the run that was killed
+            target.parent.mkdir(parents=True, exist_ok=True)
+            (staging / staged).replace(target)
+    shutil.rmtree(staging, ignore_errors=True)
+
+
+def _remove_empty_folders(folder: Path, root: Path) -> None:
+    while folder != root and folder.is_dir() and not any(folder.iterdir()):
+        folder.rmdir()
+        folder = folder.parent
+
+
+def _write(path: Path, data: bytes) -> None:
+    with path.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())

@@ -1,0 +1,114 @@
+"""Which packages ``upgrade`` and ``status`` speak of, and what they should be."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.assembly import rejoined, stored, support
+from eddi_scaffold.config import ConfigFile, read_config
+from eddi_scaffold.generation import existing
+from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.models import checked_models
+from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
+from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.project import read_answers
+from eddi_scaffold.source import read_source
+
+
+@dataclass(frozen=True)
+class Group:
+    """Generated packages in one folder.
+
+    Attributes:
+        root: the folder.
+        present: package folder -> answers.
+    """
+
+    root: Path
+    present: dict[str, dict[str, Any]]
+
+
+def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
+    """Find generated packages: of a workspace, or the ones that are named.
+
+    Raises:
+        EddiError: there are none (U001).
+    """
+    if packages:
+        found = [Group(path.resolve().parent, {path.resolve().name: _answers(path)}) for path in packages]
+        roots = dict.fromkeys(group.root for group in found)
+        return [Group(root, {k: v for g in found if g.root == root for k, v in g.present.items()}) for root in roots]
+    place = workspace or Path()
+    candidates = [place / platform.root for platform in platforms().values()]
+    found = [Group(root, existing(root)) for root in dict.fromkeys(candidates)]
+    found = [group for group in found if group.present]
+    if not found:
+        hint = "name a workspace with -w, or the folder of a package"
+        raise EddiError(error("U001", "there are no generated packages here", Place(str(place)), hint))
+    return found
+
+
+def targets(
+    group: Group, model_file: Path | None, config_files: Sequence[Path]
+) -> tuple[list[PackageAnswers], list[Problem]]:
+    """Return what the packages of a group should be, with the problems of newer inputs.
+
+    Raises:
+        EddiError: an input cannot be used, or a new configuration comes without a model (U002).
+    """
+    if config_files and model_file is None:
+        message = "a new configuration needs the model as well"
+        raise EddiError(error("U002", message, hint="add `-m MODEL`"))
+    configs = _configs(config_files)
+    models = checked_models(model_file).models if model_file is not None else ()
+    packages: list[PackageAnswers] = []
+    problems: list[Problem] = []
+    monitors: dict[str, Platform] = {}
+    for folder, answers in group.present.items():
+        platform = _platform(answers)
+        if "model_json" not in answers:
+            continue
+        monitors[folder] = platform
+        if model_file is None:
+            packages.append(stored(folder, answers))
+            continue
+        monitor, found = rejoined(answers, models, configs.get(folder), folder)
+        package, more = platform.monitor(monitor)
+        packages.append(package)
+        problems += [*found, *more]
+    shared = {folder for folder in group.present if folder not in monitors}
+    for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
+        own = [folder for folder, of in monitors.items() if of is platform]
+        packages += [p for p in support(platform, group.root, own, None) if p.folder in shared]
+    return packages, problems
+
+
+def _answers(package: Path) -> dict[str, Any]:
+    answers = read_answers(package)
+    if answers is None:
+        message = "this folder is no generated package"
+        raise EddiError(error("U003", message, Place(str(package))))
+    return answers
+
+
+def _platform(answers: dict[str, Any]) -> Platform:
+    return platforms()[str(answers["template"]).partition("_")[0]]
+
+
+def _configs(files: Sequence[Path]) -> dict[str, ConfigFile]:
+    configs = {}
+    for path in files:
+        config, problems = read_config(read_source(path))
+        if config is None:
+            raise EddiError(*problems)
+        configs[package_name(config.config.Model.id)] = config
+    return configs
+
+
+def model_id(answers: dict[str, Any]) -> str:
+    """Return the id of the model that a monitor package was generated from."""
+    return str(json.loads(answers["model_json"])["id"])
