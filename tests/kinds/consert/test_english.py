@@ -1,0 +1,90 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds.consert.english import read_english
+from eddi_scaffold.kinds.consert.model import BinaryDimension, Bound, NumericDimension, Range
+from tests.shared_data import shared
+
+
+def _oracle() -> list[dict[str, object]]:
+    path = shared("conserts/oracle.yml")
+    entries: list[dict[str, object]] = yaml.safe_load(path.read_text())["xml_import"]
+    return entries
+
+
+def test_texts_of_the_oracle_agree() -> None:
+    checked = 0
+    by_id = {entry["id"]: entry for entry in _oracle()}
+    for entry in by_id.values():
+        if "text" not in entry or "error" in entry:
+            continue
+        want = by_id[entry["same_as"]] if "same_as" in entry else entry
+        dimension = read_english(str(entry["text"])).dimension
+        assert dimension.type == want["type"]
+        assert isinstance(dimension, BinaryDimension) == bool(want.get("binary"))
+        if isinstance(dimension, NumericDimension):
+            (covered,) = dimension.covered
+            assert covered.start.value == want["start"]
+            assert covered.end.value == want["end"]
+            assert covered.inclusive == (want["kind"] == "Inclusive")
+            assert (dimension.uom, dimension.subset) == (want["uom"], want["subset"])
+        checked += 1
+    assert checked == 5
+
+
+def test_a_lower_bound_is_open_upwards() -> None:
+    at_least = read_english("Distance >= 5.7 m").dimension
+    assert at_least == NumericDimension(
+        "Distance",
+        (Range(Bound("5.7", 5.7), Bound("inf", math.inf), inclusive=True),),
+        "Guarantee",
+        "m",
+    )
+    above = read_english("Distance > 5.7 m").dimension
+    assert isinstance(above, NumericDimension)
+    assert above.covered[0].start.value == math.nextafter(5.7, math.inf)
+    assert float(above.covered[0].start.text) == above.covered[0].start.value
+
+
+def test_a_bound_without_unit_is_numeric_without_unit() -> None:
+    dimension = read_english("FooBar < 5").dimension
+    assert dimension == NumericDimension(
+        "FooBar", (Range(Bound("0.0", 0.0), Bound("5", 5.0), inclusive=False),), "Guarantee", None
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "remark"),
+    [
+        ("Delay < 3 minutes", "Delay3Minutes", 'the unit "minutes" is unknown'),
+        ("Delay < 3 ms at most", "Delay3MsAtMost", '"3 ms at most" is no number with a unit'),
+        ("Delay < 3,5 ms", "Delay35Ms", '"3,5 ms" is no number with a unit'),
+        ("Delay == 3 ms", "Delay3Ms", "there is no operator <=, >=, <, > or bound to"),
+        ("Delay <== 3 ms", "Delay3Ms", '"= 3 ms" is no number with a unit'),
+        ("< 3 ms", "3Ms", "nothing stands before the operator"),
+    ],
+)
+def test_a_bound_that_cannot_be_read_is_binary_with_a_remark(
+    text: str, kind: str, remark: str
+) -> None:
+    read = read_english(text)
+    assert read.dimension == BinaryDimension(kind)
+    assert read.remark == remark
+
+
+def test_the_integrity_level_is_kept_apart() -> None:
+    read = read_english(" \r\nWifi Module is healthy : ASIL D \n")
+    assert read.dimension == BinaryDimension("WifiModuleIsHealthy")
+    assert (read.integrity_level, read.remark) == ("ASIL D", None)
+
+
+@given(st.text())
+def test_any_text_is_read(text: str) -> None:
+    read_english(text)
+    read_english(f"x < {text}")
