@@ -1,0 +1,302 @@
+"""Random lives of a package: every hand-written line stays where it belongs, whatever happens."""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from unittest.mock import patch
+from xml.etree import ElementTree
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from eddi_scaffold.regions.markers import Region, parse
+from eddi_scaffold.regions.store import load_orphans
+from eddi_scaffold.regions.sync import SyncReport, sync_package
+from tests.regions.rendering import (
+    CMAKE,
+    FILES,
+    INPUT,
+    MANIFEST,
+    NETWORK,
+    Element,
+    Package,
+    elements,
+    render,
+    snapshot,
+)
+
+NAMES = ("speed", "Distance_to_Pedestrian", "Critical", "light", "gps", "wind")
+STATES = (("Yes", "No"), ("low", "mid", "high"), ("Yes", "No", "Maybe"))
+
+
+class Killed(BaseException):
+    """Stands for kill -9: nothing catches it."""
+
+
+class Life:
+    """One package, its person and what must be true of it."""
+
+    def __init__(self, root: Path, chance: random.Random) -> None:
+        self.root, self.chance = root, chance
+        self.package = Package(elements(*NAMES[:3]))
+        self.inside: dict[str, set[str]] = {}  # token -> ids under which its region was known
+        self.outside: dict[str, str] = {}  # token -> function that holds it, "" for anywhere
+        self.count = 0
+        self.crlf = False
+        self.update(kill=False)
+
+    # what happens -------------------------------------------------------------------------
+    def act(self, name: str, *, kill: bool) -> None:
+        getattr(self, name)()
+        self.update(kill=kill)
+        self.check()
+
+    def add(self) -> None:
+        have = [e.name for e in self.package.elements]
+        free = [name for name in NAMES if name not in have]
+        if free:
+            place = self.chance.randint(0, len(have))
+            new = Element(self.chance.choice(free), self.chance.choice(STATES))
+            self._set(*self.package.elements[:place], new, *self.package.elements[place:])
+
+    def remove(self) -> None:
+        if self.package.elements:
+            gone = self.chance.choice(self.package.elements)
+            self._set(*(e for e in self.package.elements if e != gone))
+
+    def rename(self) -> None:
+        have = [e.name for e in self.package.elements]
+        free = [name for name in NAMES if name not in have]
+        if have and free:
+            old, new = self.chance.choice(self.package.elements), self.chance.choice(free)
+            for ids in self.inside.values():
+                for kind in ("input", "node"):
+                    if f"{kind}:{old.name}" in ids:
+                        ids.add(f"{kind}:{new}")
+            now = replace(old, name=new, was=(old.name,))
+            self._set(*(now if e == old else e for e in self.package.elements))
+
+    def reorder(self) -> None:
+        order = list(self.package.elements)
+        self.chance.shuffle(order)
+        self._set(*order)
+
+    def retype(self) -> None:
+        if self.package.elements:
+            one = self.chance.choice(self.package.elements)
+            now = replace(one, states=self.chance.choice(STATES))
+            self._set(*(now if e == one else e for e in self.package.elements))
+
+    def template(self) -> None:
+        self.package = replace(self.package, version=self.chance.choice((1, 2, 3)))
+
+    def files(self) -> None:
+        gone = self.chance.choice((None, NETWORK, CMAKE))
+        self.package = replace(self.package, files=tuple(f for f in FILES if f != gone))
+
+    def both(self) -> None:
+        self.template()
+        getattr(self, self.chance.choice(("add", "remove", "rename", "reorder", "retype")))()
+
+    def nothing(self) -> None:
+        pass
+
+    def edit(self) -> None:
+        path = self.chance.choice([f for f in FILES if (self.root / f).exists()])
+        document, faults = parse(self._text(path))
+        assert not faults
+        regions = list(document.regions.values())
+        if not regions:
+            return
+        region = self.chance.choice(regions)
+        token = self._token()
+        self.inside[token] = {region.id}
+        code = self.chance.choice(
+            (
+                f"{token} = 1",
+                f"if True:\n    {token} = 2\nelse:\n    pass",
+                f'{token} = """\n  text\nflush left\n"""',
+            )
+        )
+        if path == CMAKE:
+            code = f"set({token} 1)"
+        if path == MANIFEST:
+            code = f"<depend>{token}</depend>"
+        lines = "".join(f"{region.indent}{line}\n" for line in code.split("\n"))
+        if '"""' in code:
+            lines = lines.replace(f"{region.indent}flush", "flush")
+        keep = self.chance.random() < 0.7
+        if not keep:
+            for old in re.findall(r"hand_\d+", region.body):
+                self.inside.pop(old, None)
+        self._put(path, document.parts, region, (region.body if keep else "") + lines)
+
+    def edit_outside(self) -> None:
+        token = self._token()
+        text = self._text(INPUT)
+        place = self.chance.choice(("import", "helper", "init", "behind", "docstring", "last"))
+        functions = re.findall(r"def (process_\w+)", text)
+        if place == "import":
+            text = text.replace("\n\nclass", f"\nimport {token}\n\n\nclass", 1)
+        elif place == "helper":
+            helper = f"\n    def {token}(self):\n        # about {token}\n        return 1\n"
+            text = text.replace("\n    def processing", f"{helper}\n    def processing", 1)
+        elif place == "init":
+            text = re.sub(
+                r"(\n    def (?!__init__))", rf"        self.{token} = 1\n\1", text, count=1
+            )
+        elif place == "behind" and functions:
+            name = self.chance.choice(functions)
+            ident = re.escape(name.removeprefix("process_"))
+            end = rf"(edit end-----'''  # region: input:{ident}\n)"
+            text = re.sub(end, rf"\1        self.{token} = 1\n", text, count=1)
+            self.outside[token] = name
+        elif place == "docstring":
+            text = text.replace('"""\n', f'\n\n{token}\n"""\n', 1)
+        elif place == "last":
+            text += f"        self.{token}()\n"
+        if token in text:
+            self.outside.setdefault(token, "")
+        self._write(INPUT, text)
+
+    def line_ends(self) -> None:
+        self.crlf = not self.crlf
+        self._write(INPUT, self._text(INPUT))
+
+    # the world ----------------------------------------------------------------------------
+    def update(self, *, kill: bool) -> None:
+        render(self.root, self.package)
+        if kill:
+            self._killed_sync()
+        report = sync_package(self.root)
+        assert not report.refused, report
+        before = snapshot(self.root)
+        again = sync_package(self.root)
+        assert snapshot(self.root) == before
+        assert again.touched == ()
+        assert not again.needs_attention, again
+
+    def _killed_sync(self) -> None:
+        left = self.chance.randint(0, 12)
+        real = {name: getattr(os, name) for name in ("replace", "unlink")}
+
+        def guard(name: str):  # noqa: ANN202
+            def step(*arguments: object, **options: object) -> object:
+                nonlocal left
+                left -= 1
+                if left < 0:
+                    raise Killed
+                return real[name](*arguments, **options)
+
+            return step
+
+        for name in real:
+            setattr(os, name, guard(name))
+        try:
+            sync_package(self.root)
+        except Killed:
+            pass
+        finally:
+            for name, function in real.items():
+                setattr(os, name, function)
+        if self.chance.random() < 0.5:  # the next rendering comes before the repair
+            getattr(self, self.chance.choice(("add", "remove", "template", "reorder")))()
+            render(self.root, self.package)
+
+    # what must be true --------------------------------------------------------------------
+    def check(self) -> None:
+        present = [f for f in FILES if (self.root / f).exists()]
+        assert present == [f for f in FILES if f in self.package.files]
+        texts = {path: self._text(path) for path in present}
+        bodies: dict[str, Region] = {}
+        outside = ""
+        for path, text in texts.items():
+            assert "<<<<<<<" not in text
+            if path.endswith(".py"):
+                compile(text, path, "exec")
+            if path.endswith(".xml"):
+                ElementTree.fromstring(text)
+            document, faults = parse(text)
+            assert not faults
+            bodies.update(document.regions)
+            outside += "".join(p for p in document.parts if isinstance(p, str))
+        raw = (self.root / INPUT).read_bytes()
+        assert (raw.count(b"\r\n") == raw.count(b"\n")) == self.crlf
+        orphans = list(load_orphans(self.root).values())
+        rejects = "".join(
+            p.read_bytes().decode() for p in (self.root / ".eddi").glob("rejects/**/*.patch")
+        )
+        everything = "\n".join(texts.values())
+        for token, ids in self.inside.items():
+            word = re.compile(rf"\b{token}\b")
+            homes = [r.id for r in bodies.values() if word.search(r.body)]
+            saved = [o.id for o in orphans if word.search(o.body)]
+            assert len(homes) + len(saved) >= 1, (token, ids)
+            assert len(homes) <= 1, (token, homes)
+            assert set(homes + saved) <= ids, (token, homes, saved, ids)
+            assert not word.search(outside)
+            assert sum(len(word.findall(r.body)) for r in bodies.values()) <= 1
+        for token, function in self.outside.items():
+            found = re.findall(rf"\b{token}\b", everything)
+            assert found or token in rejects, token
+            assert len(found) <= 2
+            if found and function:
+                above = everything[: everything.index(token)]
+                assert re.findall(r"def (\w+)", above)[-1] == function
+
+    # small helpers ------------------------------------------------------------------------
+    def _set(self, *new: Element) -> None:
+        self.package = replace(self.package, elements=new)
+
+    def _token(self) -> str:
+        self.count += 1
+        return f"hand_{self.count}"
+
+    def _text(self, path: str) -> str:
+        return (self.root / path).read_bytes().decode().replace("\r\n", "\n")
+
+    def _write(self, path: str, text: str) -> None:
+        data = text.replace("\n", "\r\n") if self.crlf and path == INPUT else text
+        (self.root / path).write_bytes(data.encode())
+
+    def _put(self, path: str, parts: tuple[str | Region, ...], region: Region, body: str) -> None:
+        out = []
+        for part in parts:
+            if isinstance(part, str):
+                out.append(part)
+            else:
+                inner = body if part is region else part.body
+                out.append(f"{part.begin}\n{inner}{part.end}\n")
+        self._write(path, "".join(out))
+
+
+ACTIONS = (
+    "add remove rename reorder retype template files both nothing "
+    "edit edit edit edit edit_outside edit_outside line_ends"
+).split()
+
+
+@settings(
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+    max_examples=int(os.environ.get("N", 40)),
+)
+@given(
+    actions=st.lists(st.tuples(st.sampled_from(ACTIONS), st.booleans()), min_size=8, max_size=16),
+    seed=st.integers(0, 10**6),
+)
+def test_no_life_loses_moves_or_doubles_a_line(actions: list[tuple[str, bool]], seed: int) -> None:
+    with tempfile.TemporaryDirectory() as folder, patch("os.fsync"):  # a kill is no power cut
+        life = Life(Path(folder), random.Random(seed))
+        for action, kill in actions:
+            life.act(action, kill=kill)
+
+
+def test_report_of_an_untouched_package_is_empty(tmp_path: Path) -> None:
+    render(tmp_path, Package(elements("a", "b")))
+    assert sync_package(tmp_path) == SyncReport()
