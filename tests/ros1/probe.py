@@ -54,9 +54,7 @@ def subscribe(topic, type):
 
 def publish(topic, type, fields, latch=False):
     if topic not in _publishers:
-        _publishers[topic] = rospy.Publisher(
-            topic, message_class(type), queue_size=10, latch=latch
-        )
+        _publishers[topic] = rospy.Publisher(topic, message_class(type), queue_size=10, latch=latch)
     message = build(type, fields)
     _publishers[topic].publish(message)
     say(event="published", topic=topic, t=time.monotonic())

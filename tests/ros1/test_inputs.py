@@ -34,8 +34,10 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     probe.publish("/rte/e0a", BOOL, {"data": True}, latch=True)
     probe.active("/conserta/guarantees", {"System_A_G0", "System_A_G1"}, after=start)
     status = probe.wait(
-        lambda e: e.get("topic") == "/conserta/guarantees/status"
-        and [g["verdict"] for g in e["data"]["guarantees"]] == [2, 2],
+        lambda e: (
+            e.get("topic") == "/conserta/guarantees/status"
+            and [g["verdict"] for g in e["data"]["guarantees"]] == [2, 2]
+        ),
         after=start,
     )["data"]
     assert status["model_id"] == "ConSertA" and len(status["model_digest"]) == 64
@@ -120,7 +122,7 @@ def test_broken_evidence_is_unknown_and_nothing_ends(world, master, probe, model
         probe.publish("/faulty/how", TEXT, {"data": "true"})
         probe.active(out, {"G_E", "G_F", "G_N"}, after=mark)
     assert int(values["E.errors"]) >= 5
-    assert 'self.E = [][0]' in node.text  # the traceback, once
+    assert "self.E = [][0]" in node.text  # the traceback, once
     assert node.text.count("self.E = [][0]") == 1
 
     mark = probe.mark()

@@ -62,7 +62,9 @@ def test_rates_bursts_and_on_change(world, master, probe, model_files):
     assert stale
 
 
-def test_remaps_namespaces_and_the_model_beside_the_script(world, master, probe, model_files, tmp_path):
+def test_remaps_namespaces_and_the_model_beside_the_script(
+    world, master, probe, model_files, tmp_path
+):
     """Relative topics follow the namespace; the model is found in source and install layouts."""
     source = tmp_path / "ws" / "tester"
     shutil.copytree(HERE / "packages" / "tester", source)

@@ -87,11 +87,13 @@ def test_publishers_of_another_type(world, master, probe, model_files, tmp_path)
     older.do("publish", topic="/typed/consertb/guarantees", type=OUT, fields={}, latch=True)
     mark = probe.mark()
     world.node(
-        master, "tester", f"_model:={model_files['tester']}", "__ns:=/typed", "_watchdog_period:=0.3"
+        master,
+        "tester",
+        f"_model:={model_files['tester']}",
+        "__ns:=/typed",
+        "_watchdog_period:=0.3",
     )
-    node = world.node(
-        master, "conserta", f"_model:={model_files['conserta']}", "__ns:=/typed"
-    )
+    node = world.node(master, "conserta", f"_model:={model_files['conserta']}", "__ns:=/typed")
     level, text, _ = probe.diagnostics(
         "/typed/tester", lambda lv, t, v: "wrong_type.0" in v, after=mark
     )
@@ -125,8 +127,9 @@ def test_simulated_time(world, model_files):
         clock = {"clock": {"secs": second, "nsecs": 0}}
         probe.publish("/clock", "rosgraph_msgs/Clock", clock, latch=True)
         probe.wait(
-            lambda e, at=second: e.get("topic") == "/diagnostics"
-            and e["data"]["header"]["stamp"] == at,
+            lambda e, at=second: (
+                e.get("topic") == "/diagnostics" and e["data"]["header"]["stamp"] == at
+            ),
             after=seen,
         )
     mark = probe.mark()

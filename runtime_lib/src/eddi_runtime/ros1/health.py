@@ -69,7 +69,7 @@ class Health:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
         last, at = self._logged.get(about, ("", -_ERROR_GAP_S))
         if reason == last:
-            return
+            return  # also the usual case: nothing wrong before, nothing wrong now
         now = time.monotonic()
         if not reason:
             self._logged[about] = ("", at)
@@ -98,6 +98,7 @@ class Health:
 
     def collect(
         self,
+        *,
         identity: Mapping[str, str],
         receipts: Mapping[str, Receipt],
         overruns: int,
@@ -109,8 +110,7 @@ class Health:
         now = time.monotonic()
         states = self._states
         facts = [
-            _fact(spec, state, receipts, now, self._errors, self._blocks)
-            for spec, state in zip(self._inputs, states)
+            self._fact(spec, state, receipts, now) for spec, state in zip(self._inputs, states)
         ]
         silent = now - self._last_step
         node = NodeFact(
@@ -128,31 +128,25 @@ class Health:
             self._blocks_wanted = True
         return report(identity, facts, node)
 
+    def _fact(
+        self, spec: Any, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
+    ) -> InputFact:
+        here = [receipts[name] for name in spec.requires if name in receipts]
+        whole = len(here) == len(spec.requires)
+        return InputFact(
+            id=spec.id,
+            state=state[0],
+            reason=state[1],
+            age=max(now - receipt.at for receipt in here) if here else None,
+            received=min((receipt.received for receipt in here), default=0) if whole else 0,
+            errors=self._errors.get(spec.id, 0),
+            blocks=tuple(self._blocks.get(spec.id, ())) if state[0] != "ok" else (),
+            no_limit=spec.max_age == "none",
+        )
+
 
 def _latched(spec: Any, receipts: Mapping[str, Receipt]) -> bool:
     return any(name in receipts and receipts[name].latched for name in spec.requires)
-
-
-def _fact(
-    spec: Any,
-    state: Tuple[str, str],
-    receipts: Mapping[str, Receipt],
-    now: float,
-    errors: Mapping[str, int],
-    blocks: Mapping[str, Sequence[str]],
-) -> InputFact:
-    here = [receipts[name] for name in spec.requires if name in receipts]
-    whole = len(here) == len(spec.requires)
-    return InputFact(
-        id=spec.id,
-        state=state[0],
-        reason=state[1],
-        age=max(now - receipt.at for receipt in here) if here else None,
-        received=min((receipt.count for receipt in here), default=0) if whole else 0,
-        errors=errors.get(spec.id, 0),
-        blocks=tuple(blocks.get(spec.id, ())) if state[0] != "ok" else (),
-        no_limit=spec.max_age == "none",
-    )
 
 
 class Changes:
@@ -172,7 +166,7 @@ class Changes:
         now = activity(output)
         before, self._last = self._last, now
         for name, active in now.items():
-            if before is not None and before.get(name) is not active:
+            if before is not None and before.get(name, active) is not active:
                 self._say(name, active)
 
     def _say(self, name: str, active: bool) -> None:
@@ -185,6 +179,12 @@ class Changes:
         self._lines += 1
         if self._lines <= _CHANGES_PER_S:
             rospy.loginfo("%s is now %s", name, "active" if active else "inactive")
+
+
+def one_line(error: BaseException) -> str:
+    """Return type and text of an exception as one line."""
+    text = " ".join(str(error).split())[:300]
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 def activity(output: object) -> Dict[str, bool]:

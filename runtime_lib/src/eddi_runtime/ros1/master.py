@@ -58,7 +58,13 @@ class Peer:
             with proxy:
                 answer = getattr(proxy, method)(self._caller, *arguments)
             status, text, value = answer
-        except (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError) as e:
+        except (
+            OSError,
+            http.client.HTTPException,
+            xmlrpc.client.Error,
+            ValueError,
+            TypeError,
+        ) as e:
             raise Unreachable(f"{self.uri}: {type(e).__name__}: {e}") from e
         if status != 1:
             raise Refused(str(text))

@@ -4,32 +4,33 @@ The names ``create_ros_msg``, ``init_publisher``, ``init_subscriber`` and ``ros_
 of SESAME D7.2 Fig 31; a person may override them in the generated RosNode.
 """
 
-import contextlib
-import os
 import sys
-import threading
 import time
 import traceback
+from pathlib import Path
 from typing import Any, ClassVar, Dict, List, Mapping, Optional, Sequence
 
 import rosgraph
 import rospy
-import rospy.core
 
 from .. import ModelError, __version__
 from . import start
 from .diagnostics import Diagnostics
-from .health import Changes, Health
-from .publications import Converter, MessageError, Publications, check_serialises
+from .ending import Ending
+from .health import Changes, Health, one_line
+from .publications import (
+    Converter,
+    MessageError,
+    Publications,
+    check_outputs,
+    check_serialises,
+)
 from .report import Report
 from .schedule import Schedule, Waker
 from .settings import Settings, settings
 from .subscriptions import Receipt, Subscriptions
 from .topics import Input, Output
-from .watchdog import UNWATCHED, TypeRefusals, Watchdog, refusal
-
-_GRACE_S = 1.5
-_TAKEN_OVER = "new node registered with same name"
+from .watchdog import UNWATCHED, TypeRefusals, Watchdog
 
 
 class _Nothing:
@@ -54,8 +55,6 @@ class MonitorNode:
         options: private parameters.
 
     Attributes:
-        exit_status: 0 for a clean end, 1 when another node took the name, 3 when the ROS
-            master was lost.
         simulator_values: latest message of every input that has one, at the present step.
     """
 
@@ -70,7 +69,6 @@ class MonitorNode:
         self.monitor = monitor
         self.eddi_input = eddi_input
         self.simulator_values: Dict[str, Any] = {}
-        self.exit_status = 0
         self.options = options or Settings(self.FREQUENCY)
         self._core = getattr(monitor, "monitor", monitor)
         self._converter = Converter(self.MESSAGES)
@@ -85,11 +83,8 @@ class MonitorNode:
         self._refusals = TypeRefusals()
         self._watchdog: Optional[Watchdog] = None
         self._diagnostics: Optional[Diagnostics] = None
-        self._ended = Waker()
-        self._stopping = False
+        self._ending = Ending()
         self._ros_time: Any = None
-
-    # ------------------------------------------------------------------ what D7.2 names
 
     def create_ros_msg(self, eddi_output: Any) -> Any:
         """Return the ROS message of one output of ``EDDIMonitor.execute_step``."""
@@ -106,15 +101,13 @@ class MonitorNode:
     def ros_main(self) -> None:
         """Run steps until ROS ends the node."""
         self._schedule.start(time.monotonic())
-        while not self._stopping:
+        while not self._ending.begun:
             self._waker.wait(self._schedule.wait_s(time.monotonic()))
-            if self._stopping:
+            if self._ending.begun:
                 return
             started = time.monotonic()
             self.step()
             self._schedule.stepped(started, time.monotonic())
-
-    # ------------------------------------------------------------------ one step
 
     def step(self) -> None:
         """Evaluate the latest messages and publish the result; never raises.
@@ -124,22 +117,23 @@ class MonitorNode:
         """
         started = time.monotonic()
         receipts = self._subscriptions.receipts()
-        error = ""
         try:
             output = self._evaluate(receipts, started)
             error = self._publish(output)
+            self._health.log_error("step", error)
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
-            if self._stopping:
+            if self._ending.begun:
                 return
-            error = f"{type(caught).__name__}: {caught}"
+            error = one_line(caught)
             self._health.log_error("step", error, traceback.format_exc())
             output = self._publish_nothing_known()
-        else:
-            self._health.log_error("step", error)
-        self._changes.note(output)
-        self._watch_clock()
-        if self._health.after_step(receipts, error, time.monotonic() - started):
-            self._report_now()
+        try:
+            self._changes.note(output)
+            self._watch_clock()
+            if self._health.after_step(receipts, error, time.monotonic() - started):
+                self._report_now()
+        except Exception as caught:  # noqa: BLE001 - a report must never end the monitor
+            self._health.log_error("report", one_line(caught), traceback.format_exc())
 
     def _evaluate(self, receipts: Mapping[str, Receipt], now: float) -> Any:
         self.simulator_values = {name: receipt.message for name, receipt in receipts.items()}
@@ -155,28 +149,28 @@ class MonitorNode:
         if self._made_by_hand:
             check_serialises(message)
         self._publications.publish(message)
-        if self._publications.with_status:
-            self._publish_status(self._publications)
+        self._publish_status(self._publications)
         # Not every kind has it: rows that hand-written code spoilt and the monitor replaced.
         faults = getattr(self._core, "output_faults", None)
         return "; ".join(faults()) if faults is not None else ""
 
     def _publish_status(self, publications: Publications) -> None:
-        tree = self._core.status_message()
-        if tree is not None:
-            publications.publish_status(self._converter.message(tree))
+        if publications.with_status:
+            tree = self._core.status_message()
+            if tree is not None:
+                publications.publish_status(self._converter.message(tree))
 
     def _publish_nothing_known(self) -> Any:
         """Publish what holds when nothing is known, by our own code only."""
-        output = self._core.execute_step(_Nothing())
-        if self._publications is None:
-            return output
+        output = None
         try:
-            self._publications.publish(MonitorNode.create_ros_msg(self, output))
-            if self._publications.with_status:
+            output = self._core.execute_step(_Nothing())
+            if self._publications is not None:
+                self._publications.publish(MonitorNode.create_ros_msg(self, output))
                 self._publish_status(self._publications)
+            self._health.log_error("output", "")
         except Exception as caught:  # noqa: BLE001 - the loop must go on
-            self._health.log_error("output", f"{type(caught).__name__}: {caught}")
+            self._health.log_error("output", one_line(caught), traceback.format_exc())
         return output
 
     def _watch_clock(self) -> None:
@@ -188,123 +182,78 @@ class MonitorNode:
             rospy.logwarn("/clock jumped back by %.3f s", (self._ros_time - now).to_sec())
         self._ros_time = now
 
-    # ------------------------------------------------------------------ reports
-
     def _report_now(self) -> None:
         if self._diagnostics is not None:
             self._diagnostics.level_changed()
 
     def _collect(self, periodic: bool) -> Report:
         receipts = self._subscriptions.receipts()
-        watchdog = self._watchdog
         return self._health.collect(
-            self._identity(),
-            receipts,
-            self._schedule.overruns,
-            UNWATCHED if watchdog is None else watchdog.state,
-            self._wrong_types(receipts),
-            periodic,
+            identity={"model_digest": self._core.digest, "runtime_version": __version__},
+            receipts=receipts,
+            overruns=self._schedule.overruns,
+            master=UNWATCHED if self._watchdog is None else self._watchdog.state,
+            wrong_types=self._wrong_types(receipts),
+            periodic=periodic,
         )
 
     def _wrong_types(self, receipts: Mapping[str, Receipt]) -> List[str]:
         wrong = {} if self._watchdog is None else dict(self._watchdog.wrong_types)
         for topic, (name, _) in self._subscriptions.expected_types().items():
             last = receipts[name].at if name in receipts else None
-            reason = refusal(self._refusals.heard, topic, last)
+            reason = self._refusals.standing(topic, last)
             if reason is not None:
                 wrong.setdefault(topic, f"{topic}: {reason}")
         return list(wrong.values())
 
-    def _identity(self) -> Dict[str, str]:
-        return {"model_digest": self._core.digest, "runtime_version": __version__}
-
     def _log_start(self) -> None:
         unlimited = [spec.id for spec in self._core.inputs if spec.max_age is None]
         rospy.loginfo(
-            "monitor of %s (%s), model digest %s, eddi_runtime %s from %s, %s",
+            "monitor of %s (%s), model digest %s, eddi_runtime %s from %s,"
+            " inputs without max_age: %s",
             self._core.model_id,
             self._core.kind,
             self._core.digest,
             __version__,
-            os.path.dirname(os.path.dirname(os.path.abspath(__file__))),
-            "inputs without max_age: " + (", ".join(unlimited) or "none"),
+            Path(__file__).resolve().parents[1],
+            ", ".join(unlimited) or "none",
         )
-
-    # ------------------------------------------------------------------ life of the node
 
     def run(self) -> int:
         """Advertise, publish once, subscribe and loop; return the exit status.
 
         ``rospy.init_node`` has been called.
         """
-        rospy.on_shutdown(self._stop)
-        rospy.core.add_preshutdown_hook(self._explain_shutdown)
-        threading.Thread(target=self._guard_end, name="end guard", daemon=True).start()
-        self._log_start()
+        self._ending.on_end(self._waker.wake)
+        self._ending.install()
         self._refusals.install()
+        self._log_start()
         self.init_publisher()
         self.step()  # before any message can arrive: nothing is known, nothing is active
         self.init_subscriber()
         self._start_helpers()
-        if not rospy.is_shutdown():
-            self.ros_main()
-        self._await_shutdown()
-        return self.exit_status
+        self.ros_main()
+        self._ending.wait()
+        return self._ending.status
 
     def _start_helpers(self) -> None:
         if self.options.watchdog_period > 0.0:
             self._watchdog = Watchdog(
                 rosgraph.get_master_uri(),
                 self.options.watchdog_period,
-                self.options.on_master_loss == "reregister",
-                self._subscriptions.expected_types,
-                self._end,
-                self._report_now,
+                reregister=self.options.on_master_loss == "reregister",
+                expected=self._subscriptions.expected_types,
+                end=self._ending.end,
+                changed=self._report_now,
             )
+            self._ending.on_end(self._watchdog.stop)
             self._watchdog.start()
         if self.options.diagnostics:
             name = rospy.get_name()
             title = f"{name.lstrip('/')}: {self._core.model_id}"
             self._diagnostics = Diagnostics(title, name, self._collect)
+            self._ending.on_end(self._diagnostics.stop)
             self._diagnostics.start()
-
-    def _end(self, status: int, reason: str) -> None:
-        """End the process with a status; called by the watchdog."""
-        rospy.logerr("ending with status %d: %s", status, reason)
-        self.exit_status = status
-        rospy.signal_shutdown(reason)
-
-    def _explain_shutdown(self, reason: str) -> None:
-        if _TAKEN_OVER in reason:
-            self.exit_status = 1
-            rospy.logerr("the ROS master ended this node: another one has its name (%s)", reason)
-
-    def _stop(self) -> None:
-        """End the loop; rospy calls it first of all when the node ends, maybe in a signal."""
-        self._stopping = True
-        self._waker.wake()
-        self._ended.wake()
-        if self._watchdog is not None:
-            self._watchdog.stop()
-        if self._diagnostics is not None:
-            self._diagnostics.stop()
-
-    def _await_shutdown(self) -> None:
-        # Another thread may still be unregistering the node; the end guard limits the wait.
-        if self._stopping:
-            while not rospy.is_shutdown():
-                time.sleep(0.01)
-
-    def _guard_end(self) -> None:
-        """End the process even when rospy waits for a ROS master that hangs."""
-        while not self._ended.wait(threading.TIMEOUT_MAX):
-            pass
-        time.sleep(_GRACE_S)
-        with contextlib.suppress(Exception):
-            sys.stdout.flush()
-        os._exit(self.exit_status)
-
-    # ------------------------------------------------------------------ start
 
     @classmethod
     def main(cls, eddi_input_class: Any, eddi_monitor_class: Any, script_file: str) -> int:
@@ -359,19 +308,11 @@ class MonitorNode:
 
     def _check_messages(self) -> None:
         """Refuse to start with messages that cannot carry the result."""
+        result = self._core.message(self._core.execute_step(_Nothing()))
         try:
-            message = MonitorNode.create_ros_msg(self, self._core.execute_step(_Nothing()))
-            status = self._core.status_message()
-            if status is not None and any(output.status_type for output in self.OUTPUTS):
-                self._converter.message(status)
+            check_outputs(self._converter, result, self._core.status_message(), self.OUTPUTS)
         except MessageError as error:
             raise start.StartError(f"the messages do not fit the model: {error}") from error
-        for output in self.OUTPUTS:
-            if not isinstance(message, output.type):
-                raise start.StartError(
-                    f"output {output.topic} is a {output.type._type},"
-                    f" the monitor makes a {message._type}"
-                )
         self._core.reset()
 
 

@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
 
 import rospy
 
-from .topics import Output
+from .topics import Output, ros_type
 
 Convert = Callable[[object], Any]
 _INTEGERS = {f"{sign}int{bits}": (sign, bits) for sign in ("", "u") for bits in (8, 16, 32, 64)}
@@ -164,11 +164,40 @@ class Converter:
             if not isinstance(value, tuple) or len(value) != 2:
                 raise _wrong(field, kind, value)
             built = self.message(value)
-            if built._type != kind:
+            if ros_type(built) != kind:
                 raise _wrong(field, kind, value)
             return built
 
         return convert
+
+
+def check_outputs(
+    converter: Converter,
+    result: Tuple[str, Any],
+    status: Optional[Tuple[str, Any]],
+    outputs: Iterable[Output],
+) -> None:
+    """Check that the messages of the workspace can carry what the monitor says.
+
+    Args:
+        converter: of the node.
+        result: message tree of the result.
+        status: message tree of the facts behind it, ``None`` for none.
+        outputs: what the node publishes.
+
+    Raises:
+        MessageError: a message is unknown, has other fields, or is not the declared one.
+    """
+    for output in outputs:
+        pairs = [(output.topic, output.type, result)]
+        if output.status_topic is not None and status is not None:
+            pairs.append((output.status_topic, output.status_type, status))
+        for topic, declared, tree in pairs:
+            built = converter.message(tree)
+            if not isinstance(built, declared):
+                raise MessageError(
+                    f"{topic} carries {ros_type(declared)}, the monitor makes {ros_type(built)}"
+                )
 
 
 def check_serialises(message: Any) -> None:

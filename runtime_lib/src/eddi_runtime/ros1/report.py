@@ -75,9 +75,7 @@ def level_of(states: Sequence[str], error: str) -> int:
     return worst([_LEVEL_OF_STATE[state] for state in states] + [ERROR if error else OK])
 
 
-def report(
-    identity: Mapping[str, str], inputs: Sequence[InputFact], node: NodeFact
-) -> Report:
+def report(identity: Mapping[str, str], inputs: Sequence[InputFact], node: NodeFact) -> Report:
     """Put the facts into one status.
 
     Args:

@@ -4,6 +4,7 @@
 that jumps back makes it raise.
 """
 
+import contextlib
 import threading
 
 
@@ -20,10 +21,9 @@ class Waker:
 
     def wake(self) -> None:
         """End the present (or the next) wait; any number of calls count as one."""
-        try:
+        # Released already: woken, but not yet noticed, and one step takes it all.
+        with contextlib.suppress(RuntimeError):
             self._signal.release()
-        except RuntimeError:
-            pass  # already woken and not yet noticed: one step takes it all
 
     def wait(self, seconds: float) -> bool:
         """Sleep for at most ``seconds``; ``True`` when woken before."""

@@ -40,7 +40,7 @@ def wait_for_master(node: str) -> Peer:
     while True:
         try:
             master.call("getPid")
-        except Refused:
+        except Refused:  # noqa: PERF203 - waits anyway
             return master
         except Unreachable as error:
             if not told:

@@ -8,6 +8,8 @@ import rospy
 
 from .topics import DEFAULT_BUFFER_BYTES, Input
 
+_MAX_PUBLISHERS = 32
+
 
 class Receipt(NamedTuple):
     """The last message of an input and what is known about it.
@@ -15,13 +17,13 @@ class Receipt(NamedTuple):
     Attributes:
         message: the ROS message.
         at: monotonic seconds of receipt.
-        count: messages received so far.
+        received: messages so far.
         latched: it came on connecting from a latching publisher, so it can be of any age.
     """
 
     message: Any
     at: float
-    count: int
+    received: int
     latched: bool
 
 
@@ -43,9 +45,11 @@ class _Slot:
         publisher = str(header.get("callerid", ""))
         latched = header.get("latching") == "1" and self._greeted.get(publisher) is not header
         with self._lock:
+            if len(self._greeted) >= _MAX_PUBLISHERS:
+                self._greeted.clear()  # every rostopic pub has a name of its own
             self._greeted[publisher] = header
-            count = 1 if self.receipt is None else self.receipt.count + 1
-            self.receipt = Receipt(message, now, count, latched)
+            number = 1 if self.receipt is None else self.receipt.received + 1
+            self.receipt = Receipt(message, now, number, latched)
         self._arrived()
 
 
@@ -78,9 +82,7 @@ class Subscriptions:
         """Return the last message of every input that has one, at one instant."""
         with self._lock:
             return {
-                name: slot.receipt
-                for name, slot in self._slots.items()
-                if slot.receipt is not None
+                name: slot.receipt for name, slot in self._slots.items() if slot.receipt is not None
             }
 
     def expected_types(self) -> Dict[str, Tuple[str, str]]:

@@ -5,6 +5,11 @@ from typing import Any, NamedTuple, Optional
 DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
 
 
+def ros_type(message: Any) -> str:
+    """Return ``package/Name`` of a ROS message or of its class."""
+    return str(message._type)  # noqa: SLF001 - genpy's interface, in spite of its name
+
+
 class Input(NamedTuple):
     """One subscription: a ``SimulatorOutputs`` entry of eddi_config.yml.
 

@@ -14,6 +14,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 import rospy.impl.registration
 
+from .ending import MASTER_LOST, TAKEN_OVER
 from .master import Peer, Refused, Unreachable, answers_as
 
 OK, LOST, REREGISTERED, UNWATCHED = "ok", "lost", "re-registered", "not watched"
@@ -36,7 +37,18 @@ class TypeRefusals(logging.Handler):
         text = record.getMessage()
         if text.startswith("unable to create subscriber") and any(x in text for x in _REFUSALS):
             reason = text.partition("remote error reported: ")[2] or text
-            self.heard[str(record.threadName)] = (time.monotonic(), reason)
+            topic = str(record.threadName)
+            known = self.heard.get(topic)
+            self.heard[topic] = (time.monotonic(), reason)
+            if known is None or known[1] != reason:  # rospy tries again for ever
+                rospy.logerr("the publisher of %s refuses this node: %s", topic, reason)
+
+    def standing(self, topic: str, last_receipt: Optional[float]) -> Optional[str]:
+        """Return why the publisher of a topic refuses us, ``None`` once a message came since."""
+        known = self.heard.get(topic)
+        if known is None or (last_receipt is not None and last_receipt > known[0]):
+            return None
+        return known[1]
 
     def install(self) -> None:
         """Begin to listen."""
@@ -59,6 +71,7 @@ class Watchdog:
         self,
         master_uri: str,
         period: float,
+        *,
         reregister: bool,
         expected: Callable[[], Dict[str, Tuple[str, str]]],
         end: Callable[[int, str], None],
@@ -107,12 +120,12 @@ class Watchdog:
             return
         if uri is not None and uri != self._own_uri:
             if answers_as(uri, self._node, self._node):
-                self._end(1, f"another node has taken the name {self._node}: {uri}")
+                self._end(TAKEN_OVER, f"another node has taken the name {self._node}: {uri}")
                 return
             uri = None  # a dead registration of our name
         publishing = _own_topics()
         try:
-            nodes = {topic: names for topic, names in self._master.call("getSystemState")[0]}
+            nodes = dict(self._master.call("getSystemState")[0])
             types = dict(self._master.call("getTopicTypes"))
         except (Unreachable, Refused):
             return
@@ -127,7 +140,7 @@ class Watchdog:
     def _return(self) -> None:
         """Make a master that does not know this node know it, or end."""
         if not self._reregister:
-            self._end(3, "the ROS master does not know this node any more (restarted?)")
+            self._end(MASTER_LOST, "the ROS master does not know this node any more (restarted?)")
             return
         try:
             reregister(self._master, self._node, self._own_uri)
@@ -136,7 +149,7 @@ class Watchdog:
             rospy.logerr("cannot register again (%d of %d): %s", self._failures, _ATTEMPTS, error)
             self.state = LOST
             if self._failures >= _ATTEMPTS:
-                self._end(3, f"cannot register again at the ROS master: {error}")
+                self._end(MASTER_LOST, f"cannot register again at the ROS master: {error}")
             return
         self._failures = 0
         self.state = REREGISTERED
@@ -180,13 +193,3 @@ def reregister(master: Peer, node: str, own_uri: str) -> None:
         own.call("publisherUpdate", topic, publishers)
     for service, uri in services.get_services():
         master.call("registerService", service, uri, own_uri)
-
-
-def refusal(
-    heard: Dict[str, Tuple[float, str]], topic: str, last_receipt: Optional[float]
-) -> Optional[str]:
-    """Return why a topic's publisher refused us, ``None`` once a message came after that."""
-    known = heard.get(topic)
-    if known is None or (last_receipt is not None and last_receipt > known[0]):
-        return None
-    return known[1]

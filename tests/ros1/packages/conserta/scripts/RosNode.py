@@ -12,19 +12,24 @@ from conserta.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):
-    NAME = 'conserta'
+    NAME = "conserta"
     FREQUENCY = 10.0
-    MODE = 'rate'
+    MODE = "rate"
     INPUTS = (
-        Input('consertb', 'consertb/guarantees', ConSertOutput),
-        Input('RtE_E0', 'rte/e0a', Bool),
+        Input("consertb", "consertb/guarantees", ConSertOutput),
+        Input("RtE_E0", "rte/e0a", Bool),
     )
     OUTPUTS = (
-        Output('conserta', 'conserta/guarantees', ConSertOutput,
-               'conserta/guarantees/status', ConSertStatus),
+        Output(
+            "conserta",
+            "conserta/guarantees",
+            ConSertOutput,
+            "conserta/guarantees/status",
+            ConSertStatus,
+        ),
     )
     MESSAGES = eddi_messages.msg
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     sys.exit(RosNode.main(EDDIInput, EDDIMonitor, __file__))

@@ -12,13 +12,13 @@ from consertb.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):
-    NAME = 'consertb'
+    NAME = "consertb"
     FREQUENCY = 10.0
-    MODE = 'on_change'
-    INPUTS = (Input('RtE_E0', 'rte/e0b', Bool),)
-    OUTPUTS = (Output('consertb', 'consertb/guarantees', ConSertOutput),)
+    MODE = "on_change"
+    INPUTS = (Input("RtE_E0", "rte/e0b", Bool),)
+    OUTPUTS = (Output("consertb", "consertb/guarantees", ConSertOutput),)
     MESSAGES = eddi_messages.msg
 
 
-if __name__ == '__main__':
+if __name__ == "__main__":
     sys.exit(RosNode.main(EDDIInput, EDDIMonitor, __file__))

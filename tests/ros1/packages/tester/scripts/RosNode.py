@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """A node with relative topics, so that tests give each one a namespace of its own."""
+
 import os
 import sys
 
@@ -14,11 +15,15 @@ from tester.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):
-    NAME = 'tester'
+    NAME = "tester"
     FREQUENCY = 10.0
-    MODE = os.environ.get('TESTER_MODE', 'rate')
-    INPUTS = (Input('how', 'how', String), Input('flag', 'flag', Bool), Input('number', 'number', Float64))
-    OUTPUTS = (Output('tester', 'guarantees', ConSertOutput),)
+    MODE = os.environ.get("TESTER_MODE", "rate")
+    INPUTS = (
+        Input("how", "how", String),
+        Input("flag", "flag", Bool),
+        Input("number", "number", Float64),
+    )
+    OUTPUTS = (Output("tester", "guarantees", ConSertOutput),)
     MESSAGES = eddi_messages.msg
 
 
@@ -27,11 +32,11 @@ class HandMade(RosNode):
 
     def create_ros_msg(self, eddi_output):
         message = super().create_ros_msg(eddi_output)
-        if any(item['id'] == 'G_F' and item['active'] for item in eddi_output):
+        if any(item["id"] == "G_F" and item["active"] for item in eddi_output):
             message.guarantees[0].active = None
         return message
 
 
-if __name__ == '__main__':
-    node = HandMade if 'TESTER_HAND_MADE' in os.environ else RosNode
+if __name__ == "__main__":
+    node = HandMade if "TESTER_HAND_MADE" in os.environ else RosNode
     sys.exit(node.main(EDDIInput, EDDIMonitor, __file__))

@@ -8,11 +8,11 @@ class EDDIInput(EDDIInputBase):
         self.RtE_A_E0 = None
 
     def process_RtE_A_D0(self, consertb):
-        self.RtE_A_D0 = by_id(consertb.guarantees, 'System_B_G0').active
+        self.RtE_A_D0 = by_id(consertb.guarantees, "System_B_G0").active
 
     def process_RtE_A_E0(self, RtE_E0):
         self.RtE_A_E0 = RtE_E0.data
 
     def processing(self, simulator_outputs):
-        self.update('RtE_A_D0', self.process_RtE_A_D0, simulator_outputs, ('consertb',))
-        self.update('RtE_A_E0', self.process_RtE_A_E0, simulator_outputs, ('RtE_E0',))
+        self.update("RtE_A_D0", self.process_RtE_A_D0, simulator_outputs, ("consertb",))
+        self.update("RtE_A_E0", self.process_RtE_A_E0, simulator_outputs, ("RtE_E0",))

@@ -1,4 +1,5 @@
 """The monitor as a generated package has it."""
+
 import eddi_runtime
 
 

@@ -10,4 +10,4 @@ class EDDIInput(EDDIInputBase):
         self.RtE_B_E0 = RtE_E0.data
 
     def processing(self, simulator_outputs):
-        self.update('RtE_B_E0', self.process_RtE_B_E0, simulator_outputs, ('RtE_E0',))
+        self.update("RtE_B_E0", self.process_RtE_B_E0, simulator_outputs, ("RtE_E0",))

@@ -1,4 +1,5 @@
 """Hand edits with every fault that was seen in the field, chosen by the message."""
+
 from eddi_runtime import EDDIInputBase
 
 
@@ -14,14 +15,21 @@ class EDDIInput(EDDIInputBase):
         self.N = None
 
     def process_E(self, how):
-        if how.data == 'raise':
+        if how.data == "raise":
             self.E = [][0]
-        elif how.data == 'numpy':
+        elif how.data == "numpy":
             import numpy
+
             self.E = numpy.bool_(True)
         else:
-            self.E = {'true': True, 'false': False, 'none': None, 'two': 2,
-                      'text': 'True', 'object': _NumpyLike()}[how.data]
+            self.E = {
+                "true": True,
+                "false": False,
+                "none": None,
+                "two": 2,
+                "text": "True",
+                "object": _NumpyLike(),
+            }[how.data]
 
     def process_F(self, flag):
         self.F = flag.data
@@ -30,10 +38,10 @@ class EDDIInput(EDDIInputBase):
         self.N = number.data
 
     def processing(self, simulator_outputs):
-        how = simulator_outputs.get('how')
-        if how is not None and how.data == 'crash':
+        how = simulator_outputs.get("how")
+        if how is not None and how.data == "crash":
             self.E = True
-            raise RuntimeError('edited outside of a region')
-        self.update('E', self.process_E, simulator_outputs, ('how',))
-        self.update('F', self.process_F, simulator_outputs, ('flag',))
-        self.update('N', self.process_N, simulator_outputs, ('number',))
+            raise RuntimeError("edited outside of a region")
+        self.update("E", self.process_E, simulator_outputs, ("how",))
+        self.update("F", self.process_F, simulator_outputs, ("flag",))
+        self.update("N", self.process_N, simulator_outputs, ("number",))
