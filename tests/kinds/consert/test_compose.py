@@ -192,3 +192,33 @@ def test_inclusion_is_that_of_the_numbers(inner, outer):
     points = [Fraction(n, 2) for n in range(30)]
     expected = all(holds(outer, x) for x in points if holds(inner, x))
     assert is_inside(inner, outer) == expected
+
+
+def test_text_and_json():
+    x = BinaryDimension("X")
+    good = compose([("u", user(x)), ("p", provider(x)), ("q", provider(x))])
+    assert good.as_text() == ["composable", "order: p, q, u", "bindings:", "  u/D <- p/G or q/G"]
+    assert good.as_json() == {
+        "composable": True,
+        "order": ["p", "q", "u"],
+        "bindings": [
+            {
+                "instance": "u",
+                "demand": "D",
+                "guarantees": [
+                    {"instance": "p", "guarantee": "G"},
+                    {"instance": "q", "guarantee": "G"},
+                ],
+            }
+        ],
+        "unmatched_demands": [],
+        "unmatched_services": [],
+        "reasons": [],
+    }
+    bad = compose([("p", provider(BinaryDimension("Y"))), ("u", user(x))])
+    assert bad.as_text() == [
+        "not composable",
+        "order: p",
+        "reasons:",
+        "  demand u/D is not fulfilled: p/G has no Binary dimension X",
+    ]

@@ -71,3 +71,12 @@ def test_composition_agrees():
         if not same or bool(result.reasons) == result.composable:
             wrong.append((case["id"], want, result, sorted(codes)))
     assert wrong == []
+
+
+def test_implications_of_known_models():
+    found = {}
+    for name in ("ConSertA", "FabOS_Scanner2"):
+        (model,) = KIND.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
+        found[name] = [p.message for p in KIND.check(model) if p.code == "S004"]
+    assert "guarantee 'System_A_G1' implies 'System_A_G0'" in found["ConSertA"]
+    assert "guarantee 'UnoccupiedLong' implies 'UnoccupiedMedium'" in found["FabOS_Scanner2"]
