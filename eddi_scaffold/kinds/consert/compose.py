@@ -47,6 +47,38 @@ class Composition:
     reasons: tuple[str, ...]
     problems: tuple[Problem, ...] = ()
 
+    def as_json(self) -> dict[str, object]:
+        """Return the stable JSON form of ``compose --json``."""
+        return {
+            "composable": self.composable,
+            "order": list(self.order),
+            "bindings": [
+                {
+                    "instance": instance,
+                    "demand": demand,
+                    "guarantees": [{"instance": i, "guarantee": g} for i, g in guarantees],
+                }
+                for (instance, demand), guarantees in self.bindings.items()
+            ],
+            "unmatched_demands": list(self.unmatched_demands),
+            "unmatched_services": list(self.unmatched_services),
+            "reasons": list(self.reasons),
+        }
+
+    def as_text(self) -> list[str]:
+        """Return the same as lines for people."""
+        bound = [
+            f"  {'/'.join(demand)} <- {' or '.join('/'.join(ref) for ref in guarantees)}"
+            for demand, guarantees in self.bindings.items()
+            if guarantees
+        ]
+        return [
+            "composable" if self.composable else "not composable",
+            *([f"order: {', '.join(self.order)}"] if self.order else []),
+            *(["bindings:", *bound] if bound else []),
+            *(["reasons:", *(f"  {reason}" for reason in self.reasons)] if self.reasons else []),
+        ]
+
 
 @dataclass(frozen=True)
 class _Offer:

@@ -9,6 +9,23 @@ from __future__ import annotations
 
 import re
 
+from eddi_scaffold.identifiers import attribute
+
+__all__ = [
+    "IDENTIFIER",
+    "RESERVED",
+    "attribute",
+    "class_name",
+    "escaped",
+    "field_name",
+    "identifier",
+    "is_identifier",
+    "is_reserved",
+    "is_usable",
+    "published_class",
+    "setter",
+]
+
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 _HARD_KEYWORDS = (
@@ -19,9 +36,6 @@ _HARD_KEYWORDS = (
 _SOFT_KEYWORDS = "_ case match type"
 RESERVED = frozenset(f"{_HARD_KEYWORDS} {_SOFT_KEYWORDS} self Unknown".split())
 """Words that no generated name may be: Python up to 3.13, ``self``, and D7.2's ``Unknown``."""
-
-INPUT_MEMBERS = frozenset({"begin_step", "bind", "processing", "states", "update"})
-"""Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 
 
 def class_name(id_: str) -> str:
@@ -87,23 +101,13 @@ def escaped(name: str) -> str:
 
 
 def identifier(id_: str) -> str:
-    """Return an identifier for an id: the id itself wherever possible.
+    """Return an identifier for an id that becomes no attribute: the id itself wherever possible.
 
     Characters outside ``[A-Za-z0-9_]`` become ``_``, a leading digit gets a ``_`` before it, and
-    a reserved word one behind.
+    a reserved word one behind. What :func:`attribute` makes of an input is told there.
     """
     name = re.sub(r"[^A-Za-z0-9_]", "_", id_)
     return escaped(f"_{name}" if not name or name[0].isdigit() else name)
-
-
-def attribute(id_: str) -> str:
-    """Return the attribute of ``EDDIInput`` for an input: its identifier wherever possible.
-
-    What would hide a member of the base class or a ``process_...`` method gets a ``_`` behind.
-    """
-    name = identifier(id_)
-    hides = name in INPUT_MEMBERS or name.startswith("process_")
-    return f"{name}_" if hides else name
 
 
 def published_class(id_: str) -> str:
