@@ -16,6 +16,21 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from eddi_scaffold.problems import Place, Problem, error, info
+from eddi_scaffold.yaml_scalars import (
+    Items,
+    Map,
+    Node,
+    Number,
+    Scalar,
+    as_bool,
+    as_integer,
+    as_number,
+    as_text,
+    describe,
+    is_null,
+    shown,
+    value_12,
+)
 from eddi_scaffold.yaml_text import Verbatim, dump_plain, quoted
 
 if TYPE_CHECKING:
@@ -43,78 +58,19 @@ __all__ = [
     "read_map",
     "shown",
     "value_11",
+    "value_12",
 ]
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_VISITS = 1_000_000
 MAX_DEPTH = 32
-MAX_DIGITS = 64
 
 _FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _IS_SLOW = _FAST_LOADER is yaml.SafeLoader
 _LARGE = 100_000
-_NULLS = frozenset({"", "~", "null", "Null", "NULL"})
-_BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
-_DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
-_SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
-_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
 _CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
-
-
-@dataclass(frozen=True)
-class Scalar:
-    """A text in a document.
-
-    Attributes:
-        text: content without quotes and escapes.
-        plain: written without quotes, so that its form may say what it is.
-    """
-
-    text: str
-    plain: bool
-    place: Place = field(default=Place(), compare=False)
-
-
-@dataclass(frozen=True)
-class Items:
-    """A list."""
-
-    items: tuple[Node, ...]
-    place: Place = field(default=Place(), compare=False)
-
-
-@dataclass(frozen=True)
-class Map:
-    """A map; of a repeated key the first entry is kept.
-
-    Attributes:
-        entries: key and value in the order of the file.
-    """
-
-    entries: tuple[tuple[Scalar, Node], ...]
-    place: Place = field(default=Place(), compare=False)
-
-    def get(self, key: str) -> Node | None:
-        """Return the value of a key, ``None`` when it is absent."""
-        return next((value for name, value in self.entries if name.text == key), None)
-
-    def keys(self) -> list[str]:
-        """Return the keys in the order of the file."""
-        return [name.text for name, _ in self.entries]
-
-
-Node = Scalar | Items | Map
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number as written, beside its double: comparisons stay exact."""
-
-    text: str
-    value: float
 
 
 def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
@@ -152,75 +108,6 @@ def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
     return node, problems
 
 
-def describe(node: Node) -> str:
-    """Say in words what a node is, for messages."""
-    if isinstance(node, Items):
-        return "a list"
-    if isinstance(node, Map):
-        return "a map"
-    if is_null(node):
-        return "nothing (null)"
-    return f"the text {shown(node.text)}" if node.plain else f"the quoted text {shown(node.text)}"
-
-
-def shown(text: str) -> str:
-    """Return a text in quotes for a message, shortened where it is long."""
-    return repr(text if len(text) <= 60 else f"{text[:57]}...")
-
-
-def is_null(node: Node) -> bool:
-    """Tell whether a node is a plain ``null`` or empty."""
-    return isinstance(node, Scalar) and node.plain and node.text in _NULLS
-
-
-def as_text(node: Node) -> str | None:
-    """Return the text of a scalar other than null, ``None`` for anything else."""
-    return node.text if isinstance(node, Scalar) and not is_null(node) else None
-
-
-def as_number(node: Node) -> Number | None:
-    """Return the number that a plain scalar is in YAML 1.2 (may be NaN).
-
-    ``None`` for anything else, and for numbers that no double can hold or that have more than
-    :data:`MAX_DIGITS` characters: exact arithmetic with ``1e999999999`` would not end.
-    """
-    if not isinstance(node, Scalar) or not node.plain:
-        return None
-    text = node.text
-    if len(text) > MAX_DIGITS:
-        return None
-    if _DECIMAL.fullmatch(text):
-        return _decimal(text)
-    if _OTHER_BASE.fullmatch(text):
-        return _decimal(str(int(text, 0)))
-    special = _SPECIAL.fullmatch(text)
-    if special is None:
-        return None
-    if special["sign"] is None:
-        return Number("nan", float("nan"))
-    sign = special["sign"].replace("+", "")
-    return Number(f"{sign}inf", float(f"{sign}inf"))
-
-
-def _decimal(text: str) -> Number | None:
-    value = float(text)
-    too_large = value in (float("inf"), float("-inf"))
-    too_small = value == 0.0 and re.search("[1-9]", re.split("[eE]", text)[0])
-    return None if too_large or too_small else Number(text, value)
-
-
-def as_bool(node: Node) -> bool | None:
-    """Return the Boolean that a plain scalar is in YAML 1.2, ``None`` for others."""
-    return _BOOLEANS.get(node.text) if isinstance(node, Scalar) and node.plain else None
-
-
-def as_integer(node: Node) -> int | None:
-    """Return the decimal integer (up to 18 digits) that a plain scalar is, ``None`` for others."""
-    if not isinstance(node, Scalar) or not node.plain or not _INTEGER.fullmatch(node.text):
-        return None
-    return int(node.text) if len(node.text) <= 19 else None
-
-
 def value_11(node: Node) -> Any:
     """Return the plain value of a node as YAML 1.1 has it, with dates and binary data as text.
 
@@ -238,21 +125,8 @@ def differs_between_versions(node: Node) -> bool:
     """Tell whether YAML 1.1 and 1.2 take different values from a plain scalar (``on``, ``1e3``)."""
     if not isinstance(node, Scalar) or not node.plain:
         return False
-    old, new = _scalar_11(node.text), _scalar_12(node)
+    old, new = _scalar_11(node.text), value_12(node)
     return old != new or type(old) is not type(new)
-
-
-def _scalar_12(node: Scalar) -> Any:
-    if is_null(node):
-        return None
-    truth, number = as_bool(node), as_number(node)
-    if truth is not None:
-        return truth
-    if number is None:
-        return node.text
-    whole = as_integer(node)
-    is_whole = whole is not None or _OTHER_BASE.fullmatch(node.text)
-    return int(number.text) if is_whole else number.value
 
 
 class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
