@@ -7,7 +7,6 @@ prefixes differ between generations of one metamodel.
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterator
 from typing import BinaryIO
@@ -32,7 +31,7 @@ from eddi_scaffold.readers.xmi import (
     line_of,
     load,
 )
-from eddi_scaffold.readers.xml_text import looks_like_xml
+from eddi_scaffold.readers.xml_text import HEAD_BYTES, looks_like_xml
 from eddi_scaffold.source import Source
 
 _BLANK = re.compile(r"[ \t\r\n]+")
@@ -170,7 +169,8 @@ class EddiDocument:
 
 def sniff(source: Source) -> bool:
     """Tell whether a file looks like XML."""
-    return looks_like_xml(source.data)
+    with source.open() as stream:
+        return looks_like_xml(stream.read(HEAD_BYTES))
 
 
 def read_document(
@@ -178,7 +178,8 @@ def read_document(
     limits: Limits = DEFAULT_LIMITS,
 ) -> tuple[EddiDocument | None, list[Problem]]:
     """Parse an EDDI; ``None`` and the errors X001, X002 or X003 when that is impossible."""
-    return read_stream(io.BytesIO(source.data), source.name, limits)
+    with source.open() as stream:
+        return read_stream(stream, source.name, limits)
 
 
 def read_stream(
@@ -186,7 +187,7 @@ def read_stream(
     name: str,
     limits: Limits = DEFAULT_LIMITS,
 ) -> tuple[EddiDocument | None, list[Problem]]:
-    """Parse an EDDI from a seekable stream, without a copy of its bytes in memory."""
+    """Parse an EDDI from a seekable stream."""
     tree, problems = load(stream, name, limits)
     if tree is None:
         return None, problems

@@ -23,7 +23,7 @@ from eddi_scaffold.readers.xml_text import (
     syntax_hint,
 )
 
-Element: TypeAlias = etree._Element  # noqa: SLF001 - the public name of the class in lxml's own stubs
+Element: TypeAlias = etree._Element  # noqa: SLF001 - lxml has no public name for it
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 XSI_TYPE = f"{{{XSI}}}type"
 XMI = "http://www.omg.org/XMI"

@@ -6,7 +6,13 @@ import io
 
 import pytest
 
-from eddi_scaffold.readers.eddi import EddiDocument, nothing_found, read_document, read_stream, sniff
+from eddi_scaffold.readers.eddi import (
+    EddiDocument,
+    nothing_found,
+    read_document,
+    read_stream,
+    sniff,
+)
 from eddi_scaffold.readers.spelling import ClassName, Spelling, fold, package_key
 from eddi_scaffold.readers.survey import survey
 from eddi_scaffold.readers.xmi import Limits
@@ -42,9 +48,7 @@ def test_classes_are_bound_without_prefix_and_case() -> None:
     assert fold("_ConsentPackage") == fold("ConSertPackage") == "consertpackage"
     doc = document(ROVER)
     first = next(iter(doc.roots[0]))
-    assert doc.class_of(first) == ClassName(
-        "consert", "consertpackage", "consert_:ConSertPackage"
-    )
+    assert doc.class_of(first) == ClassName("consert", "consertpackage", "consert_:ConSertPackage")
     assert doc.class_of(first[0]) == ClassName()
     assert doc.describe(first[0]) == 'conSerts "Drive"'
 
@@ -140,8 +144,10 @@ def test_survey_of_the_shared_example() -> None:
 def test_nothing_found_names_what_is_there() -> None:
     problem = nothing_found(document(SAFETY_CASE), "ConSert")
     assert texts([problem]) == [
-        "m.xml:2: error X004: no ConSert in this file; it has integration:DDIPackage, "
-        "failureLogic:FailureLogicPackage, assuranceCasePackages, argumentPackages"
+        (
+            "m.xml:2: error X004: no ConSert in this file; it has integration:DDIPackage, "
+            "failureLogic:FailureLogicPackage, assuranceCasePackages, argumentPackages"
+        )
     ]
 
 
@@ -170,9 +176,7 @@ def test_too_many_references() -> None:
     doc, _ = read_stream(io.BytesIO(data), "m.xml", Limits(reference_tokens=2))
     assert doc is not None
     _, problems, _ = doc.targets(doc.roots[0][1], Spelling("to"))
-    assert texts(problems) == [
-        "m.xml:1: error X003: to has 3 references, more than the limit of 2"
-    ]
+    assert texts(problems) == ["m.xml:1: error X003: to has 3 references, more than the limit of 2"]
 
 
 def test_sniffing_looks_at_the_content() -> None:

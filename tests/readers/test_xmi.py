@@ -34,16 +34,22 @@ BOM = b"\xef\xbb\xbf"
         ),
         (
             b'<!-- licence -->\n<?xml version="1.0" encoding="UTF-8"?>\n<a/>',
-            "m.xml:2: error X001: not well-formed: "
-            "XML declaration allowed only at the start of the document",
-            "the XML declaration must be the first thing in the file; "
-            "move what stands before it below it",
+            (
+                "m.xml:2: error X001: not well-formed: "
+                "XML declaration allowed only at the start of the document"
+            ),
+            (
+                "the XML declaration must be the first thing in the file; "
+                "move what stands before it below it"
+            ),
         ),
         (
             b"<!-- licence -->\n" + BOM + b'<?xml version="1.0" encoding="UTF-8"?>\n<a/>',
             "m.xml:2: error X001: not well-formed: Start tag expected, '<' not found",
-            "the XML declaration must be the first thing in the file; "
-            "move what stands before it below it",
+            (
+                "the XML declaration must be the first thing in the file; "
+                "move what stands before it below it"
+            ),
         ),
         (b"", "m.xml:1: error X001: not well-formed: Document is empty", "the file is empty"),
         (

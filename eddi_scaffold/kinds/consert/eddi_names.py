@@ -57,11 +57,13 @@ def check_consert_names(consert: Element, findings: Findings) -> None:
         for key in map(str, element.attrib):
             if not key.startswith("{"):
                 _match(key, "attribute", known, element, findings)
+        found: list[tuple[Element, Spelling]] = []
         for child in element.iterchildren():
             name = local_name(str(child.tag))
             match = _match(name, "child", known, child, findings)
             if match is not None and match in _KNOWN:
-                waiting.append((child, match))
+                found.append((child, match))
+        waiting += reversed(found)
 
 
 def check_stray_text(parts: Sequence[Element], findings: Findings) -> None:

@@ -44,6 +44,7 @@ def read_eddi(
     conserts: list[ConSert] = []
     parts: list[Element] = []
     first: dict[str, Element] = {}
+    _check_untyped(document, findings)
     for element in consert_elements(document):
         _check_class(element, findings)
         consert, services = _consert(element, source, findings)
@@ -109,6 +110,16 @@ def _check_class(element: Element, findings: Findings) -> None:
     if package is not None and is_misprint(local_name(printed)):
         message = f'class "{printed}" is read as "ConSertPackage"'
         findings.count("warning", "X006", message, package)
+
+
+def _check_untyped(document: EddiDocument, findings: Findings) -> None:
+    """Refuse packages that hold ConSerts and do not say that they are ConSert packages."""
+    for package in document.packages():
+        if not document.class_of(package).name and any(
+            names.CONSERTS.accepts(document.feature(child)) for child in package.iterchildren()
+        ):
+            message = "the xsi:type of a package with conSerts is missing"
+            findings.error("X010", message, package, "expected a ConSertPackage")
 
 
 def _count_misprints(element: Element, findings: Findings) -> None:

@@ -1,0 +1,719 @@
+"""ConSerts from EDDI XML: content, each diagnostic with its text, and no file that breaks us."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    Bound,
+    CategoricalDimension,
+    ConSert,
+    Demand,
+    Evidence,
+    Gate,
+    Guarantee,
+    NumericDimension,
+    Propagation,
+    ProvidedService,
+    Range,
+    RequiredService,
+)
+from eddi_scaffold.problems import Problem, has_errors
+from tests.readers.eddi_texts import OLDER, ROVER, SAFETY_CASE, codes, read, texts
+from tests.shared_data import shared
+
+DRIVE = ConSert(
+    name="Drive",
+    guarantees=(
+        Guarantee(
+            "fast",
+            (
+                CategoricalDimension("Speed", ("slow", "fast"), "Guarantee"),
+                BinaryDimension("Moves"),
+            ),
+            ranking=1,
+        ),
+        Guarantee("slow", (CategoricalDimension("Speed", ("slow",), "Guarantee"),), ranking=2),
+    ),
+    demands=(
+        Demand(
+            "free_path",
+            (
+                NumericDimension(
+                    "FreePath",
+                    (Range(Bound("2.50", 2.5), Bound("inf", math.inf), inclusive=True),),
+                    "Demand",
+                    "m",
+                ),
+            ),
+            "the map says so",
+        ),
+    ),
+    evidence=(
+        Evidence(
+            "battery",
+            NumericDimension(
+                "Charge",
+                (Range(Bound("0.2", 0.2), Bound("1", 1.0), inclusive=False),),
+                "Guarantee",
+                "",
+            ),
+        ),
+        Evidence("brakes", BinaryDimension("BrakesWork")),
+    ),
+    gates=(Gate("both", "And"),),
+    tree_propagations=(
+        Propagation("battery", "both"),
+        Propagation("free_path", "both"),
+        Propagation("both", "fast"),
+        Propagation("brakes", "slow"),
+    ),
+    required_services=(RequiredService("Mapping", "MappingType", ("free_path",)),),
+    provided_services=(ProvidedService("Driving", "DrivingType", ("fast", "slow")),),
+)
+
+
+def test_every_kind_of_content_is_read() -> None:
+    assert read(ROVER) == ((DRIVE,), [])
+
+
+def test_places_have_file_line_and_path() -> None:
+    ((consert,), _) = read(ROVER)
+    place = consert.guarantees[1].place
+    assert (place.file, place.line, place.path) == (
+        "m.xml",
+        28,
+        "//@odeProductPackages.0/@conSerts.0/@guarantees.1",
+    )
+    assert consert.demands[0].dimensions[0].place.line == 10
+
+
+def _example() -> str:
+    return shared("conserts/eddi_consert_example.xml").read_text()
+
+
+def _without_descriptions(consert: ConSert) -> dict[str, object]:
+    """Return the form of the models in the oracle."""
+    return {
+        "guarantees": [
+            {"id": g.id, "dimensions": [{"Binary": {"type": d.type}} for d in g.dimensions]}
+            for g in consert.guarantees
+        ],
+        "demands": [
+            {"id": d.id, "dimensions": [{"Binary": {"type": x.type}} for x in d.dimensions]}
+            for d in consert.demands
+        ],
+        "evidence": [
+            {"id": e.id, "dimension": {"Binary": {"type": e.dimension.type}}}
+            for e in consert.evidence
+        ],
+        "gates": [{"id": g.id, "function": g.function} for g in consert.gates],
+        "tree_propagations": [
+            {"from": e.source, "to": e.target} for e in consert.tree_propagations
+        ],
+        "required_services": [
+            {"id": s.id, "functional_service_type": s.functional_service_type}
+            | {"demands": list(s.demands)}
+            for s in consert.required_services
+        ],
+        "provided_services": [
+            {"id": s.id, "functional_service_type": s.functional_service_type}
+            | {"guarantees": list(s.guarantees)}
+            for s in consert.provided_services
+        ],
+    }
+
+
+def test_the_shared_example_gives_the_models_of_the_oracle() -> None:
+    want = yaml.safe_load(shared("conserts/oracle.yml").read_text())["models"]
+    conserts, problems = read(_example())
+    assert problems == []
+    for consert in conserts:
+        assert _without_descriptions(consert) == want[consert.name]
+    assert [consert.name for consert in conserts] == ["ConSertA", "ConSertB"]
+    assert conserts[0].guarantees[0].description == "GuaranteeG0Descr"
+
+
+PREFIXES = re.compile(r"\b(integration|consert|architecture)_:")
+VARIANTS = {
+    "prefixes without underscore": lambda t: (
+        PREFIXES.sub(r"\1:", t)
+        .replace("xmlns:integration_", "xmlns:integration")
+        .replace("xmlns:consert_", "xmlns:consert")
+        .replace("xmlns:architecture_", "xmlns:architecture")
+    ),
+    "merged URIs": lambda t: t.replace("/ode/", "/ode/mergedODE/"),
+    "omitted gate type": lambda t: t.replace(' gateType="AND"', ""),
+    "comments everywhere": lambda t: re.sub(r">(\s*)<(?!\?)", r"><!-- <x/> -->\1<?pi?><", t),
+    "byte order mark": lambda t: "\ufeff" + t,
+    "one line": lambda t: re.sub(r">\s+<", "><", t),
+    "trailing slashes": lambda t: re.sub(r'(//@[^"]*)"', r'\1/"', t),
+    "no index where it is 0": lambda t: re.sub(r"(@\w+)\.0", r"\1", t),
+    "sharps": lambda t: t.replace('"//@', '"#//@'),
+    "foreign prefixes": lambda t: t.replace("consert_", "zz").replace(
+        "http://www.deis-project.eu/ode/consert", "urn:whatever"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_variants_of_one_file_are_identical(name: str) -> None:
+    for text in (ROVER, _example()):
+        changed = VARIANTS[name](text)
+        assert read(changed)[0] == read(text)[0]
+        assert not has_errors(read(changed)[1])
+
+
+def test_several_roots_and_a_consert_package_as_root() -> None:
+    package = re.search(r"<odeProductPackages.*?</odeProductPackages>", ROVER, re.DOTALL)
+    assert package is not None
+    root = (
+        package.group()
+        .replace('odeProductPackages xsi:type="consert_:ConSertPackage"', "c:ConSertPackage")
+        .replace("</odeProductPackages>", "</c:ConSertPackage>")
+        .replace("//@odeProductPackages.0/", "//")
+    )
+    root = re.sub(r' (required|provided)Service="[^"]*"', "", root)
+    names = (
+        ' xmlns:c="urn:consert" xmlns:consert_="urn:consert"'
+        ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
+    )
+    alone = root.replace("<c:ConSertPackage", f"<c:ConSertPackage{names}", 1)
+    ((consert,), problems) = read(alone)
+    assert problems == []
+    assert consert.place.path == "//@conSerts.0"
+    wrapped = f'<x:XMI xmlns:x="http://www.omg.org/XMI"{names}><other/>{root}</x:XMI>'
+    ((second,), problems) = read(wrapped.replace('"//@', '"/1/@').replace(" //@", " /1/@"))
+    assert problems == []
+    assert second == consert
+    assert second.place.path == "/1/@conSerts.0"
+
+
+def test_older_dialect() -> None:
+    ((consert,), problems) = read(OLDER)
+    assert problems == []
+
+    def upto(kind: str, end: str, uom: str, *, inclusive: bool) -> NumericDimension:
+        covered = (Range(Bound("0.0", 0.0), Bound(end, float(end)), inclusive),)
+        return NumericDimension(kind, covered, "Guarantee", uom)
+
+    assert consert == ConSert(
+        "Follower",
+        (
+            Guarantee("keeps_gap", (upto("GapBoundTo", "12.5", "m", inclusive=True),), ranking=1),
+            Guarantee("stops", (BinaryDimension("VehicleStops"),), default=True),
+        ),
+        (Demand("leader_speed", (upto("SpeedDeviation", "2", "km/h", inclusive=False),)),),
+        (
+            Evidence(
+                "radio",
+                upto("RadioDelayBoundTo", "300", "ms", inclusive=False),
+                "Radio delay bound to < 300 ms",
+            ),
+            Evidence("radar", BinaryDimension("RadarIsHealthy"), "Radar is healthy"),
+        ),
+        (Gate("all", "And"),),
+        (
+            Propagation("radio", "all"),
+            Propagation("leader_speed", "all"),
+            Propagation("all", "keeps_gap"),
+            Propagation("radar", "keeps_gap"),
+        ),
+        (RequiredService("Lead", "Leading", ("leader_speed",)),),
+        (ProvidedService("Follow", "Following", ("keeps_gap", "stops")),),
+    )
+
+
+def test_older_dialect_is_read_in_singular_and_plural() -> None:
+    for one, other in (
+        ("guaranteePropagations", "guaranteePropagation"),
+        ("runtimeEvidence", "runtimeEvidences"),
+    ):
+        changed = re.sub(rf"\b{one}\b", other, OLDER)
+        assert changed != OLDER
+        assert read(changed) == read(OLDER)
+
+
+def test_an_invariant_supports_every_guarantee_that_has_support() -> None:
+    invariant = '<invariant name="ready"/>'
+    edge = (
+        '<guaranteePropagations sourceElement="//@configurations.0/@conSert/@runtimeEvidence.1" '
+        'targetElement="//@configurations.0/@conSert/@invariant"/>'
+    )
+    ((consert,), problems) = read(OLDER.replace("</conSert>", f"{invariant}{edge}</conSert>"))
+    assert consert.gates[-1] == Gate("ready", "And")
+    assert consert.tree_propagations[-2:] == (
+        Propagation("radar", "ready"),
+        Propagation("ready", "keeps_gap"),
+    )
+    assert texts(problems) == [
+        'm.xml:21: info X006: the invariant "ready" is read as an input of every guarantee'
+    ]
+    ((consert,), problems) = read(OLDER.replace("</conSert>", f"{invariant}</conSert>"))
+    assert consert == read(OLDER)[0][0]
+    assert texts(problems) == [
+        'm.xml:21: warning X006: the invariant "ready" has no input, it is ignored'
+    ]
+
+
+def test_a_bound_that_cannot_be_read_is_said() -> None:
+    ((consert,), problems) = read(OLDER.replace("300 ms", "300 bananas"))
+    assert consert.evidence[0].dimension == BinaryDimension("RadioDelayBoundTo300Bananas")
+    assert texts(problems) == [
+        (
+            'm.xml:14: warning X014: the bound in "Radio delay bound to < 300 bananas" cannot be '
+            'read: the unit "bananas" is unknown'
+        )
+    ]
+
+
+def test_default_guarantees_are_marked() -> None:
+    ((consert,), problems) = read(ROVER, "slow", "Drive/fast")
+    assert [g.default for g in consert.guarantees] == [True, True]
+    assert problems == []
+    assert codes(read(ROVER, "slaw")[1]) == {"C028"}
+
+
+A = "//@odeProductPackages.0/@conSerts.0"
+ROWS = {
+    # (what is changed, into what, the problems)
+    "X008 with suggestion": (
+        f'target="{A}/@guarantees.1"',
+        'target="//@odeProductPackages.0/@guarantees.1"',
+        [
+            (
+                'm.xml:7: error X008: target "//@odeProductPackages.0/@guarantees.1" points at '
+                'nothing: //@odeProductPackages.0 has no "guarantees", it has "conSerts" (1) and '
+                '"dependabilityPropertyTypes" (1); did you mean '
+                "//@odeProductPackages.0/@conSerts.0/@guarantees.1?"
+            )
+        ],
+    ),
+    "X008 index": (
+        f'target="{A}/@guarantees.1"',
+        f'target="{A}/@guarantees.5"',
+        [
+            (
+                f'm.xml:7: error X008: target "{A}/@guarantees.5" points at nothing: {A} has 2 '
+                '"guarantees", the index 5 is out of range (0 to 1)'
+            )
+        ],
+    ),
+    "X007": (
+        f'target="{A}/@guarantees.1"',
+        "target=\"//@odeProductPackages[name='x']\"",
+        [
+            "m.xml:7: error X007: target \"//@odeProductPackages[name='x']\" is no reference",
+        ],
+    ),
+    "X009 no node": (
+        f'target="{A}/@guarantees.1"',
+        'target="//@odeProductPackages.1"',
+        [
+            (
+                "m.xml:7: error X009: target points at architecture_:DesignPackage which is no "
+                "node, expected evidence, demand, gate or guarantee of the same ConSert"
+            )
+        ],
+    ),
+    "X009 service": (
+        "@providedServices.0",
+        "@requiredServices.0",
+        [
+            f'm.xml:{line}: error X009: providedService points at requiredServices "Mapping", '
+            "expected one of providedServices"
+            for line in (16, 28)
+        ],
+    ),
+    "X009 property type": (
+        '"//@odeProductPackages.0/@dependabilityPropertyTypes.0"',
+        '"//@odeProductPackages.0"',
+        [
+            (
+                "m.xml:9: error X009: dependabilityPropertyType points at consert_:ConSertPackage "
+                '"Certificates", expected one of dependabilityPropertyTypes'
+            )
+        ],
+    ),
+    "X010 source": (
+        f'<guaranteePropagation source="{A}/@runtimeEvidence.1"',
+        "<guaranteePropagation",
+        ['m.xml:7: error X010: the attribute "source" of guaranteePropagation is missing'],
+    ),
+    "X010 name": (
+        '<guarantees name="slow" ',
+        "<guarantees ",
+        ['m.xml:28: error X010: the attribute "name" of guarantees is missing'],
+    ),
+    "X010 package without type": (
+        ' xsi:type="consert_:ConSertPackage"',
+        "",
+        ["m.xml:3: error X010: the xsi:type of a package with conSerts is missing"],
+    ),
+    "X010 dimension without type": (
+        '<dimension xsi:type="consert_:BinaryDimension">\n            <dimensionType name="Bra',
+        '<dimension>\n            <dimensionType name="Bra',
+        [
+            (
+                "m.xml:46: error X010: a dimension has no xsi:type; allowed: BinaryDimension, "
+                "CategoricalDimension, NumericDimension"
+            )
+        ],
+    ),
+    "X010 dimension type": (
+        '<dimensionType name="BrakesWork"/>',
+        "",
+        [
+            (
+                "m.xml:46: error X010: a dimension has no type: "
+                "a child dimensionType with a name is missing"
+            )
+        ],
+    ),
+    "X010 service type": (
+        '<serviceType name="MappingType"/>',
+        "",
+        [
+            (
+                'm.xml:61: error X010: the type of requiredServices "Mapping" is missing: '
+                "a child serviceType with a name"
+            )
+        ],
+    ),
+    "X010 value": (
+        '<covered value="fast"/>',
+        "<covered/>",
+        ['m.xml:21: error X010: the attribute "value" of covered is missing'],
+    ),
+    "X011 gate": (
+        'gateType="AND"',
+        'gateType="NOT"',
+        ['m.xml:51: error X011: gateType is "NOT", allowed: AND, OR'],
+    ),
+    "X011 dimension": (
+        '"consert_:BinaryDimension">\n            <dimensionType name="Bra',
+        '"consert_:TextDimension">\n            <dimensionType name="Bra',
+        [
+            (
+                'm.xml:46: error X011: xsi:type is "consert_:TextDimension", allowed: '
+                "BinaryDimension, CategoricalDimension, NumericDimension"
+            )
+        ],
+    ),
+    "X011 subset": (
+        'subset="Demand"',
+        'subset="Both"',
+        ['m.xml:10: error X011: subset is "Both", allowed: Guarantee, Demand'],
+    ),
+    "X011 number": (
+        'start="0.2"',
+        'start="0,2"',
+        ['m.xml:40: error X011: start is "0,2", allowed: a decimal number, inf, -inf'],
+    ),
+    "X011 not a number": (
+        'start="0.2"',
+        'start="NaN"',
+        ['m.xml:40: error X011: start is "NaN", allowed: a decimal number, inf, -inf'],
+    ),
+    "X011 boolean": (
+        'inclusive="false"',
+        'inclusive="no"',
+        ['m.xml:40: error X011: inclusive is "no", allowed: true, false'],
+    ),
+    "X011 ranking": (
+        'ranking="2"',
+        'ranking="best"',
+        ['m.xml:28: error X011: ranking is "best", allowed: an integer'],
+    ),
+    "X012": (
+        f'target="{A}/@guarantees.1"',
+        'target="other.xml#//@a.0"',
+        [
+            'm.xml:7: error X012: target "other.xml#//@a.0" points into another file, other.xml',
+        ],
+    ),
+    "C003": (
+        '<runtimeEvidence name="brakes">',
+        (
+            '<runtimeEvidence name="brakes"><dependabilityProperty><dimension '
+            'xsi:type="consert_:Binary" type="Twice"/></dependabilityProperty>'
+        ),
+        ['m.xml:44: error C003: evidence "brakes" has 2 dimensions, it needs one'],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_errors(name: str) -> None:
+    before, after, want = ROWS[name]
+    assert before in ROVER
+    conserts, problems = read(ROVER.replace(before, after))
+    assert texts(problems) == want
+    assert conserts == ()
+    assert all(p.place.path for p in problems)
+
+
+def test_an_edge_into_another_consert() -> None:
+    second = (
+        '<conSerts name="Other"><guarantees name="g"/><guaranteePropagation '
+        f'source="{A}/@runtimeEvidence.0" '
+        'target="//@odeProductPackages.0/@conSerts.1/@guarantees.0"/>'
+        "</conSerts>"
+    )
+    conserts, problems = read(ROVER.replace("</conSerts>", f"</conSerts>\n{second}"))
+    assert conserts == (DRIVE,)
+    assert texts(problems) == [
+        (
+            'm.xml:53: error X009: source points at runtimeEvidence "battery" of another ConSert, '
+            "expected evidence, demand, gate or guarantee of the same ConSert"
+        )
+    ]
+    assert problems[0].hint == (
+        "ConSerts are connected by services: a demand there, a guarantee here"
+    )
+
+
+def test_a_name_of_a_consert_is_unique() -> None:
+    conserts, problems = read(ROVER.replace("</conSerts>", '</conSerts>\n<conSerts name="Drive"/>'))
+    assert conserts == (DRIVE,)
+    assert texts(problems) == [
+        'm.xml:53: error C007: the ConSert name "Drive" is used twice, first in line 4'
+    ]
+
+
+def test_a_consert_without_name_is_called_as_the_file() -> None:
+    ((consert,), problems) = read(ROVER.replace('<conSerts name="Drive">', "<conSerts>"))
+    assert (consert.name, problems) == ("m", [])
+
+
+ACCEPTED = {
+    "X014 subset": (
+        ' subset="Demand"',
+        "",
+        ["m.xml:10: warning X014: subset is absent, taken as Guarantee (a demand asks at most)"],
+    ),
+    "X014 inclusive": (
+        ' inclusive="true"',
+        "",
+        ["m.xml:12: warning X014: inclusive is absent, taken as true (the end lies inside)"],
+    ),
+    "X015": (
+        "<covered value",
+        '<covered colour="red" value',
+        ['m.xml:20: info X015: unknown attribute "colour" of covered is ignored (3 times)'],
+    ),
+    "X015 child": (
+        '<conSerts name="Drive">',
+        '<conSerts name="Drive"><extra/>',
+        ['m.xml:4: info X015: unknown child "extra" of conSerts is ignored'],
+    ),
+    "X013": (
+        '<serviceType name="DrivingType"/>',
+        '| <serviceType name="DrivingType"/> |',
+        ['m.xml:58: warning X013: unexpected text "|" (2 times)'],
+    ),
+    "X006 case": (
+        "<conSerts name",
+        "<conSerts Description='' name",
+        ['m.xml:4: info X006: attribute "Description" is read as "description"'],
+    ),
+    "gate type spelt otherwise": ('gateType="AND"', 'function="and"', []),
+    "common parts": (
+        '<conSerts name="Drive">',
+        (
+            '<conSerts name="Drive" Id="3" gid=""><keyValueMaps key="k"><values value="v"/>'
+            "</keyValueMaps>"
+        ),
+        [],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ACCEPTED)
+def test_what_is_accepted_with_a_remark(name: str) -> None:
+    before, after, want = ACCEPTED[name]
+    assert before in ROVER
+    conserts, problems = read(ROVER.replace(before, after))
+    assert texts(problems) == want
+    assert len(conserts) == 1
+
+
+# SESAME D7.2 exists as scanned text, and users copy from it.
+PRINTED = {
+    "Fig 36 line 2, root class": (
+        "integration_:DDIPackage",
+        "integration_:ODIPackage",
+        ['m.xml:2: warning X006: the root class "ODIPackage" is read as "DDIPackage"'],
+    ),
+    "Fig 36 line 2, declaration of xmi": (
+        'xmi:version="2.0" xmlns:xmi=',
+        "xmlns:mi=",
+        [],
+    ),
+    "Fig 36 line 3, class": (
+        '"consert_:ConSertPackage"',
+        '"consent:_ConsentPackage"',
+        ['m.xml:3: warning X006: class "consent:_ConsentPackage" is read as "ConSertPackage"'],
+    ),
+    "Fig 36 lines 5 to 8, path": (
+        "@consertGates",
+        "@consentGates",
+        ['m.xml:4: warning X006: "consentGates" in a path is read as "consertGates" (2 times)'],
+    ),
+    "Fig 36 lines 5 to 8, element": (
+        "<consertGates",
+        "<consentGates",
+        [
+            'm.xml:4: warning X006: "consentGates" in a path is read as "consertGates" (2 times)',
+            'm.xml:51: warning X006: child "consentGates" is read as "consertGates"',
+        ],
+    ),
+    "Fig 36 line 37, gate without type": (' gateType="AND"', "", []),
+    "Fig 36 line 66, system without name": ('<systems name="Rover">', "<systems>", []),
+}
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_misprints_that_are_read(name: str) -> None:
+    before, after, want = PRINTED[name]
+    text = ROVER.replace(before, after)
+    assert text != ROVER
+    conserts, problems = read(text)
+    assert texts(problems) == want
+    assert conserts == (DRIVE,)
+
+
+def test_misprints_that_are_names() -> None:
+    # Fig 36 lines 9, 30, 48 (Rte_A_*), 40 (System_A_G0_C2), and names of propagations (line 6)
+    text = ROVER.replace('name="battery"', 'name="Battery"').replace(
+        "<guaranteePropagation source", '<guaranteePropagation name="same" source'
+    )
+    ((consert,), problems) = read(text)
+    assert problems == []
+    assert [e.id for e in consert.evidence] == ["Battery", "brakes"]
+
+
+def test_folded_bodies() -> None:
+    # Fig 36 lines 9 to 55 print "..." in place of a body
+    text = re.sub(
+        r'(<runtimeEvidence name="brakes">).*?(</runtimeEvidence>)',
+        r"\1...\2",
+        ROVER,
+        flags=re.DOTALL,
+    )
+    conserts, problems = read(text)
+    assert conserts == ()
+    assert texts(problems) == [
+        'm.xml:44: error C006: evidence "brakes" has no dimensions, it needs one',
+        'm.xml:44: warning X013: unexpected text "..."',
+    ]
+
+
+def test_a_guarantee_printed_as_propagation() -> None:
+    # Fig 36 lines 40 to 47, closed consistently
+    text = re.sub(
+        r'<guarantees name="slow"(.*?)</guarantees>',
+        r'<guaranteePropagation name="slow"\1</guaranteePropagation>',
+        ROVER,
+        flags=re.DOTALL,
+    )
+    conserts, problems = read(text)
+    assert conserts == ()
+    assert (
+        'm.xml:28: error X010: the attribute "source" of guaranteePropagation "slow" is missing'
+        in (texts(problems))
+    )
+    mixed = text.replace("</guaranteePropagation>", "</guarantees>")
+    assert codes(read(mixed)[1]) == {"X001"}
+
+
+def test_equal_property_types_and_a_wrong_service_type_are_read() -> None:
+    # Fig 36 lines 57 to 63 and 72: names there are no keys; composing finds the wrong type
+    types = '<dependabilityPropertyTypes name="Distance"/>'
+    text = ROVER.replace(types, types * 7).replace('"MappingType"', '"DrivingType"')
+    ((consert,), problems) = read(text)
+    assert problems == []
+    assert consert.required_services[0].functional_service_type == "DrivingType"
+
+
+def test_a_file_without_conserts_has_none() -> None:
+    assert read(SAFETY_CASE) == ((), [])
+
+
+def test_too_many_nodes() -> None:
+    text = ROVER.replace("</conSerts>", '<consertGates name="g"/>' * 100_000 + "</conSerts>")
+    assert texts(read(text)[1]) == [
+        "m.xml:4: error X003: the number of nodes is 100006, more than the limit of 100000"
+    ]
+
+
+def _sound(result: tuple[tuple[ConSert, ...], list[Problem]]) -> None:
+    _conserts, problems = result
+    assert all(p.place.line for p in problems)
+    for problem in problems:
+        assert problem.message
+        assert not problem.message.endswith(".")
+
+
+@pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
+def test_without_any_one_attribute(text: str) -> None:
+    for match in re.finditer(r' [\w:]+="[^"]*"', text):
+        conserts, problems = read(text[: match.start()] + text[match.end() :])
+        _sound((conserts, problems))
+        assert conserts or has_errors(problems)
+
+
+@pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
+def test_without_any_one_element(text: str) -> None:
+    lines = text.splitlines(keepends=True)
+    for first, line in enumerate(lines):
+        tag = re.match(r"( *)<(\w+)", line)
+        if tag is None or not tag.group(1):
+            continue
+        end = first
+        if not re.search(rf"/>$|</{tag.group(2)}>$", line.rstrip()):
+            closing = f"{tag.group(1)}</{tag.group(2)}>"
+            end = next(i for i in range(first, len(lines)) if lines[i].startswith(closing))
+        _sound(read("".join(lines[:first] + lines[end + 1 :])))
+
+
+EDITS = st.lists(
+    st.tuples(st.integers(0, 10_000), st.integers(0, 12), st.binary(max_size=8)),
+    min_size=1,
+    max_size=6,
+)
+TOKENS = st.lists(
+    st.tuples(
+        st.integers(0, 500),
+        st.sampled_from(
+            ["", "//", "/@a", "//@odeProductPackages.0", "x", "&lt;", "true", "-1", "1e999", "_:"]
+        ),
+    ),
+    min_size=1,
+    max_size=4,
+)
+
+
+@given(st.sampled_from([ROVER, OLDER]), EDITS)
+def test_random_bytes_never_break_reading(text: str, edits: list[tuple[int, int, bytes]]) -> None:
+    data = text.encode()
+    for at, cut, inserted in edits:
+        position = at % (len(data) + 1)
+        data = data[:position] + inserted + data[position + cut :]
+    _sound(read(data))
+
+
+@given(st.sampled_from([ROVER, OLDER]), TOKENS)
+def test_random_values_never_break_reading(text: str, edits: list[tuple[int, str]]) -> None:
+    for index, value in edits:
+        values = list(re.finditer(r'"[^"]*"', text))
+        match = values[index % len(values)]
+        text = text[: match.start()] + f'"{value}"' + text[match.end() :]
+    _sound(read(text))

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold import source as source_module
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.readers.eddi import read_document, sniff
+from eddi_scaffold.source import LargeSource, Source, read_source
+
+
+def test_a_large_file_reads_like_a_small_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "m.xml"
+    path.write_bytes(b"<r><a/></r>")
+    small = read_source(path)
+    monkeypatch.setattr(source_module, "KEPT_BYTES", 3)
+    large = read_source(path)
+    assert isinstance(large, LargeSource)
+    assert (large.name, large.data, large.sha256) == (small.name, small.data, small.sha256)
+    assert small.sha256 == hashlib.sha256(b"<r><a/></r>").hexdigest()
+    assert (large.stem, large.file_name) == ("m", "m.xml")
+    assert sniff(large)
+    document, problems = read_document(large)
+    assert document is not None
+    assert problems == []
+    path.unlink()
+    with pytest.raises(EddiError, match="cannot read the file: No such file"):
+        _ = large.data
+
+
+@pytest.mark.parametrize("name", ["missing", "."])
+def test_what_cannot_be_read(tmp_path: Path, name: str) -> None:
+    with pytest.raises(EddiError, match="cannot read the file"):
+        read_source(tmp_path / name)
+
+
+def test_too_large(tmp_path: Path) -> None:
+    path = tmp_path / "m"
+    path.write_bytes(b"1234")
+    with pytest.raises(EddiError, match="more than the limit of 3"):
+        read_source(path, limit=3)
+    assert read_source(path) == Source(str(path), b"1234")
