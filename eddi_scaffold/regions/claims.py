@@ -94,7 +94,9 @@ def claim_bodies(
         if source is not None:
             claimed.add(source.id)
             before = old.get(source.id)
-            sig = source.sig or (before.sig if before else None)
+            # A marker that lost its whole comment still means what the base says; one with an id
+            # but no signature was never looked at (an adopted package).
+            sig = source.sig if source.explicit or before is None else before.sig
             claim = Claim(region, source.body, sig, source.indent, edited=True)
             notes.extend(_told(path, claim, source, old.get(region.id)))
         else:

@@ -59,6 +59,11 @@ class _Span:
     stop: int
 
 
+def is_named(key: str) -> bool:
+    """Tell whether a key stays the same when the item's text is edited."""
+    return key.startswith(("def ", "class ", "from ", "import ", "= ", "region ", "<"))
+
+
 def split(lines: Sequence[str]) -> tuple[Item, ...]:
     """Return the module's definitions; their lines joined give the input again.
 

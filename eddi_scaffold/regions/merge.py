@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 from typing import Literal
 from xml.parsers import expat
 
-from eddi_scaffold.regions.bodies import reindent, same_body
+from eddi_scaffold.regions.bodies import reindent
 from eddi_scaffold.regions.claims import Claim, Claims, adopt_ids, claim_bodies
 from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.markers import (
@@ -71,7 +71,7 @@ def merge(
     if own is not None and skeleton != target.skeleton and not _valid(path, skeleton, claims):
         skeleton, rejects = target.skeleton, [_whole(before or target, own)]
         text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
-    if not _placed(text, claims):
+    if not _placed(path, text, claims):
         return Refused((Fault(1, "the merged text would lose a region; put its markers back"),))
     notes = [*claims.notes, *_reject_notes(path, rejects), *_broken_bodies(path, text)]
     return Merged(
@@ -191,19 +191,25 @@ def _assemble(skeleton: Sequence[str], claims: Mapping[str, Claim], *, python: b
         begin = region.begin.strip()
         if claim.edited and region.sig is not None:
             begin = with_sig(begin, claim.sig)
-        body = reindent(claim.body, claim.indent, indent, python=python)
+        body = _moved(claim, indent, python=python)
         out += [indent + begin + "\n", body, indent + region.end.strip() + "\n"]
     return "".join(out)
 
 
-def _placed(text: str, claims: Claims) -> bool:
+def _moved(claim: Claim, indent: str, *, python: bool) -> str:
+    return reindent(claim.body, claim.indent, indent, python=python)
+
+
+def _placed(path: str, text: str, claims: Claims) -> bool:
     """Check the merged text against the promise before anything is written."""
     document, faults = parse(text)
-    found = {r.id: r.body for r in document.regions.values() if r.id in claims.by_id}
-    return (
-        not faults
-        and list(found) == list(claims.by_id)
-        and all(same_body(found[key], claim.body) for key, claim in claims.by_id.items())
+    found = [region for region in document.regions.values() if region.id in claims.by_id]
+    if faults or [region.id for region in found] != list(claims.by_id):
+        return False
+    return all(
+        region.body
+        == _moved(claims.by_id[region.id], region.indent, python=kind_of(path) == "python")
+        for region in found
     )
 
 

@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.regions.definitions import Group, Item, split, split_function
+from eddi_scaffold.regions.definitions import Group, Item, is_named, split, split_function
 from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.markers import indent_of, placeholder_id
 
@@ -25,6 +25,9 @@ class Reject:
     where: str
     before: tuple[str, ...]
     after: tuple[str, ...]
+
+
+_LEAVES = ("return", "raise")
 
 
 @dataclass
@@ -79,7 +82,10 @@ def _block(
     for key, person in own.items():
         if key not in new:
             was = old.get(key)
-            if was is None and not (regions_in(person.lines)):
+            lost = _replaced(key, list(own), old, new) if was is None else None
+            if lost is not None:
+                merge.rejects.append(Reject(_name(scope, lost.key), lost.lines, person.lines))
+            elif was is None and not regions_in(person.lines):
                 at = order.index(anchor) + 1 if anchor is not None else 0
                 order.insert(len(order) if key in last else at, key)
                 chosen[key] = list(person.lines)
@@ -88,6 +94,17 @@ def _block(
         if key in chosen:
             anchor = key
     return [line for key in order for line in _terminated(chosen[key])]
+
+
+def _replaced(key: str, own: list[str], old: dict[str, Item], new: dict[str, Item]) -> Item | None:
+    """Return the nameless statement that a person rewrote into this one and theirs changed too."""
+    if is_named(key):
+        return None
+    known = [k for k in own[: own.index(key)] if k in old]
+    names = list(old)
+    start = names.index(known[-1]) + 1 if known else 0
+    gone = itertools.takewhile(lambda k: k not in own, names[start:])
+    return next((old[k] for k in gone if k not in new and not is_named(k)), None)
 
 
 def _added_last(own: dict[str, Item], old: Mapping[str, Item], new: Mapping[str, Item]) -> set[str]:
@@ -115,20 +132,42 @@ def _both(merge: _Merge, was: Item | None, person: Item, item: Item, where: str)
     if merged is not None:
         return merged
     if item.key.startswith("def ") and before is not None:
-        groups = [split_function(lines) for lines in (before, person.lines, item.lines)]
-        old, own, new = groups
-        if old is not None and own is not None and new is not None:
-            trial = _Merge()
-            lines = _groups(trial, old, own, new, where, steps=True)
-            if regions_in(lines) == regions_in(item.lines) and _parses(lines):
-                merge.rejects.extend(trial.rejects)
-                return lines
+        merged = _by_parts(before, person.lines, item.lines, where)
+        if merged is not None:
+            return merged
     if item.key.startswith("from "):
         united = _united(before or (), person.lines, item.lines)
         if united is not None:
             return united
     merge.rejects.append(Reject(where, before if before is not None else item.lines, person.lines))
     return list(item.lines)
+
+
+def _by_parts(
+    before: Sequence[str], person: Sequence[str], item: Sequence[str], where: str
+) -> list[str] | None:
+    """Merge the comments above a function, and its statements where the person only added some."""
+    leads, rests = zip(*(_lead(lines) for lines in (before, person, item)), strict=True)
+    lead, merged = _leaf(*leads), _leaf(*rests)
+    if lead is None or merged is not None:
+        return None if lead is None or merged is None else lead + merged
+    old, own, new = (split_function(lines) for lines in rests)
+    if old is None or own is None or new is None:
+        return None
+    keys = [step.key for step in own.items]
+    added = [key for key in keys if key not in _by_key(old.items)]
+    if len(keys) - len(added) < len(old.items) or any(key.startswith(_LEAVES) for key in added):
+        return None
+    trial = _Merge()
+    lines = _groups(trial, old, own, new, where, steps=True)
+    good = not trial.rejects and regions_in(lines) == regions_in(item) and _parses(lines)
+    return lead + lines if good else None
+
+
+def _lead(lines: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
+    code = (i for i, line in enumerate(lines) if line.strip() and line.lstrip()[0] != "#")
+    first = next(code, 0)
+    return lines[:first], lines[first:]
 
 
 def _groups(

@@ -185,7 +185,7 @@ class Life:
         left = self.chance.randint(0, 12)
         real = {name: getattr(os, name) for name in ("replace", "unlink")}
 
-        def guard(name: str):  # noqa: ANN202
+        def guard(name: str):
             def step(*arguments: object, **options: object) -> object:
                 nonlocal left
                 left -= 1
@@ -275,10 +275,7 @@ class Life:
         self._write(path, "".join(out))
 
 
-ACTIONS = (
-    "add remove rename reorder retype template files both nothing "
-    "edit edit edit edit edit_outside edit_outside line_ends"
-).split()
+ACTIONS = ["add", "remove", "rename", "reorder", "retype", "template", "files", "both", "nothing", "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "line_ends"]
 
 
 @settings(
