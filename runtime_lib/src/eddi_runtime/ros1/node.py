@@ -295,7 +295,7 @@ class MonitorNode:
         options, wrong = settings(start.private_parameters(master, name, sys.argv), cls.FREQUENCY)
         if wrong:
             raise start.StartError("; ".join(wrong))
-        path = start.model_file(options.model, script_file)
+        path = start.model_file(options.model, script_file, cls.NAME)
         try:
             monitor = eddi_monitor_class(str(path))
         except ModelError as error:

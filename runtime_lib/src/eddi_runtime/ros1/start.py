@@ -6,7 +6,7 @@ A start that cannot work ends here, so that the ROS graph never sees a broken no
 import sys
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, Optional, Sequence
 
 import rosgraph
 import rosgraph.names
@@ -14,6 +14,7 @@ import rospy
 import rospy.client
 import rospy.names
 
+from ..places import NoModelFileError, find_model
 from .master import Peer, Refused, Unreachable, answers_as
 
 _POLL_S = 0.2
@@ -83,26 +84,20 @@ def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str
     return parameters
 
 
-def model_file(given: Optional[str], script_file: str) -> Path:
-    """Return the model file: the parameter's, or the one beside the script.
+def model_file(given: Optional[str], script_file: str, package: str) -> Path:
+    """Return the model file: the parameter's, or the one of the script's package.
 
     Raises:
         StartError: with every path that was tried.
     """
-    script = Path(script_file).resolve()
-    tried: List[Path]
-    if given is not None:
-        tried = [Path(given)]
-    else:
-        tried = [
-            script.parent.parent / "config" / "model.json",  # source tree and devel space
-            # install space: lib/<package>/RosNode.py
-            script.parents[2] / "share" / script.parent.name / "config" / "model.json",
-        ]
-    for path in tried:
-        if path.is_file():
-            return path
-    raise StartError("no model file: " + " nor ".join(str(path) for path in tried))
+    if given is None:
+        try:
+            return find_model(script_file, package)
+        except NoModelFileError as error:
+            raise StartError(str(error)) from error
+    if not Path(given).is_file():
+        raise StartError(f"no model file: {given}")
+    return Path(given)
 
 
 def _say(node: str, text: str) -> None:
