@@ -4,6 +4,7 @@ import os
 import subprocess
 
 import pytest
+
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.ros1 import models
 from tests.ros1.world import PYTHON, World, make_messages
@@ -15,7 +16,11 @@ def _why_not():
     """Return why ROS cannot be used here, ``None`` when it can."""
     try:
         tried = subprocess.run(
-            [PYTHON, "-c", NEEDED], env={"PATH": "/usr/bin:/bin"}, capture_output=True, text=True
+            [PYTHON, "-c", NEEDED],
+            env={"PATH": "/usr/bin:/bin"},
+            capture_output=True,
+            text=True,
+            check=False,
         )
     except OSError as error:
         return str(error)

@@ -45,28 +45,28 @@ def build(name, fields):
     return message
 
 
-def subscribe(topic, type):
+def subscribe(topic, kind):
     def received(message):
         say(event="message", topic=topic, t=time.monotonic(), data=plain(message))
 
-    rospy.Subscriber(topic, message_class(type), received, tcp_nodelay=True)
+    rospy.Subscriber(topic, message_class(kind), received, tcp_nodelay=True)
 
 
-def publish(topic, type, fields, latch=False):
+def publish(topic, kind, fields, latch=False):
     if topic not in _publishers:
-        _publishers[topic] = rospy.Publisher(topic, message_class(type), queue_size=10, latch=latch)
-    message = build(type, fields)
+        _publishers[topic] = rospy.Publisher(topic, message_class(kind), queue_size=10, latch=latch)
+    message = build(kind, fields)
     _publishers[topic].publish(message)
     say(event="published", topic=topic, t=time.monotonic())
 
 
-def every(topic, type, fields, hz, connected=True):
+def every(topic, kind, fields, hz, connected=True):
     """Publish again and again; first waits for a subscriber, so that bursts are counted."""
     publisher = _publishers.setdefault(
-        topic, rospy.Publisher(topic, message_class(type), queue_size=1000)
+        topic, rospy.Publisher(topic, message_class(kind), queue_size=1000)
     )
     stop = _repeats[topic] = threading.Event()
-    message = build(type, fields)
+    message = build(kind, fields)
 
     def run():
         while connected and not publisher.get_num_connections() and not stop.wait(0.01):
@@ -93,7 +93,7 @@ def connections(topic):
 
 
 def main():
-    rospy.init_node("probe_%d" % os.getpid(), disable_signals=True)
+    rospy.init_node(f"probe_{os.getpid()}", disable_signals=True)
     say(event="ready")
     commands = {f.__name__: f for f in (subscribe, publish, every, stop, connections)}
     for line in sys.stdin:

@@ -1,5 +1,7 @@
 """The loop: rates, wake-up by messages, names, bursts, a subscriber that hangs."""
 
+import itertools
+import json
 import shutil
 import socket
 import struct
@@ -7,6 +9,7 @@ import time
 import xmlrpc.client
 
 import pytest
+
 from tests.ros1.world import HERE, active, until
 
 pytestmark = pytest.mark.ros
@@ -15,7 +18,7 @@ BOOL, TEXT = "std_msgs/Bool", "std_msgs/String"
 
 def gaps(events):
     times = [event["t"] for event in events]
-    return sorted(later - earlier for earlier, later in zip(times, times[1:], strict=False))
+    return sorted(later - earlier for earlier, later in itertools.pairwise(times))
 
 
 def test_rates_bursts_and_on_change(world, master, probe, model_files):
@@ -32,7 +35,7 @@ def test_rates_bursts_and_on_change(world, master, probe, model_files):
         probe.active(f"/{space}/guarantees", set(), after=start)
 
     source = world.probe(master)
-    source.do("every", topic="/burst/flag", type=BOOL, fields={"data": True}, hz=1500)
+    source.do("every", topic="/burst/flag", kind=BOOL, fields={"data": True}, hz=1500)
     probe.active("/burst/guarantees", {"G_F"})
     mark = probe.mark()
     time.sleep(2.0)
@@ -84,6 +87,8 @@ def test_remaps_namespaces_and_the_model_beside_the_script(
     world.node(
         master, "tester", "__ns:=/robot2", "guarantees:=/elsewhere", "flag:=/flag2", script=script
     )
+    master.call("setParam", "/robot3/mine/model", str(model_files["tester_half"]))
+    master.call("setParam", "/robot3/mine/watchdog_period", 0)
     third = world.node(
         master, "tester", "__name:=mine", script=script, env={"ROS_NAMESPACE": "robot3"}
     )
@@ -93,6 +98,11 @@ def test_remaps_namespaces_and_the_model_beside_the_script(
     probe.active("/elsewhere", {"G_F"}, after=start)
     probe.active("/robot3/guarantees", set(), after=start)
     assert master.call("lookupNode", "/robot3/mine")
+    # Parameters of a launch file come from the master: this model has another digest.
+    digest = json.loads(model_files["tester_half"].read_text())["sha256"]
+    _, _, values = probe.diagnostics("/robot3/mine", lambda *_: True)
+    assert values["model_digest"] == digest
+    assert values["master"] == "not watched"
     assert third.end()[0] == 0
 
 
@@ -100,11 +110,14 @@ def hung_subscriber(master, node, topic, kind, md5):
     """Connect as a subscriber with a tiny receive buffer that never reads."""
     uri = until(lambda: master.call("lookupNode", node))
     proxy = xmlrpc.client.ServerProxy(uri)
-    _, _, (_, host, port) = until(
-        lambda: (lambda a: a if a[0] == 1 else None)(
-            proxy.requestTopic("/hung", topic, [["TCPROS"]])
-        )
-    )
+    answer = []
+
+    def offered():
+        answer[:] = proxy.requestTopic("/hung", topic, [["TCPROS"]])
+        return answer[0] == 1
+
+    until(offered)
+    _, host, port = answer[2]
     line = socket.socket()
     line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
     line.connect((host, port))

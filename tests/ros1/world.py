@@ -1,4 +1,4 @@
-"""A small real ROS world: masters, nodes and probes as processes that a test can stop one by one."""
+"""A small real ROS world: masters, nodes and probes, each a process that a test can stop."""
 
 import contextlib
 import json
@@ -160,11 +160,11 @@ class Probe:
 
     def publish(self, topic, kind, fields, *, latch=False):
         mark = self.mark()
-        self.do("publish", topic=topic, type=kind, fields=fields, latch=latch)
+        self.do("publish", topic=topic, kind=kind, fields=fields, latch=latch)
         return self.wait(lambda e: e["event"] == "published" and e["topic"] == topic, after=mark)
 
     def subscribe(self, topic, kind="eddi_messages/ConSertOutput"):
-        self.do("subscribe", topic=topic, type=kind)
+        self.do("subscribe", topic=topic, kind=kind)
 
     def active(self, topic, expected, timeout=10.0, after=None):
         """Wait until the newest output says exactly these guarantees are active."""

@@ -7,6 +7,7 @@ from typing import Any, Callable
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from .logs import LOG
 from .publications import stamp
 from .report import Report
 from .schedule import Waker
@@ -52,7 +53,7 @@ class Diagnostics:
                 self._publish(self._collect(periodic))
             except Exception as error:  # noqa: BLE001 - a report must never end the reporting
                 if not self._stopped and not rospy.is_shutdown():
-                    rospy.logerr("diagnostics: %s: %s", type(error).__name__, error)
+                    LOG.error("diagnostics: %s: %s", type(error).__name__, error)
             time.sleep(_CALM_S)
             periodic = not self._waker.wait(PERIOD_S - _CALM_S)
 

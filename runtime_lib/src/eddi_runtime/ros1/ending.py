@@ -14,9 +14,11 @@ from typing import Callable, List
 import rospy
 import rospy.core
 
+from .logs import LOG
 from .schedule import Waker
 
 GRACE_S = 1.5
+_FLUSH_S = 0.3
 TAKEN_OVER, MASTER_LOST = 1, 3
 _REASON_OF_MASTER = "new node registered with same name"
 
@@ -47,14 +49,15 @@ class Ending:
 
     def end(self, status: int, reason: str) -> None:
         """End the process with a status."""
-        rospy.logerr("ending with status %d: %s", status, reason)
+        LOG.error("ending with status %d: %s", status, reason)
         self.status = status
         rospy.signal_shutdown(reason)
 
     def wait(self) -> None:
-        """Wait until the node is unregistered, if it is ending; the guard limits the wait."""
+        """Wait until the node is unregistered and all is logged; the guard limits the wait."""
         while self.begun and not rospy.is_shutdown():
             time.sleep(0.01)
+        LOG.flush(_FLUSH_S)
 
     def _begin(self) -> None:
         self.begun = True
@@ -65,7 +68,7 @@ class Ending:
     def _explain(self, reason: str) -> None:
         if _REASON_OF_MASTER in reason:
             self.status = TAKEN_OVER
-            rospy.logerr("the ROS master ended this node: another one has its name (%s)", reason)
+            LOG.error("the ROS master ended this node: another one has its name (%s)", reason)
 
     def _guard(self) -> None:
         while not self._waker.wait(threading.TIMEOUT_MAX):

@@ -3,8 +3,7 @@
 import time
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-import rospy
-
+from .logs import LOG
 from .report import OK, InputFact, NodeFact, Report, level_of, report
 from .subscriptions import Receipt
 
@@ -75,7 +74,7 @@ class Health:
             self._logged[about] = ("", at)
         elif now - at >= _ERROR_GAP_S:
             self._logged[about] = (reason, now)
-            rospy.logerr("%s: %s%s", about, reason, "\n" + trace.rstrip() if trace else "")
+            LOG.error("%s: %s%s", about, reason, "\n" + trace.rstrip() if trace else "")
 
     def _log_input(self, name: str, reason: str) -> None:
         about = f"input {name}"
@@ -175,10 +174,10 @@ class Changes:
             hidden = self._lines - _CHANGES_PER_S
             self._window, self._lines = second, 0
             if hidden > 0:
-                rospy.loginfo("%d more changes of guarantees were not logged", hidden)
+                LOG.info("%d more changes of guarantees were not logged", hidden)
         self._lines += 1
         if self._lines <= _CHANGES_PER_S:
-            rospy.loginfo("%s is now %s", name, "active" if active else "inactive")
+            LOG.info("%s is now %s", name, "active" if active else "inactive")
 
 
 def one_line(error: BaseException) -> str:

@@ -18,6 +18,7 @@ from . import start
 from .diagnostics import Diagnostics
 from .ending import Ending
 from .health import Changes, Health, one_line
+from .logs import LOG
 from .publications import (
     Converter,
     MessageError,
@@ -179,7 +180,7 @@ class MonitorNode:
             return
         now = rospy.Time.now()
         if self._ros_time is not None and now < self._ros_time:
-            rospy.logwarn("/clock jumped back by %.3f s", (self._ros_time - now).to_sec())
+            LOG.warn("/clock jumped back by %.3f s", (self._ros_time - now).to_sec())
         self._ros_time = now
 
     def _report_now(self) -> None:
@@ -208,7 +209,7 @@ class MonitorNode:
 
     def _log_start(self) -> None:
         unlimited = [spec.id for spec in self._core.inputs if spec.max_age is None]
-        rospy.loginfo(
+        LOG.info(
             "monitor of %s (%s), model digest %s, eddi_runtime %s from %s,"
             " inputs without max_age: %s",
             self._core.model_id,
@@ -226,6 +227,7 @@ class MonitorNode:
         """
         self._ending.on_end(self._waker.wake)
         self._ending.install()
+        LOG.start()
         self._refusals.install()
         self._log_start()
         self.init_publisher()

@@ -15,6 +15,7 @@ import rospy
 import rospy.impl.registration
 
 from .ending import MASTER_LOST, TAKEN_OVER
+from .logs import LOG
 from .master import Peer, Refused, Unreachable, answers_as
 
 OK, LOST, REREGISTERED, UNWATCHED = "ok", "lost", "re-registered", "not watched"
@@ -41,7 +42,7 @@ class TypeRefusals(logging.Handler):
             known = self.heard.get(topic)
             self.heard[topic] = (time.monotonic(), reason)
             if known is None or known[1] != reason:  # rospy tries again for ever
-                rospy.logerr("the publisher of %s refuses this node: %s", topic, reason)
+                LOG.error("the publisher of %s refuses this node: %s", topic, reason)
 
     def standing(self, topic: str, last_receipt: Optional[float]) -> Optional[str]:
         """Return why the publisher of a topic refuses us, ``None`` once a message came since."""
@@ -105,7 +106,7 @@ class Watchdog:
             try:
                 self.look()
             except Exception as error:  # noqa: BLE001 - a watchdog that dies watches nothing
-                rospy.logerr("master watchdog: %s: %s", type(error).__name__, error)
+                LOG.error("master watchdog: %s: %s", type(error).__name__, error)
             if before != (self.state, self.wrong_types):
                 self._changed()
 
@@ -115,7 +116,7 @@ class Watchdog:
             uri = self._master.uri_of(self._node)
         except Unreachable as error:
             if self.state != LOST:
-                rospy.logwarn("the ROS master does not answer, going on without it: %s", error)
+                LOG.warn("the ROS master does not answer, going on without it: %s", error)
             self.state = LOST
             return
         if uri is not None and uri != self._own_uri:
@@ -133,7 +134,7 @@ class Watchdog:
         if uri is None or not all(self._node in nodes.get(topic, ()) for topic in publishing):
             self._return()
         elif self.state == LOST:
-            rospy.loginfo("the ROS master answers again and still knows this node")
+            LOG.info("the ROS master answers again and still knows this node")
             self.state = OK
         self._check_types({topic: types.get(topic) for topic, names in nodes.items() if names})
 
@@ -146,14 +147,14 @@ class Watchdog:
             reregister(self._master, self._node, self._own_uri)
         except (Unreachable, Refused) as error:
             self._failures += 1
-            rospy.logerr("cannot register again (%d of %d): %s", self._failures, _ATTEMPTS, error)
+            LOG.error("cannot register again (%d of %d): %s", self._failures, _ATTEMPTS, error)
             self.state = LOST
             if self._failures >= _ATTEMPTS:
                 self._end(MASTER_LOST, f"cannot register again at the ROS master: {error}")
             return
         self._failures = 0
         self.state = REREGISTERED
-        rospy.logwarn("the ROS master did not know this node any more: registered again")
+        LOG.warn("the ROS master did not know this node any more: registered again")
 
     def _check_types(self, published: Dict[str, Optional[str]]) -> None:
         # Only topics with a publisher: the master keeps the types of all others, too.
@@ -164,7 +165,7 @@ class Watchdog:
                 wrong[topic] = f"{topic}: {expected} expected, the publisher sends {found}"
         for topic, text in wrong.items():
             if self.wrong_types.get(topic) != text:
-                rospy.logerr("wrong message type on %s", text)
+                LOG.error("wrong message type on %s", text)
         self.wrong_types = wrong
 
 

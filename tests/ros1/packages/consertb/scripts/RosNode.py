@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# ruff: noqa: EXE001, I001 - as catkin installs it: no x bit
 import sys
 
 import eddi_messages.msg

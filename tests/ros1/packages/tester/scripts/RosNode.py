@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# ruff: noqa: EXE001, I001 - as catkin installs it: no x bit
 """A node with relative topics, so that tests give each one a namespace of its own."""
 
 import os

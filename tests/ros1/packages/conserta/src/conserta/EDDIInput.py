@@ -1,3 +1,4 @@
+# ruff: noqa: N802, N803, N999 - the names of D7.2
 from eddi_runtime import EDDIInputBase, by_id
 
 

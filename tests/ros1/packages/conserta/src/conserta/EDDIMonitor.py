@@ -1,3 +1,4 @@
+# ruff: noqa: N999 - the names of D7.2
 """The monitor as a generated package has it."""
 
 import eddi_runtime

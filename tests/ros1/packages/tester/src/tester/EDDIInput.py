@@ -1,3 +1,4 @@
+# ruff: noqa: ICN001, N802, N999, PLE0643 - the names of D7.2
 """Hand edits with every fault that was seen in the field, chosen by the message."""
 
 from eddi_runtime import EDDIInputBase

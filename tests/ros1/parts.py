@@ -1,0 +1,146 @@
+"""Checks of the parts that need rospy's modules but no graph; run by test_parts.py.
+
+Runs under /usr/bin/python3, which has rospy but perhaps no pytest: hence plain functions.
+"""
+
+# ruff: noqa: ICN001, PT017 - no pytest here, and numpy is looked for by its name
+import threading
+import time
+
+import eddi_messages.msg
+import std_msgs.msg
+from eddi_runtime.ros1 import health, report, schedule, settings
+from eddi_runtime.ros1.publications import Converter, MessageError
+
+
+def refused(function, *words):
+    try:
+        function()
+    except MessageError as error:
+        assert all(word in str(error) for word in words), error
+    else:
+        raise AssertionError(f"not refused: {words}")
+
+
+def status(**changed):
+    one = ("GuaranteeStatus", {"id": "G", "verdict": 2, "missing": ["E"], **changed})
+    return "ConSertStatus", {"model_id": "M", "model_digest": "d", "guarantees": [one]}
+
+
+def check_messages_are_filled_completely_and_checked():
+    convert = Converter(eddi_messages.msg)
+    message = convert.message(status())
+    assert message.guarantees[0].missing == ["E"]
+    assert message.header.stamp.to_sec() > 1e9
+    wrong = (("verdict", -1), ("verdict", 256), ("verdict", True), ("verdict", 1.0))
+    wrong += (("id", None), ("id", b"G"), ("missing", "E"), ("missing", [None]), ("missing", None))
+    for field, value in wrong:
+        refused(lambda f=field, v=value: convert.message(status(**{f: v})), f"Status.{field}")
+    refused(lambda: convert.message(status(surplus=1)), "GuaranteeStatus", "surplus")
+    refused(lambda: convert.message(("Nothing", {})), "Nothing", "eddi_messages")
+    refused(lambda: convert.message(("Guarantee", {"id": "G"})), "active", "rebuild")
+    for value in (None, 1, "True", float("nan")):
+        tree = ("Guarantee", {"id": "G", "active": value})
+        refused(lambda t=tree: convert.message(t), "Guarantee.active", "bool expected")
+    plain = (
+        "ConSertOutput",
+        {"guarantees": [("GuaranteeStatus", status()[1]["guarantees"][0][1])]},
+    )
+    refused(lambda: convert.message(plain), "ConSertOutput.guarantees")
+
+
+def check_numbers():
+    convert = Converter(std_msgs.msg)
+    assert convert.message(("Float64", {"data": 3})).data == 3.0
+    assert convert.message(("Float32", {"data": float("inf")})).data == float("inf")
+    for name, value in (("Float32", 1e39), ("Float64", "1"), ("Float64", True), ("Int8", 128)):
+        tree = (name, {"data": value})
+        refused(lambda t=tree: convert.message(t), name)
+    try:
+        import numpy
+    except ImportError:
+        return
+    assert convert.message(("Int8", {"data": numpy.int64(5)})).data == 5
+    assert type(convert.message(("Bool", {"data": numpy.bool_(1)})).data) is bool
+    assert type(convert.message(("Float64", {"data": numpy.float32(0.5)})).data) is float
+
+
+def check_late_steps_are_counted_and_not_made_up():
+    grid = schedule.Schedule(0.1, on_change=False)
+    grid.start(0.0)
+    grid.stepped(0.1, 0.12)
+    assert round(grid.wait_s(0.12), 6) == 0.08
+    grid.stepped(0.2, 0.55)
+    assert grid.overruns == 3  # 0.3, 0.4 and 0.5 have passed
+    assert round(grid.wait_s(0.55), 6) == 0.05
+    early = schedule.Schedule(2.0, on_change=True)
+    early.start(0.0)
+    early.stepped(0.5, 0.6)
+    assert round(early.wait_s(0.6), 6) == 1.9
+    assert early.overruns == 0
+
+
+def check_many_wakes_are_one():
+    waker = schedule.Waker()
+    assert not waker.wait(0.01)
+    for _ in range(3):
+        waker.wake()
+    assert waker.wait(0.0)
+    assert not waker.wait(0.0)
+    threading.Timer(0.05, waker.wake).start()
+    started = time.monotonic()
+    assert waker.wait(5.0)
+    assert time.monotonic() - started < 1.0
+
+
+def check_settings_are_checked_all_at_once():
+    good, wrong = settings.settings({"frequency": 2, "other": object()}, 10.0)
+    assert not wrong
+    assert good == settings.Settings(2.0)
+    bad = {"frequency": float("nan"), "model": 3, "diagnostics": 1, "watchdog_period": -1}
+    bad.update(on_master_loss=[], queue_size=0)
+    _, wrong = settings.settings(bad, 10.0)
+    assert [text.split(":")[0] for text in wrong] == [f"parameter ~{name}" for name in bad]
+
+
+def check_the_worst_finding_comes_first():
+    node = report.NodeFact(5, 0, 1, 0.001, "", "lost", ())
+    inputs = [
+        report.InputFact("M", "missing", blocks=("G1", "G2")),
+        report.InputFact("S", "stale", "too old", 2.0, 7),
+        report.InputFact("K", "ok", age=0.1, received=3, no_limit=True),
+    ]
+    said = report.report({"model_digest": "d"}, inputs, node)
+    assert said.level == report.STALE
+    assert said.message.startswith("S stale: too old; M missing (blocks G1, G2); ")
+    values = dict(said.values)
+    assert (values["K"], values["K.max_age"], values["S.age_s"]) == ("ok", "no limit", "2.000")
+    broken = report.InputFact("B", "invalid", "why")
+    assert report.report({}, [*inputs, broken], node).level == report.ERROR
+    calm = report.NodeFact(5, 0, 0, 0.001, "", "ok", ())
+    assert report.report({}, inputs[2:], calm)[:2] == (report.OK, "all inputs are good")
+    hung = report.NodeFact(5, 0, 0, 0.001, "", "ok", (), silent_for=4.0)
+    assert report.report({}, inputs[2:], hung)[:2] == (report.ERROR, "no step for 4.0 s")
+
+
+def check_outputs_of_any_shape_pass_the_change_log():
+    changes = health.Changes()
+    said = []
+    changes._say = lambda name, active: said.append((name, active))
+    for output in (
+        [{"id": "G", "active": False}],
+        [{"id": "G", "active": False}],
+        [{"id": "G", "active": True}],
+        None,
+        {"id": "G"},
+        [1, {"id": "G", "active": True}],
+    ):
+        changes.note(output)
+    assert said == [("G", True)]
+
+
+if __name__ == "__main__":
+    for name, check in sorted(globals().items()):
+        if name.startswith("check_"):
+            check()
+            print("passed", name)
