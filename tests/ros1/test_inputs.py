@@ -4,6 +4,7 @@ import signal
 import time
 
 import pytest
+
 from tests.ros1.world import until
 
 pytestmark = pytest.mark.ros
