@@ -28,11 +28,11 @@ from .values import (
 Step = Callable[[object], Tuple[bool, ...]]
 Filter = Callable[[Sequence[int]], Sequence[int]]
 
-STRAIGHT_LINE_LIMIT = 6000
-"""Leaves + edges up to which straight-line code is made.
+STRAIGHT_LINE_LIMIT = 20_000
+"""Inputs + edges + gates up to which straight-line code is made.
 
-Compiling takes about 20 us per edge and its code some 100 bytes, so this is 0.1 s on load; beyond,
-a loop over the nodes does the same at about 3 times the time per step, and loads at once.
+Compiling takes 15 us each on load, so up to 0.3 s (some 3,000 gates), but 10 s and 2 GB for
+300,000. Beyond the limit a loop does the same: 10 times slower per step, but loaded at once.
 """
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -168,7 +168,10 @@ def _judgement(k: int, leaf: Leaf, names: Dict[str, Any]) -> str:
     """Return the expression that judges ``v<k>``: common values here, the rest by the function."""
     value = f"v{k}"
     if isinstance(leaf, BinaryLeaf):
-        return f"2 if {value} is True else 0 if {value} is False else judge{k}({value})"
+        return (
+            f"2 if {value} is True else 0 if {value} is False "
+            f"else 1 if {value} is None else judge{k}({value})"
+        )
     if isinstance(leaf, CategoricalLeaf):
         names[f"covered{k}"] = leaf.covered
         known = f"2 if {value} in covered{k} else 0"

@@ -17,7 +17,9 @@ MAX_SETS = 256
 """Sets kept per node; the smallest are kept, and the result is marked as truncated."""
 
 _BUDGET = 2_000_000
-"""Comparisons of sets per explanation; beyond it each node keeps its smallest set only."""
+"""Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""
+
+_FEW_SETS = 4
 
 
 class Reason(NamedTuple):
@@ -97,7 +99,7 @@ class Sets:
         self.values = graph.evaluate(leaf_values)
         by_id = sorted(range(graph.leaves), key=lambda k: graph.names[k])
         self._by_bit = by_id[::-1]
-        self._bit = {k: 1 << position for position, k in enumerate(self._by_bit)}
+        self._position = {k: position for position, k in enumerate(self._by_bit)}
 
     def missing(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
         """Return the minimal sets of leaves that would make the node TRUE, and "truncated"."""
@@ -114,17 +116,15 @@ class Sets:
         all of its TRUE inputs fall with.
         """
         critical: Dict[int, int] = {}
-        for k in self._below(node):
+        for k in self._gates_below(node):
             if self.values[k] != TRUE:
                 continue
-            if k < self._graph.leaves:
-                critical[k] = self._bit[k]
-                continue
             is_and, inputs = self._graph.nodes[k - self._graph.leaves]
-            found = [critical[one] for one in inputs if one in critical]
-            bits = found[0] if found else 0
-            for more in found[1:]:
-                bits = bits | more if is_and else bits & more
+            bits = -1 if inputs and not is_and else 0
+            for one in inputs:
+                if self.values[one] == TRUE:
+                    found = critical[one] if one in critical else self._bit(one)
+                    bits = bits | found if is_and else bits & found
             critical[k] = bits
         return self._ids(critical.get(node, 0))
 
@@ -145,16 +145,17 @@ class Sets:
                     stack.append(one)
         return found
 
-    def _below(self, node: int) -> List[int]:
-        """Return the node and all that it depends on; inputs come before their users."""
+    def _bit(self, leaf: int) -> int:
+        return 1 << self._position[leaf]  # made when needed: with 100,000 leaves each has 12 kB
+
+    def _gates_below(self, node: int) -> List[int]:
+        """Return the node and the gates that it depends on; inputs come before their users."""
         seen, stack = {node}, [node]
         while stack:
-            k = stack.pop()
-            if k >= self._graph.leaves:
-                for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                    if one not in seen:
-                        seen.add(one)
-                        stack.append(one)
+            for one in self._graph.nodes[stack.pop() - self._graph.leaves].inputs:
+                if one >= self._graph.leaves and one not in seen:
+                    seen.add(one)
+                    stack.append(one)
         return sorted(seen)
 
     def _mocus(self, node: int, *, paths: bool) -> _Family:
@@ -163,32 +164,36 @@ class Sets:
         Cuts are the paths of the dual graph: And and Or change places, and what is already lost
         takes the place of what is already there.
         """
-        below = self._below(node)
-        users: Dict[int, int] = {}
-        for k in below:
-            if k >= self._graph.leaves:
-                for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                    users[one] = users.get(one, 0) + 1
+        gates = self._gates_below(node)
+        users = self._users(gates)
         work = _Work()
         families: Dict[int, _Family] = {}
-        for k in below:
+        for k in gates:
+            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
+            family = _ALREADY if is_and == paths else _IMPOSSIBLE
+            combine = work.both if is_and == paths else work.either
             if (self.values[k] == TRUE) == paths:
-                families[k] = _ALREADY
-            elif k < self._graph.leaves:
-                families[k] = _Family(((1, self._bit[k]),), truncated=False)
-            else:
-                is_and, inputs = self._graph.nodes[k - self._graph.leaves]
-                combine = work.both if is_and == paths else work.either
-                family = _ALREADY if is_and == paths else _IMPOSSIBLE
-                for one in inputs:
-                    family = combine(family, families[one])
-                families[k] = family
-            if k >= self._graph.leaves:
-                for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                    users[one] -= 1
-                    if not users[one]:  # a long chain would else hold every set on the way
-                        del families[one]
+                family, inputs = _ALREADY, ()
+            for one in inputs:
+                found = families.get(one)
+                if found is None:
+                    there = (self.values[one] == TRUE) == paths
+                    found = _ALREADY if there else _Family(((1, self._bit(one)),), truncated=False)
+                family = combine(family, found)
+            families[k] = family
+            for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                users[one] -= 1
+                if not users[one]:  # a long chain would else hold every set on the way
+                    families.pop(one, None)
         return families[node]
+
+    def _users(self, gates: List[int]) -> Dict[int, int]:
+        """Return how often each node is an input of one of the gates."""
+        users: Dict[int, int] = {}
+        for k in gates:
+            for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                users[one] = users.get(one, 0) + 1
+        return users
 
     def _named(self, family: _Family) -> Tuple[List[Tuple[str, ...]], bool]:
         return [self._ids(bits) for _, bits in family.sets], family.truncated
@@ -225,18 +230,21 @@ class _Work:
         truncated = one.truncated or other.truncated
         self._done += len(one.sets) * len(other.sets)
         if self._done > _BUDGET:
-            truncated = truncated or len(one.sets) * len(other.sets) > 1
-            one, other = _Family(one.sets[:1], truncated), _Family(other.sets[:1], truncated)
+            truncated = truncated or max(len(one.sets), len(other.sets)) > _FEW_SETS
+            one = _Family(one.sets[:_FEW_SETS], truncated)
+            other = _Family(other.sets[:_FEW_SETS], truncated)
         unions = {first | second for _, first in one.sets for _, second in other.sets}
         return self._minimal([(_size(bits), bits) for bits in unions], truncated=truncated)
 
     def _minimal(self, sets: List[Tuple[int, int]], *, truncated: bool) -> _Family:
         """Return the smallest sets without those that contain another one (absorption)."""
-        limit = MAX_SETS if self._done <= _BUDGET else 1
+        limit = MAX_SETS if self._done <= _BUDGET else _FEW_SETS
         kept: List[Tuple[int, int]] = []
         smaller: List[int] = []  # only a smaller set can be inside; equal ones are equal
         size_now = 0
-        for size, bits in sorted(set(sets), key=lambda one: (one[0], -one[1])):
+        for size, bits in sorted(sets, key=lambda one: (one[0], -one[1])):
+            if kept and kept[-1][1] == bits:  # cheaper than a set: hashing reads all bits
+                continue
             if size != size_now:
                 smaller, size_now = [kept_bits for _, kept_bits in kept], size
             self._done += len(smaller) + 1
