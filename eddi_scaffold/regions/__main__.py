@@ -9,6 +9,7 @@ it has changed anything.
 from __future__ import annotations
 
 import sys
+import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -27,7 +28,11 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
     words = list(sys.argv[1:] if arguments is None else arguments)
     root = root or Path.cwd()
     if words == ["sync"]:
-        sys.stderr.write("".join(f"{line}\n" for line in describe(sync_package(root))))
+        try:
+            lines = describe(sync_package(root))
+        except Exception:  # noqa: BLE001 - a failing task makes Copier drop edits of other files
+            lines = [traceback.format_exc(), f"{root}: error: our bug; hand edits are not lost"]
+        sys.stderr.write("".join(f"{line}\n" for line in lines))
         return 0
     if words == ["check"]:
         broken = broken_files(root)

@@ -6,6 +6,7 @@ import io
 import textwrap
 import tokenize
 
+from eddi_scaffold.regions.formatting import same_code
 from eddi_scaffold.regions.markers import indent_of, split_lines
 
 
@@ -19,8 +20,10 @@ def canonical(body: str) -> str:
 
 
 def same_body(one: str, other: str) -> bool:
-    """Tell whether two bodies differ at most in what editors change by themselves."""
-    return canonical(one) == canonical(other)
+    """Tell whether two bodies differ at most in what editors and formatters change."""
+    return canonical(one) == canonical(other) or (
+        not is_empty(one) and same_code(canonical(one), canonical(other))
+    )
 
 
 def is_empty(body: str) -> bool:

@@ -11,7 +11,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.markers import indent_of, placeholder_id
+from eddi_scaffold.regions.formatting import framed
+from eddi_scaffold.regions.markers import indent_of, placeholder_id, split_lines
 
 TAIL = "<tail>"
 
@@ -82,9 +83,10 @@ def split(lines: Sequence[str]) -> tuple[Item, ...]:
 
 def split_function(lines: Sequence[str]) -> Group | None:
     """Return the statements of one function, ``None`` where control flow decides their order."""
-    framed = ["if True:\n", *lines] if _indented(lines) else list(lines)
+    text = framed(lines)
+    shown = split_lines(text)
     try:
-        node = ast.parse("".join(framed)).body[0]
+        node = ast.parse(text).body[0]
     except (SyntaxError, ValueError, RecursionError, MemoryError, IndexError):
         return None
     if isinstance(node, ast.If):
@@ -93,15 +95,10 @@ def split_function(lines: Sequence[str]) -> Group | None:
         return None
     if node.body[0].lineno <= node.lineno or any(hasattr(inner, "body") for inner in node.body):
         return None
-    offset = len(framed) - len(lines)
-    first = _above(framed, node.body[0].lineno - 1)
-    members = tuple(_numbered(_block(node.body, framed, first, len(framed))))
-    return Group(f"def {node.name}", tuple(framed[offset:first]), members)
-
-
-def _indented(lines: Sequence[str]) -> bool:
-    code = (line for line in lines if line.strip() and not line.lstrip().startswith("#"))
-    return bool(indent_of(next(code, "")))
+    offset = len(shown) - len(lines)
+    first = _above(shown, node.body[0].lineno - 1)
+    members = tuple(_numbered(_block(node.body, shown, first, len(shown))))
+    return Group(f"def {node.name}", tuple(shown[offset:first]), members)
 
 
 def _numbered(items: list[Item]) -> Iterator[Item]:

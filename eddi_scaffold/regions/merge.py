@@ -90,8 +90,10 @@ def retire(path: str, base: str | None, mine: str) -> Merged | Refused:
         return Refused(tuple(faults))
     before = _base(base, own)
     claims = claim_bodies(path, before, own, Document(()), ())
-    changed = before is not None and not same_lines(before.skeleton, own.skeleton)
-    rejects = [_whole(before, own)] if before is not None and changed else []
+    known = before.skeleton if before is not None else []
+    rejects = []
+    if not same_lines(known, own.skeleton):
+        rejects = [Reject("the file", tuple(known), tuple(own.skeleton))]
     return Merged(
         None,
         claims.orphans,

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.regions.definitions import Group, Item, is_named, split, split_function
+from eddi_scaffold.regions.formatting import framed, same_meaning
 from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.markers import indent_of, placeholder_id
 
@@ -186,7 +187,7 @@ def _leaf(
     was: Sequence[str] | None, person: Sequence[str], item: Sequence[str]
 ) -> list[str] | None:
     """Return the lines with both changes, ``None`` when they cannot be united."""
-    if same_lines(person, item) or (was is not None and same_lines(was, person)):
+    if same_lines(person, item) or (was is not None and _untouched(was, person)):
         return list(item)
     if was is None:
         return None
@@ -194,6 +195,11 @@ def _leaf(
     if merged is None or regions_in(merged) != regions_in(item) or not _parses(merged):
         return None
     return merged
+
+
+def _untouched(was: Sequence[str], person: Sequence[str]) -> bool:
+    same = same_lines(was, person) or same_meaning(was, person)
+    return same and regions_in(was) == regions_in(person)
 
 
 def _united(was: Sequence[str], person: Sequence[str], item: Sequence[str]) -> list[str] | None:
@@ -223,7 +229,7 @@ def _imported(lines: Sequence[str]) -> dict[str, None] | None:
 def _parses(lines: Sequence[str]) -> bool:
     code = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
     indent = indent_of(code[0]) if code else ""
-    text = ("if True:\n" if indent else "") + "".join(_terminated(list(lines)))
+    text = framed(_terminated(list(lines)))
     return not code or any(_valid(text + end) for end in ("", f"{indent}    pass\n"))
 
 

@@ -83,7 +83,8 @@ def manifest(package: Package) -> str:
     return (
         f'<?xml version="1.0"?>\n<package format="{min(package.version + 1, 3)}">\n'
         f"  <name>pkg</name>\n  <version>0.{package.version}.0</version>\n\n{depends}"
-        f"  {begin_marker('xml:depends', 'xml')}\n  {end_marker('xml:depends', 'xml')}\n</package>\n"
+        f"  {begin_marker('xml:depends', 'xml')}\n  {end_marker('xml:depends', 'xml')}\n"
+        "</package>\n"
     )
 
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import pytest
 from hypothesis import given
@@ -54,7 +54,7 @@ def test_any_id_travels(name: str, style: str) -> None:
 
 def test_xml_form_is_legal_xml() -> None:
     text = f"<a>{begin_marker('x:a--b---', 'xml')}{end_marker('x:a--b---', 'xml')}</a>"
-    assert ElementTree.fromstring(text).tag == "a"
+    assert ET.fromstring(text).tag == "a"
 
 
 @pytest.mark.parametrize(

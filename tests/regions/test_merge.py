@@ -14,6 +14,7 @@ from tests.regions.rendering import (
     CMAKE,
     INPUT,
     MANIFEST,
+    NETWORK,
     RENDER,
     Element,
     Package,
@@ -258,7 +259,8 @@ def test_moved_or_deleted_region_comes_back() -> None:
 
 def test_own_region_of_a_person_stays() -> None:
     base = text(A)
-    own = "\n    def helper(self):\n        '''-----Manual edit begin-----'''  # region: my:own\n        x = 1\n        '''-----Manual edit end-----'''  # region: my:own\n"
+    marked = "        '''-----Manual edit {}-----'''  # region: my:own\n"
+    own = f"\n    def helper(self):\n{marked.format('begin')}        x = 1\n{marked.format('end')}"
     mine = base.replace("\n    def processing", f"{own}\n    def processing")
     result = merged(base, mine, text(B, A, version=2))
     assert own in (result.text or "")
@@ -319,3 +321,30 @@ def test_retired_file_keeps_everything() -> None:
     assert result.text is None
     assert [o.body for o in result.orphans] == ["        hand = 1\n"]
     assert "+        self.hand = 0" in result.patch
+
+
+def test_a_formatter_makes_no_edits() -> None:
+    def formatted(old: str) -> str:
+        return old.replace("'", '"').replace(
+            "self.a = message.data", "self.a = (\n            message.data\n        )"
+        )
+
+    for path in (INPUT, NETWORK):
+        base, theirs = text(A, B, path=path), text(C, B, A, version=2, path=path)
+        assert formatted(base) != base
+        result = merged(base, formatted(base), theirs, path)
+        assert (result.text, result.patch) == (theirs, "")
+        mine = edit(formatted(base), "a", "hand = 1  # why\n", path)
+        assert "hand = 1  # why" in (merged(base, mine, theirs, path).text or "")
+
+
+def test_comments_are_edits() -> None:
+    base = text(A)
+    mine = base.replace("self.a = message.data", "self.a = message.data  # in metres")
+    assert "# in metres" in (merged(base, mine, text(A, version=2)).text or "")
+
+
+def test_file_without_readable_base_is_retired_whole() -> None:
+    result = retire(INPUT, "<<<<<<< ours\n", text(A))
+    assert isinstance(result, Merged)
+    assert "+class EDDIInput" in result.patch

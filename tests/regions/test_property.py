@@ -9,7 +9,7 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -164,6 +164,50 @@ class Life:
             self.outside.setdefault(token, "")
         self._write(INPUT, text)
 
+    def edit_elsewhere(self) -> None:
+        token = self._token()
+        path = self.chance.choice([f for f in FILES if (self.root / f).exists()])
+        text = self._text(path)
+        nodes = re.findall(r"def (node_\w+)", text)
+        if path == MANIFEST:
+            text = text.replace(
+                "<name>pkg</name>", f"<name>pkg</name>\n  <license>{token}</license>"
+            )
+        elif path == CMAKE:
+            text += f"\nmessage({token})\n"
+        elif nodes:
+            name = self.chance.choice(nodes)
+            start, _, rest = text.partition(f"def {name}(")
+            found = rest.replace(
+                "is_bn_output = False\n", f"is_bn_output = False\n        {token} = 1\n", 1
+            )
+            text = f"{start}def {name}({found}"
+            self.outside[token] = name
+        if token in text:
+            self.outside.setdefault(token, "")
+        self._write(path, text)
+
+    def damage(self) -> None:
+        path = self.chance.choice([f for f in FILES if (self.root / f).exists()])
+        text = self._text(path)
+        lines = text.split("\n")
+        marked = [i for i, line in enumerate(lines) if "Manual edit" in line]
+        if not marked:
+            return
+        at = self.chance.choice(marked)
+        lines[at : at + 1] = self.chance.choice(([], [lines[at]] * 2, [lines[at] + " x"]))
+        self._write(path, "\n".join(lines))
+        raw = (self.root / path).read_bytes()
+        report = sync_package(self.root)
+        assert {r.file for r in report.refused} == {path}
+        assert (self.root / path).read_bytes() == raw
+        self._write(path, text)
+
+    def format(self) -> None:
+        text = self._text(INPUT)
+        if '= """' not in text:
+            self._write(INPUT, text.replace("'", '"'))
+
     def line_ends(self) -> None:
         self.crlf = not self.crlf
         self._write(INPUT, self._text(INPUT))
@@ -220,7 +264,7 @@ class Life:
             if path.endswith(".py"):
                 compile(text, path, "exec")
             if path.endswith(".xml"):
-                ElementTree.fromstring(text)
+                ET.fromstring(text)
             document, faults = parse(text)
             assert not faults
             bodies.update(document.regions)
@@ -275,14 +319,12 @@ class Life:
         self._write(path, "".join(out))
 
 
-ACTIONS = ["add", "remove", "rename", "reorder", "retype", "template", "files", "both", "nothing", "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "line_ends"]
+PERSON = ("edit", "edit", "edit", "edit_outside", "edit_outside", "edit_elsewhere")
+MODEL = ("add", "remove", "rename", "reorder", "retype", "both", "nothing")
+ACTIONS = (*PERSON, *MODEL, "template", "files", "line_ends", "damage", "format")
 
 
-@settings(
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-    max_examples=int(os.environ.get("N", 40)),
-)
+@settings(deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     actions=st.lists(st.tuples(st.sampled_from(ACTIONS), st.booleans()), min_size=8, max_size=16),
     seed=st.integers(0, 10**6),

@@ -1,0 +1,45 @@
+"""Tell a formatter's work from a person's: black and ruff must not make every line an edit."""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+import warnings
+from collections.abc import Sequence
+
+from eddi_scaffold.regions.markers import indent_of, split_lines
+
+
+def framed(lines: Sequence[str]) -> str:
+    """Return lines as text that parses on its own, whatever their indentation."""
+    code = (line for line in lines if line.strip() and not line.lstrip().startswith("#"))
+    return ("if True:\n" if indent_of(next(code, "")) else "") + "".join(lines)
+
+
+def same_meaning(one: Sequence[str], other: Sequence[str]) -> bool:
+    """Tell whether two pieces of Python differ in their layout only; comments count.
+
+    ``False`` as well where one of them does not parse on its own.
+    """
+    meaning = _meaning(one)
+    return meaning is not None and meaning == _meaning(other)
+
+
+def same_code(one: str, other: str) -> bool:
+    """Return :func:`same_meaning` for texts."""
+    return same_meaning(split_lines(one), split_lines(other))
+
+
+def _meaning(lines: Sequence[str]) -> tuple[str, list[str]] | None:
+    text = framed(lines)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text)
+        tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+        comments = [t.string.lstrip("# \t") for t in tokens if t.type == tokenize.COMMENT]
+        # The frame belongs to the dump: pieces of different depth are never compared.
+        return ast.dump(tree), comments
+    except (SyntaxError, ValueError, RecursionError, MemoryError, tokenize.TokenError):
+        return None

@@ -1,0 +1,351 @@
+"""The files: kills, full disks, vanished files, git, damaged markers, the command line."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import stat
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.regions import __main__ as command
+from eddi_scaffold.regions.check import accept, broken_files, list_regions
+from eddi_scaffold.regions.generated import (
+    changed_generated,
+    record_generated,
+    save_generated_edits,
+)
+from eddi_scaffold.regions.markers import parse
+from eddi_scaffold.regions.result import Orphan
+from eddi_scaffold.regions.store import load_orphans, save_orphan, save_reject, write_file
+from eddi_scaffold.regions.sync import sync_package
+from tests.regions.rendering import (
+    FILES,
+    INPUT,
+    NETWORK,
+    Package,
+    elements,
+    renamed,
+    render,
+    snapshot,
+)
+
+A, B, C = elements("a", "b", "c")
+FOLDER = Path(command.__file__).parent
+
+
+class Killed(BaseException):
+    pass
+
+
+def write_hand(root: Path, region: str, code: str, path: str = INPUT) -> None:
+    text = (root / path).read_text()
+    found = parse(text)[0].regions[region]
+    lines = text.split("\n")
+    lines[found.line : found.line + found.body.count("\n")] = [found.indent + code]
+    (root / path).write_text("\n".join(lines))
+
+
+def body(root: Path, region: str, path: str = INPUT) -> str:
+    return parse((root / path).read_text())[0].regions[region].body.strip()
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    root = tmp_path / "pkg"
+    render(root, Package((A, B)))
+    assert not sync_package(root).needs_attention
+    write_hand(root, "input:a", "hand = 1")
+    write_hand(root, "node:b", "outcome_Yes = 1.0", NETWORK)
+    with (root / INPUT).open("a") as file:
+        file.write("        self.after = 1\n")
+    return root
+
+
+def git(root: Path, *words: str) -> None:
+    identity = ["-c", "user.name=T", "-c", "user.email=t@example.org"]
+    subprocess.run(["git", *identity, *words], cwd=root, check=True, capture_output=True)
+
+
+STEPS = {
+    "new template": Package((A, B), 2),
+    "removed": Package((B,), 2),
+    "renamed": Package((C, B, renamed(A, "z")), 3),
+    "file gone": Package((A, B), 2, tuple(f for f in FILES if f != INPUT)),
+}
+
+
+def test_order_of_writes(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    render(package, Package((B,), 2))
+    order: list[str] = []
+    real = os.replace
+    monkeypatch.setattr(os, "replace", lambda a, b: (order.append(str(b)), real(a, b))[1])
+    sync_package(package)
+    names = [Path(p).relative_to(package).as_posix() for p in order]
+    first = {
+        kind: min(i for i, n in enumerate(names) if test(n))
+        for kind, test in {
+            "orphans": lambda n: n.startswith(".eddi/orphans"),
+            "file": lambda n: not n.startswith(".eddi"),
+            "base": lambda n: n.startswith(".eddi/base"),
+        }.items()
+    }
+    assert first["orphans"] < first["file"] < first["base"]
+    assert max(i for i, n in enumerate(names) if not n.startswith(".eddi")) < first["base"]
+
+
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("call", ["replace", "unlink", "fsync"])
+def test_killed_at_any_instant(
+    package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str, call: str
+) -> None:
+    render(package, STEPS[step])
+    whole = tmp_path / "whole"
+    shutil.copytree(package, whole)
+    sync_package(whole)
+    want = snapshot(whole)
+    real = getattr(os, call)
+    for survived in range(60):
+        root = tmp_path / f"killed{survived}"
+        shutil.copytree(package, root)
+        left = survived
+
+        def dying(*arguments: object, **options: object) -> object:
+            nonlocal left
+            left -= 1
+            if left < 0:
+                raise Killed
+            return real(*arguments, **options)
+
+        monkeypatch.setattr(os, call, dying)
+        try:
+            sync_package(root)
+        except Killed:
+            died = True
+        else:
+            died = False
+        monkeypatch.undo()
+        sync_package(root)
+        assert snapshot(root) == want
+        if not died:
+            break
+    else:
+        pytest.fail("more steps than expected")
+
+
+def test_killed_and_rendered_again(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    render(package, Package((A, B, C), 2))
+    real = os.replace
+
+    def dying(source: Path, target: Path) -> None:
+        if "base" in Path(target).parts:
+            raise Killed
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", dying)
+    with pytest.raises(Killed):
+        sync_package(package)
+    monkeypatch.undo()
+    render(package, Package((A, B), 3))
+    assert not sync_package(package).needs_attention
+    assert "process_c" not in (package / INPUT).read_text()
+
+
+@pytest.mark.parametrize("place", range(8))
+def test_full_disk_is_reported_and_repaired(
+    package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: int
+) -> None:
+    render(package, STEPS["removed"])
+    whole = tmp_path / "whole"
+    shutil.copytree(package, whole)
+    sync_package(whole)
+    left = place
+
+    def full(_handle: int) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    report = sync_package(package)
+    assert report.needs_attention
+    assert "No space left" in report.refused[0].reason
+    for path in FILES:
+        compile((package / path).read_text(), path, "exec") if path.endswith(".py") else None
+    monkeypatch.undo()
+    sync_package(package)
+    assert snapshot(package) == snapshot(whole)
+
+
+def test_damaged_markers_leave_the_file_alone(package: Path) -> None:
+    text = (package / INPUT).read_text().replace("Manual edit end", "Manual edit and", 1)
+    (package / INPUT).write_text(text)
+    render(package, Package((B, A), 2))
+    base = (package / ".eddi/base" / INPUT).read_bytes()
+    report = sync_package(package)
+    assert [r.file for r in report.refused] == [INPUT] * len(report.refused)
+    assert report.refused[0].line > 1
+    assert report.needs_attention
+    assert (package / INPUT).read_text() == text
+    assert (package / ".eddi/base" / INPUT).read_bytes() == base
+    assert NETWORK in report.touched
+    assert broken_files(package)
+    assert command.main(["check"], package) == 1
+    (package / INPUT).write_text(text.replace("Manual edit and", "Manual edit end"))
+    assert command.main(["check"], package) == 0
+    sync_package(package)
+    assert body(package, "input:a") == "hand = 1"
+
+
+def test_interrupted_rendering_is_refused(package: Path) -> None:
+    pristine = package / ".eddi/pristine" / INPUT
+    pristine.write_text(pristine.read_text()[:200])
+    before = (package / INPUT).read_bytes()
+    report = sync_package(package)
+    assert "interrupted" in report.refused[0].reason
+    assert (package / INPUT).read_bytes() == before
+
+
+def test_file_that_is_not_utf8_is_refused(package: Path) -> None:
+    (package / INPUT).write_bytes(b"# \n# \xff\n")
+    (refusal,) = sync_package(package).refused
+    assert (refusal.file, refusal.line) == (INPUT, 2)
+
+
+def test_mode_is_kept(package: Path) -> None:
+    (package / INPUT).chmod(0o755)
+    render(package, Package((A, B), 2))
+    sync_package(package)
+    assert stat.S_IMODE((package / INPUT).stat().st_mode) == 0o755
+
+
+def test_vanished_file_is_kept_in_pieces_and_comes_back(package: Path) -> None:
+    gone = replace(Package((A, B)), files=tuple(f for f in FILES if f != INPUT))
+    render(package, gone)
+    report = sync_package(package)
+    assert report.needs_attention
+    assert not (package / INPUT).exists()
+    assert not (package / ".eddi/base" / INPUT).exists()
+    assert "self.after" in (package / f".eddi/rejects/{INPUT}.patch").read_text()
+    render(package, Package((A, B)))
+    sync_package(package)
+    assert body(package, "input:a") == "hand = 1"
+    assert not (package / ".eddi/orphans").exists()
+
+
+def test_file_that_copier_removed_is_read_from_git(package: Path) -> None:
+    git(package.parent, "init", "-q")
+    git(package.parent, "add", ".")
+    git(package.parent, "commit", "-qm", "x")
+    render(package, replace(Package((A, B)), files=tuple(f for f in FILES if f != INPUT)))
+    (package / INPUT).unlink()
+    sync_package(package)
+    assert [o.body.strip() for o in load_orphans(package).values()] == ["hand = 1"]
+    assert "self.after" in (package / f".eddi/rejects/{INPUT}.patch").read_text()
+
+
+def test_body_moves_to_the_file_that_has_its_region_now(tmp_path: Path) -> None:
+    end = "# eddi-scaffold: end of rendering\n"
+    marked = "'''-----Manual edit {}-----'''  # region: x:y\n"
+    both = marked.format("begin") + marked.format("end")
+    for name, text in {"a.py": "a = 1\n", "z.py": both}.items():
+        pristine = tmp_path / ".eddi/pristine" / name
+        pristine.parent.mkdir(parents=True, exist_ok=True)
+        pristine.write_text(text + end)
+    sync_package(tmp_path)
+    write_hand(tmp_path, "x:y", "hand = 1", "z.py")
+    (tmp_path / ".eddi/pristine/a.py").write_text("a = 1\n" + both + end)
+    (tmp_path / ".eddi/pristine/z.py").write_text("z = 1\n" + end)
+    sync_package(tmp_path)
+    assert body(tmp_path, "x:y", "a.py") == "hand = 1"
+    assert (tmp_path / "z.py").read_text() == "z = 1\n"
+    assert not load_orphans(tmp_path)
+    assert sync_package(tmp_path).touched == ()
+
+
+def test_orphans_and_rejects_are_never_overwritten(tmp_path: Path) -> None:
+    one = Orphan("a/b:c d%", "x.py", "1a2b3c4d", "\t", "one\r\n")
+    other = replace(one, body="other\n")
+    places = [save_orphan(tmp_path, o) for o in (one, other, one)]
+    assert places[0] == places[2] != places[1]
+    assert list(load_orphans(tmp_path).values()) == [one, other]
+    long = replace(one, id="x:" + "é" * 200)
+    place = save_orphan(tmp_path, long)
+    assert load_orphans(tmp_path)[place] == long
+    names = [save_reject(tmp_path, "d/x.py", data).name for data in (b"1", b"2", b"1", b"3")]
+    assert names == ["x.py.patch", "x.py.2.patch", "x.py.patch", "x.py.3.patch"]
+
+
+def test_link_stays_a_link(tmp_path: Path) -> None:
+    (tmp_path / "real").write_text("old")
+    (tmp_path / "link").symlink_to("real")
+    assert write_file(tmp_path / "link", b"new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "real").read_bytes() == b"new"
+    assert not write_file(tmp_path / "link", b"new")
+
+
+def test_states_and_review(package: Path) -> None:
+    render(package, Package((replace(A, states=("x",)), B)))
+    sync_package(package)
+    write_hand(package, "input:b", "self.hand = old_name = 1")
+    states = {s.id: s for s in list_regions(package)}
+    assert states["node:a"].state == "untouched"
+    assert (states["input:a"].state, states["input:a"].review) == ("edited", True)
+    assert "other inputs or states" in states["input:a"].notes[0]
+    assert any("'self.hand'" in note for note in states["input:b"].notes)
+    assert any("'old_name'" in note for note in states["input:b"].notes)
+    assert states["node:b"].notes == ()
+    assert accept(package, ["input:a", "no:such"]) == ("input:a",)
+    again = {s.id: s for s in list_regions(package)}
+    assert "other inputs or states" not in " ".join(again["input:a"].notes)
+    assert sync_package(package).touched == ()
+
+
+def test_orphans_rejects_and_damage_are_listed(package: Path) -> None:
+    text = (package / INPUT).read_text().replace("Inputs of the monitor", "My inputs")
+    (package / INPUT).write_text(text)
+    render(package, Package((B,), 3))
+    sync_package(package)
+    (package / NETWORK).write_text("'''-----Manual edit begin-----'''  # region: a:b\n")
+    states = [s.state for s in list_regions(package) if s.review]
+    assert sorted(states) == ["broken", "orphaned", "rejected"]
+
+
+def test_generated_files(tmp_path: Path) -> None:
+    (tmp_path / ".eddi").mkdir()
+    (tmp_path / ".eddi/generated.txt").write_text("b.py\na.py\n# eddi-scaffold: end of rendering\n")
+    for name in ("a.py", "b.py"):
+        (tmp_path / name).write_text(name)
+    assert record_generated(tmp_path)
+    assert not record_generated(tmp_path)
+    assert changed_generated(tmp_path) == []
+    (tmp_path / "a.py").write_text("mine")
+    assert changed_generated(tmp_path) == ["a.py"]
+    (saved,) = save_generated_edits(tmp_path)
+    assert saved.read_text() == "mine"
+    assert saved.relative_to(tmp_path).as_posix() == ".eddi/rejects/a.py.edited"
+
+
+@pytest.mark.parametrize("name", ["/usr/bin/python3", sys.executable])
+def test_the_folder_runs_alone(package: Path, tmp_path: Path, name: str) -> None:
+    interpreter = shutil.which(name)
+    if interpreter is None:
+        pytest.skip(f"no {name} here")
+    ours = tmp_path / "checkout"
+    shutil.copytree(FOLDER, ours / "eddi_scaffold/regions", ignore=shutil.ignore_patterns("__py*"))
+    shutil.copy(FOLDER.parent / "__init__.py", ours / "eddi_scaffold")
+    render(package, Package((B,), 2))
+    run = [interpreter, "-I", "-S", str(ours / "eddi_scaffold/regions")]
+    done = subprocess.run([*run, "sync"], cwd=package, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "")
+    assert f"{INPUT}:13: warning: region 'input:a' is gone" in done.stderr
+    assert not [p for p in ours.rglob("*.pyc") if not p.name.startswith("__main__")]
+    assert subprocess.run([*run, "check"], cwd=package, check=False).returncode == 0
+    assert subprocess.run([*run, "wrong"], cwd=package, check=False, stderr=-3).returncode == 2
