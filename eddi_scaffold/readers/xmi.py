@@ -256,7 +256,7 @@ def _docinfo(document: Element) -> Any:
 def _has_gap(stream: BinaryIO) -> bool:
     """Tell whether some window of the file has no ``<``: needed for a very long start tag."""
     stream.seek(0)
-    while block := stream.read(_WINDOW * 400):
+    while block := stream.read(_WINDOW * 40):
         for start in range(0, len(block) - _WINDOW + 1, _WINDOW):
             if block.find(b"<", start, start + _WINDOW) < 0:
                 return True

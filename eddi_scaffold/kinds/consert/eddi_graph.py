@@ -23,13 +23,12 @@ from eddi_scaffold.kinds.consert.model import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from eddi_scaffold.readers.findings import Findings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
 
 MAX_NODES = 100_000
+MAX_EDGES = 1_000_000
 _FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
 
 
@@ -54,30 +53,48 @@ class Graph:
 def read_graph(consert: Element, findings: Findings) -> Graph:
     """Read nodes and edges of a ``conSerts`` or ``conSert`` element."""
     graph = Graph()
-    document = findings.document
-    parts = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES)
-    groups = [document.children(consert, part) for part in parts]
-    count = sum(map(len, groups))
+    invariants = findings.document.children(consert, names.INVARIANT)
+    if _read_nodes(consert, graph, findings):
+        for element in invariants:
+            _gate(element, graph, findings, name="Invariant")
+        _read_edges(consert, graph, findings)
+        for element in invariants:
+            _apply_invariant(element, graph, findings)
+    return graph
+
+
+def _read_nodes(consert: Element, graph: Graph, findings: Findings) -> bool:
+    """Read evidence, demands, gates and guarantees, unless there are too many."""
+    readers = {
+        names.GUARANTEES: _guarantee,
+        names.DEMANDS: _demand,
+        names.EVIDENCE: _evidence,
+        names.GATES: _gate,
+    }
+    groups = [(r, findings.document.children(consert, part)) for part, r in readers.items()]
+    count = sum(len(elements) for _, elements in groups)
     if count > MAX_NODES:
         message = f"the number of nodes is {count}, more than the limit of {MAX_NODES}"
         findings.error("X003", message, consert, "split the ConSert")
-        return graph
-    for element in groups[0]:
-        _guarantee(element, graph, findings)
-    for element in groups[1]:
-        _demand(element, graph, findings)
-    for element in groups[2]:
-        _evidence(element, graph, findings)
-    for element in groups[3]:
-        _gate(element, graph, findings)
-    invariants = document.children(consert, names.INVARIANT)
-    for element in invariants:
-        _gate(element, graph, findings, name="Invariant")
-    for element in document.children(consert, names.PROPAGATIONS):
-        graph.edges += _edges(element, consert, graph, findings)
-    for element in invariants:
-        _apply_invariant(element, graph, findings)
-    return graph
+        return False
+    for reader, elements in groups:
+        for element in elements:
+            reader(element, graph, findings)
+    return True
+
+
+def _read_edges(consert: Element, graph: Graph, findings: Findings) -> None:
+    """Read an edge from each source to each target of each propagation, unless too many."""
+    for element in findings.document.children(consert, names.PROPAGATIONS):
+        sources = _ends(element, names.SOURCE, consert, graph, findings)
+        targets = _ends(element, names.TARGET, consert, graph, findings)
+        total = len(graph.edges) + len(sources) * len(targets)
+        if total > MAX_EDGES:
+            message = f"the number of edges is {total}, more than the limit of {MAX_EDGES}"
+            findings.error("X003", message, element, "split the ConSert")
+            return
+        place = findings.document.place(element)
+        graph.edges += [Propagation(s, t, place) for s in sources for t in targets]
 
 
 def node_name(element: Element, findings: Findings) -> str | None:
@@ -172,17 +189,6 @@ def _gate(element: Element, graph: Graph, findings: Findings, name: str | None =
         return
     graph.ids[element] = id_
     graph.gates.append(Gate(id_, "Or" if function == "Or" else "And", document.place(element)))
-
-
-def _edges(
-    element: Element, consert: Element, graph: Graph, findings: Findings
-) -> Iterator[Propagation]:
-    sources = _ends(element, names.SOURCE, consert, graph, findings)
-    targets = _ends(element, names.TARGET, consert, graph, findings)
-    place = findings.document.place(element)
-    for source in sources:
-        for target in targets:
-            yield Propagation(source, target, place)
 
 
 def _ends(

@@ -654,6 +654,17 @@ def test_too_many_nodes() -> None:
     ]
 
 
+def test_too_many_edges() -> None:
+    # references are many-valued: a small file can ask for any number of edges
+    many = " ".join([f"{A}/@consertGates.0"] * 1100)
+    edge = f'<guaranteePropagation source="{many}" target="{many}"/>'
+    conserts, problems = read(ROVER.replace("</conSerts>", f"{edge}</conSerts>"))
+    assert conserts == ()
+    assert texts(problems) == [
+        "m.xml:52: error X003: the number of edges is 1210004, more than the limit of 1000000"
+    ]
+
+
 def _sound(result: tuple[tuple[ConSert, ...], list[Problem]]) -> None:
     _conserts, problems = result
     assert all(p.place.line for p in problems)
