@@ -93,7 +93,16 @@ TESTER = _document(
     edges=[["E", "G_E"], ["F", "G_F"], ["N", "G_N"]],
 )
 
-MODELS = {"conserta": CONSERTA, "consertb": CONSERTB, "tester": TESTER}
+_WIDE_IDS = [f"G{number}_{'x' * 1000}" for number in range(60)]
+WIDE = _document(
+    "Wide",
+    [_input("F", "flag")],
+    evidence=[{"id": "F", "dimension": BINARY}],
+    guarantees=[_guarantee(name) for name in _WIDE_IDS],
+    edges=[["F", name] for name in _WIDE_IDS],
+)
+
+MODELS = {"wide": WIDE, "conserta": CONSERTA, "consertb": CONSERTB, "tester": TESTER}
 
 
 def tester(max_age):
