@@ -1,4 +1,4 @@
-"""Put the templates into the wheel: a git bundle with every released version, so that packages can be updated later.
+"""Put the templates into the wheel: a git bundle with every released version.
 
 Copier stores no version for a plain folder, and then never updates; a bundle is a git repository in
 one file. It holds the paths that rendering needs, one commit and one tag for each release.
@@ -16,7 +16,13 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-PATHS = ("copier.yml", "copier_templates", "eddi_scaffold/__init__.py", "eddi_scaffold/regions", "runtime_lib/src")
+PATHS = (
+    "copier.yml",
+    "copier_templates",
+    "eddi_scaffold/__init__.py",
+    "eddi_scaffold/regions",
+    "runtime_lib/src",
+)
 BUNDLE = "templates.bundle"
 
 
@@ -32,7 +38,11 @@ class TemplateBundle(BuildHookInterface):  # type: ignore[type-arg]
         root = Path(self.root)
         ready = root / BUNDLE  # in an unpacked sdist
         self._scratch = tempfile.mkdtemp(prefix="eddi-bundle-")
-        bundle = ready if ready.is_file() else make_bundle(root, Path(self._scratch), self.metadata.version)
+        bundle = (
+            ready
+            if ready.is_file()
+            else make_bundle(root, Path(self._scratch), self.metadata.version)
+        )
         if self.target_name == "sdist":
             build_data["force_include"][str(bundle)] = BUNDLE
         else:
@@ -45,7 +55,7 @@ class TemplateBundle(BuildHookInterface):  # type: ignore[type-arg]
 
 
 def make_bundle(root: Path, scratch: Path, version: str) -> Path:
-    """Write the bundle: one commit for each release tag of the checkout, and one for what is built now."""
+    """Write the bundle: one commit for each release tag, and one for what is built now."""
     git = _Git(scratch / "templates.git")
     git("init", "--quiet", "--bare", "--initial-branch=main", ".")
     current = f"v{version}"
@@ -57,7 +67,9 @@ def make_bundle(root: Path, scratch: Path, version: str) -> Path:
         source, target = root / path, work / path
         target.parent.mkdir(parents=True, exist_ok=True)
         if source.is_dir():
-            shutil.copytree(source, target, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(
+                source, target, symlinks=True, ignore=shutil.ignore_patterns("__pycache__")
+            )
         else:
             shutil.copy(source, target)
     _commit(work, current, git)
@@ -74,12 +86,20 @@ class _Git:
         self.repository = repository
 
     def __call__(self, *arguments: str, work: Path | None = None) -> str:
-        who = {"NAME": "eddi-scaffold", "EMAIL": "release@eddi-scaffold.invalid", "DATE": "@946684800 +0000"}
+        who = {
+            "NAME": "eddi-scaffold",
+            "EMAIL": "release@eddi-scaffold.invalid",
+            "DATE": "@946684800 +0000",
+        }
         environment = {
             **os.environ,
             "GIT_CONFIG_GLOBAL": os.devnull,
             "GIT_CONFIG_NOSYSTEM": "1",
-            **{f"GIT_{role}_{key}": value for role in ("AUTHOR", "COMMITTER") for key, value in who.items()},
+            **{
+                f"GIT_{role}_{key}": value
+                for role in ("AUTHOR", "COMMITTER")
+                for key, value in who.items()
+            },
         }
         if work is not None:
             environment |= {"GIT_DIR": str(self.repository), "GIT_WORK_TREE": str(work)}
@@ -104,9 +124,19 @@ def _commit_release(root: Path, work: Path, tag: str, git: _Git) -> None:
 
 def _commit(work: Path, tag: str, git: _Git) -> None:
     git("add", "--all", "--force", ".", work=work)
-    git("commit", "--quiet", "--allow-empty", "--no-gpg-sign", "--message", f"Templates of {tag}", work=work)
+    git(
+        "commit",
+        "--quiet",
+        "--allow-empty",
+        "--no-gpg-sign",
+        "--message",
+        f"Templates of {tag}",
+        work=work,
+    )
     git("tag", tag, work=work)
 
 
 def _run(command: list[str], folder: Path, environment: dict[str, str] | None) -> str:
-    return subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True, text=True).stdout
+    return subprocess.run(
+        command, cwd=folder, env=environment, check=True, capture_output=True, text=True
+    ).stdout

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
-from eddi_scaffold.answers import Monitor, monitor_of
+from eddi_scaffold.binding import Monitor, monitor_of
 from eddi_scaffold.checking import model_for
 from eddi_scaffold.config import Config, ConfigFile, from_json, read_config
 from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
@@ -47,7 +47,7 @@ def monitors_of(
 ) -> tuple[list[Monitor], list[Problem]]:
     """Read a model file and configurations, and join them.
 
-    With configurations: one monitor for each. Without: one for each model, or the one called ``name``.
+    With configurations: one monitor for each. Without: one for each model, or the one of ``name``.
 
     Raises:
         EddiError: a file cannot be used.
@@ -57,7 +57,7 @@ def monitors_of(
     problems = list(reading.problems)
     monitors: list[Monitor] = []
     for config in _configs(config_files, problems) if config_files else ():
-        model, kind = model_for(config, models)
+        model = model_for(config, models)[0]
         _join(model, config, default_guarantees, monitors, problems)
     for model in () if config_files else models:
         _join(model, None, default_guarantees, monitors, problems)
@@ -104,7 +104,9 @@ def support(
     names = {name for name, answers in present.items() if answers["template"] == template}
     packages = platform.support(sorted(names | set(monitors)), config)
     return [
-        PackageAnswers(package.folder, {**package.answers, **_kept_identity(present.get(package.folder, {}))})
+        PackageAnswers(
+            package.folder, {**package.answers, **_kept_identity(present.get(package.folder, {}))}
+        )
         for package in packages
     ]
 
@@ -167,14 +169,17 @@ def _name_problems(monitors: Sequence[Monitor], platform: Platform) -> Iterable[
         shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
         place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
         if not is_package_name(monitor.package):
-            message = f"the id {shown!r} gives no package name: a letter and one more letter or digit are expected"
-            yield error("G002", message, place, "choose another Model id")
+            hint = "choose another Model id: a letter and one more letter or digit are needed"
+            yield error("G002", f"the id {shown!r} gives no package name", place, hint)
         elif monitor.package in taken:
             message = f"a package {monitor.package!r} cannot be used: {taken[monitor.package]}"
-            yield error("G003", message, place, f"choose another Model id, for instance {shown}_monitor")
+            yield error(
+                "G003", message, place, f"choose another Model id, for instance {shown}_monitor"
+            )
         other = first.setdefault(monitor.package, monitor)
         if other is not monitor:
-            message = f"{other.model.name!r} and {monitor.model.name!r} give the same package {monitor.package!r}"
+            both = f"{other.model.name!r} and {monitor.model.name!r}"
+            message = f"{both} give the same package {monitor.package!r}"
             yield error("G004", message, place, "choose another Model id in one configuration")
 
 

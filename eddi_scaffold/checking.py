@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from eddi_scaffold.answers import monitor_of
+from eddi_scaffold.binding import monitor_of
 from eddi_scaffold.config import ConfigFile, read_config
+from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.models import is_xml, read_models
 from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error, with_excerpts
 from eddi_scaffold.source import Source, read_source
-from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.yaml_nodes import Map, read_map
 
 
@@ -60,12 +60,16 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
     if not of_type:
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
         message = f"there is no monitor kind {section.type!r}"
-        raise EddiError(error("E027", message, config.place("Model", "type"), f"known types: {known}"))
+        raise EddiError(
+            error("E027", message, config.place("Model", "type"), f"known types: {known}")
+        )
     fitting = [model for model in models if model.kind in of_type]
     wanted = package_name(section.id)
     found = [model for model in fitting if package_name(model.name) == wanted]
     if not found and len(fitting) == 1 and len(models) == 1:
-        found = fitting  # one model, one configuration: the id of the configuration names the package
+        found = (
+            fitting  # one model, one configuration: the id of the configuration names the package
+        )
     if not found:
         names = ", ".join(model.name for model in fitting) or "none"
         message = f"there is no {section.type} called {section.id!r}"

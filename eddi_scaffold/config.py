@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
@@ -25,7 +25,15 @@ from pydantic import (
     ValidationError,
 )
 
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, in_order, warning
+from eddi_scaffold.problems import (
+    Place,
+    Problem,
+    did_you_mean,
+    error,
+    has_errors,
+    in_order,
+    warning,
+)
 from eddi_scaffold.source import Source
 from eddi_scaffold.yaml_nodes import Items, Map, Node, differs_between_versions, read_map, value_11
 
@@ -115,16 +123,23 @@ class ModelSection(_Section):
     parameters: Any = None
 
 
-class SimulatorOutput(_Section):
-    """One topic of the robot that the monitor listens to; ``max_age`` in seconds is the default of its inputs."""
-
+class _Entry(_Section):
     id: Name
+
+
+class SimulatorOutput(_Entry):
+    """One topic of the robot that the monitor listens to.
+
+    Attributes:
+        max_age: default of the inputs that require it, in seconds.
+    """
+
     type: Annotated[StrictStr, AfterValidator(_message_type)]
     topic: Topic
     max_age: MaxAge = None
 
 
-class Input(_Section):
+class Input(_Entry):
     """One input of the monitor.
 
     Attributes:
@@ -136,7 +151,6 @@ class Input(_Section):
         renamed_from: former id; its hand-written body moves along.
     """
 
-    id: Name
     type: Annotated[StrictStr, AfterValidator(_input_type)] | None = None
     requires: list[Name] = []
     default: Default = None
@@ -147,10 +161,9 @@ class Input(_Section):
     allow_unsafe_default: StrictBool = False
 
 
-class Output(_Section):
+class Output(_Entry):
     """One topic on which the result is published."""
 
-    id: Name
     topic: Topic
 
 
@@ -159,7 +172,9 @@ class PackageSection(_Section):
 
     version: Annotated[StrictStr, Field(pattern=r"^\d+\.\d+\.\d+$")] = "0.1.0"
     description: Annotated[StrictStr, Field(pattern=r"^[^\n\r]+$")] | None = None
-    maintainer: Annotated[StrictStr, Field(pattern=r"^[^<>\n]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>$")] | None = None
+    maintainer: (
+        Annotated[StrictStr, Field(pattern=r"^[^<>\n]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>$")] | None
+    ) = None
     license: Annotated[StrictStr, Field(pattern=r"^[^\n\r]+$")] = "Apache-2.0"
 
 
@@ -227,7 +242,9 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
         if key.text in _ALIASES:
             name = _ALIASES[key.text]
             problems.append(
-                warning("E002", f"{key.text!r} is read as {name!r}", key.place, "rename the section")
+                warning(
+                    "E002", f"{key.text!r} is read as {name!r}", key.place, "rename the section"
+                )
             )
             key = replace(key, text=name)  # noqa: PLW2901 - the same key, spelt right
         entries.append((key, value))
@@ -255,7 +272,9 @@ def _plain(
     if differs_between_versions(node):
         value = value_11(node)
         message = f"{node.text!r} is read as {value!r} (YAML 1.1)"
-        problems.append(warning("E008", message, node.place, "write it in quotes if a text is meant"))
+        problems.append(
+            warning("E008", message, node.place, "write it in quotes if a text is meant")
+        )
     return value_11(node)
 
 
@@ -275,7 +294,9 @@ def _translated(
         where = ".".join(str(part) for part in found["loc"][: len(path) + 1])
         if found["type"] == "missing":
             key = found["loc"][-1]
-            yield error("E003", f"{where.removesuffix(f'.{key}') or 'the file'} has no {key!r}", place)
+            yield error(
+                "E003", f"{where.removesuffix(f'.{key}') or 'the file'} has no {key!r}", place
+            )
         elif found["type"] == "extra_forbidden":
             key = str(found["loc"][-1])
             known = _known_keys(path[:-1])
@@ -305,11 +326,12 @@ def _known_keys(path: tuple[str | int, ...]) -> set[str]:
 def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
     config = file.config
     required_ids = {name for item in config.EDDIInputs for name in item.requires}
-    for section, entries in (
-        ("SimulatorOutputs", config.SimulatorOutputs),
-        ("EDDIInputs", config.EDDIInputs),
-        ("EDDIOutputs", config.EDDIOutputs),
-    ):
+    sections: dict[str, Sequence[_Entry]] = {
+        "SimulatorOutputs": config.SimulatorOutputs,
+        "EDDIInputs": config.EDDIInputs,
+        "EDDIOutputs": config.EDDIOutputs,
+    }
+    for section, entries in sections.items():
         first: dict[str, int] = {}
         for index, entry in enumerate(entries):
             if entry.id in first:

@@ -1,4 +1,4 @@
-"""Everything that is printed: data to stdout, words to stderr. The only module that writes there."""
+"""Everything that is printed: data to stdout, words to stderr; only this module writes there."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ from typing import TextIO
 
 from eddi_scaffold.problems import Problem, in_order
 
-_COLOURS = {"error": "31", "warning": "33", "info": "36", "hint": "36", "success": "32", "place": "1"}
+_COLOURS = {
+    "error": "31",
+    "warning": "33",
+    "info": "36",
+    "hint": "36",
+    "success": "32",
+    "place": "1",
+}
 
 
 class Console:
@@ -94,13 +101,19 @@ class Console:
 def count_line(problems: Sequence[Problem]) -> str:
     """Return the closing line: ``2 errors, 1 warning``."""
     counts = Counter(problem.level for problem in problems)
-    parts = [f"{counts[level]} {level}{'s' if counts[level] != 1 else ''}" for level in ("error", "warning", "info") if counts[level]]
+    parts = [
+        f"{counts[level]} {level}{'s' if counts[level] != 1 else ''}"
+        for level in ("error", "warning", "info")
+        if counts[level]
+    ]
     return ", ".join(parts)
 
 
 def _clean(text: str) -> str:
     """Replace what is not printable, so that text of a model cannot steer the terminal."""
-    return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)
+    return "".join(
+        char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text
+    )
 
 
 def _write(stream: TextIO, text: str) -> None:

@@ -39,8 +39,12 @@ class Drift:
 
     def as_text(self) -> str:
         """Return a few lines for people."""
-        counts = ", ".join(f"{count} {state}" for state, count in sorted(self.regions.items())) or "none"
-        lines = [f"{self.folder}: {'differs' if self.drifted else 'up to date'} (regions: {counts})"]
+        counts = (
+            ", ".join(f"{count} {state}" for state, count in sorted(self.regions.items())) or "none"
+        )
+        lines = [
+            f"{self.folder}: {'differs' if self.drifted else 'up to date'} (regions: {counts})"
+        ]
         lines += [f"  would change: {path}" for path in self.outdated]
         lines += [f"  edited, but generated: {path}" for path in self.edited]
         lines += [f"  look at: {finding}" for finding in self.review]
@@ -68,11 +72,15 @@ def drift_of(group: Group, model: Path | None, configs: Sequence[Path]) -> list[
         changed = sorted(
             path.partition("/")[2]
             for path in outcome.changes
-            if path.startswith(f"{folder}/") and "/.eddi/" not in path and not path.endswith(f"/{ANSWERS_FILE}")
+            if path.startswith(f"{folder}/")
+            and "/.eddi/" not in path
+            and not path.endswith(f"/{ANSWERS_FILE}")
         )
         edited = [str(path) for path in changed_generated(root)]
         regions = list_regions(root)
-        states = Counter(region.state for region in regions)
+        states = Counter(str(region.state) for region in regions)
         findings = [f"{r.file}: {r.id}: {'; '.join(r.notes)}" for r in regions if r.review]
-        reports.append(Drift(folder, [p for p in changed if p not in edited], edited, dict(states), findings))
+        reports.append(
+            Drift(folder, [p for p in changed if p not in edited], edited, dict(states), findings)
+        )
     return reports

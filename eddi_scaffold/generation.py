@@ -19,7 +19,11 @@ from eddi_scaffold import transaction
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.project import ANSWERS_FILE, Template, read_answers, render
-from eddi_scaffold.regions.generated import changed_generated, recorded_generated, save_generated_edits
+from eddi_scaffold.regions.generated import (
+    changed_generated,
+    recorded_generated,
+    save_generated_edits,
+)
 from eddi_scaffold.regions.sync import sync_package
 from eddi_scaffold.transaction import FileState
 
@@ -47,7 +51,10 @@ class Outcome:
 
     def diff(self) -> str:
         """Return the change as a unified diff, paths relative to ``root``."""
-        return "".join(_diff(path, self.before.get(path), state) for path, state in sorted(self.changes.items()))
+        return "".join(
+            _diff(path, self.before.get(path), state)
+            for path, state in sorted(self.changes.items())
+        )
 
 
 @dataclass
@@ -99,7 +106,9 @@ def bring(
     return Outcome(root, work.changes, work.before, work.notes, work.attention)
 
 
-def _bring_one(root: Path, package: PackageAnswers, template: Template, scratch: Path, work: _Work) -> None:
+def _bring_one(
+    root: Path, package: PackageAnswers, template: Template, scratch: Path, work: _Work
+) -> None:
     target = root / package.folder
     rendered = scratch / "rendered"
     notes = render(package.answers, template, rendered)
@@ -107,8 +116,10 @@ def _bring_one(root: Path, package: PackageAnswers, template: Template, scratch:
     staged = scratch / "staged"
     if before:
         if read_answers(target) is None:
-            hint = f"move it away, or choose another model id; a package of ours has a file {ANSWERS_FILE}"
-            raise EddiError(error("R012", "the folder exists and was not generated", Place(str(target)), hint))
+            hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
+            raise EddiError(
+                error("R012", "the folder exists and was not generated", Place(str(target)), hint)
+            )
         shutil.copytree(target, staged, ignore=shutil.ignore_patterns(".git", "__pycache__"))
         notes += _keep_generated_edits(staged, rendered)
     _lay(rendered, staged)
@@ -122,9 +133,13 @@ def _bring_one(root: Path, package: PackageAnswers, template: Template, scratch:
         )
     after = transaction.tree_of(staged)
     _check_python(after, target)
-    changed = {path: after.get(path) for path in {*before, *after} if before.get(path) != after.get(path)}
+    changed = {
+        path: after.get(path) for path in {*before, *after} if before.get(path) != after.get(path)
+    }
     work.changes.update({f"{package.folder}/{path}": state for path, state in changed.items()})
-    work.before.update({f"{package.folder}/{path}": before[path] for path in changed if path in before})
+    work.before.update(
+        {f"{package.folder}/{path}": before[path] for path in changed if path in before}
+    )
     work.notes += [note for note in notes if note not in work.notes]
     work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in report.notes]
     work.attention = work.attention or report.needs_attention
@@ -145,9 +160,12 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
 
 
 def _lay(rendered: Path, staged: Path) -> None:
-    """Put a rendering over a package: generated-only and pristine files, editable ones if absent."""
+    """Put a rendering over a package; an editable file that is there stays for the merge."""
     shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
-    editable = {path.relative_to(rendered / ".eddi" / "pristine") for path in _files(rendered / ".eddi" / "pristine")}
+    editable = {
+        path.relative_to(rendered / ".eddi" / "pristine")
+        for path in _files(rendered / ".eddi" / "pristine")
+    }
     for path in _files(rendered):
         relative = path.relative_to(rendered)
         target = staged / relative
@@ -168,7 +186,9 @@ def _check_python(after: Mapping[str, FileState], target: Path) -> None:
                 ast.parse(state.data)
             except (SyntaxError, ValueError) as problem:
                 line = getattr(problem, "lineno", None)
-                message = f"the hand-written code is not valid Python: {getattr(problem, 'msg', problem)}"
+                message = (
+                    f"the hand-written code is not valid Python: {getattr(problem, 'msg', problem)}"
+                )
                 raise EddiError(error("R011", message, Place(str(target / path), line))) from None
 
 

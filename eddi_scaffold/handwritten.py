@@ -27,7 +27,13 @@ class Entry:
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``regions --json``."""
         state = self.status
-        return {"id": state.id, "file": self.file, "line": state.line, "state": state.state, "notes": list(state.notes)}
+        return {
+            "id": state.id,
+            "file": self.file,
+            "line": state.line,
+            "state": state.state,
+            "notes": list(state.notes),
+        }
 
 
 def packages_below(folder: Path) -> list[Path]:
@@ -38,7 +44,9 @@ def packages_below(folder: Path) -> list[Path]:
     """
     found = []
     for root, folders, files in os.walk(folder):
-        folders[:] = sorted(name for name in folders if name not in {".git", "build", "devel", "install", ".eddi"})
+        folders[:] = sorted(
+            name for name in folders if name not in {".git", "build", "devel", "install", ".eddi"}
+        )
         if ANSWERS_FILE in files and (Path(root) / ".eddi").is_dir():
             found.append(Path(root))
     if not found:
@@ -64,5 +72,7 @@ def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
     wanted = list(ids)
     accepted = [done for package in packages_below(folder) for done in accept(package, wanted)]
     for missing in sorted(set(wanted) - set(accepted)):
-        raise EddiError(error("U004", f"there is no region {missing!r} below {folder}", Place(str(folder))))
+        raise EddiError(
+            error("U004", f"there is no region {missing!r} below {folder}", Place(str(folder)))
+        )
     return sorted(set(accepted))

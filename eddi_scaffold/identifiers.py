@@ -9,9 +9,49 @@ from __future__ import annotations
 import re
 
 RESERVED = frozenset(
-    "False None True and as assert async await break case class continue def del elif else except "
-    "finally for from global if import in is lambda match nonlocal not or pass raise return self "
-    "super try type while with yield _".split()
+    [
+        "False",
+        "None",
+        "True",
+        "and",
+        "as",
+        "assert",
+        "async",
+        "await",
+        "break",
+        "case",
+        "class",
+        "continue",
+        "def",
+        "del",
+        "elif",
+        "else",
+        "except",
+        "finally",
+        "for",
+        "from",
+        "global",
+        "if",
+        "import",
+        "in",
+        "is",
+        "lambda",
+        "match",
+        "nonlocal",
+        "not",
+        "or",
+        "pass",
+        "raise",
+        "return",
+        "self",
+        "super",
+        "try",
+        "type",
+        "while",
+        "with",
+        "yield",
+        "_",
+    ]
 )
 INPUT_MEMBERS = frozenset({"begin_step", "bind", "processing", "states", "update"})
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""

@@ -10,6 +10,7 @@ from eddi_scaffold.problems import EddiError, Place, did_you_mean, error, has_er
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.source import Source, read_source
 
+_YAML_SUFFIXES = (".yml", ".yaml")
 _XML_STARTS = (b"<", b"\xef\xbb\xbf<", b"\xff\xfe<\x00", b"\xfe\xff\x00<")
 
 
@@ -23,7 +24,9 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     if is_xml(source):
         document, problems = read_document(source)
         models: list[Model] = []
-        for kind in kinds().values() if document is not None else ():
+        if document is None:
+            return Reading((), tuple(problems))
+        for kind in kinds().values():
             reading = kind.read_eddi(document, source, default_guarantees)
             models += reading.models
             problems = [*problems, *reading.problems]
@@ -31,6 +34,9 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     for kind in kinds().values():
         if kind.sniff(source):
             return kind.read_file(source, default_guarantees)
+    if source.name.lower().endswith(_YAML_SUFFIXES):
+        # damaged beyond recognition: this kind says best what such a file should look like
+        return kinds()["consert"].read_file(source, default_guarantees)
     known = ", ".join(kind.title for kind in kinds().values())
     message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
     return Reading((), (error("F003", message, Place(source.name)),))
@@ -66,5 +72,7 @@ def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) 
         names = [model.name for model in models]
         wanted = f"no model {name!r}" if name is not None else "no such model"
         hint = (did_you_mean(name, names) if name else None) or f"there are: {', '.join(names)}"
-        raise EddiError(error("F005", f"there is {wanted} in this file", Place(models[0].source.name), hint))
+        raise EddiError(
+            error("F005", f"there is {wanted} in this file", Place(models[0].source.name), hint)
+        )
     return left

@@ -69,17 +69,17 @@ class EddiError(Exception):
         self.problems = problems
 
 
-def error(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:  # noqa: B008 - Place is frozen
+def error(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
     """Return an error."""
     return Problem("error", code, message, place, hint)
 
 
-def warning(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:  # noqa: B008 - Place is frozen
+def warning(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
     """Return a warning."""
     return Problem("warning", code, message, place, hint)
 
 
-def info(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:  # noqa: B008 - Place is frozen
+def info(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
     """Return an information."""
     return Problem("info", code, message, place, hint)
 

@@ -66,7 +66,9 @@ def _installed_bundle(bundle: Path) -> str:
             Path(file.name).replace(target)
     except OSError as problem:
         message = f"cannot put the templates at {target}: {problem.strerror}"
-        raise EddiError(error("T002", message, hint="set XDG_DATA_HOME to a folder you can write")) from None
+        raise EddiError(
+            error("T002", message, hint="set XDG_DATA_HOME to a folder you can write")
+        ) from None
     return f"~/{target.relative_to(home)}" if target.is_relative_to(home) else str(target)
 
 
@@ -88,8 +90,8 @@ def render(answers: Mapping[str, Any], template: Template, folder: Path) -> list
     Raises:
         EddiError: git is missing (T003), or Copier refused (T004).
     """
-    import copier
-    from copier.errors import CopierError
+    import copier  # noqa: PLC0415 - half a second, paid only where something is rendered
+    from copier.errors import CopierError  # noqa: PLC0415 - the same
 
     if shutil.which("git") is None:
         message = "git is not installed, the templates cannot be read"
@@ -110,4 +112,10 @@ def render(answers: Mapping[str, Any], template: Template, folder: Path) -> list
             )
         except (CopierError, ValueError) as problem:
             raise EddiError(error("T004", f"Copier refused: {problem}")) from problem
-    return sorted({str(warning.message) for warning in caught if warning.category.__module__.startswith("copier")})
+    return sorted(
+        {
+            str(warning.message)
+            for warning in caught
+            if warning.category.__module__.startswith("copier")
+        }
+    )

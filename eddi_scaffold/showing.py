@@ -1,4 +1,4 @@
-"""The survey that ``show --json`` prints: every model of a file, also of kinds without a monitor."""
+"""The survey of ``show --json``: every model of a file, also of kinds without a monitor."""
 
 from __future__ import annotations
 

@@ -29,7 +29,9 @@ class FileState:
     executable: bool = False
 
 
-def tree_of(folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})) -> dict[str, FileState]:
+def tree_of(
+    folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})
+) -> dict[str, FileState]:
     """Read all files below a folder: relative POSIX path -> state; empty when it does not exist."""
     found: dict[str, FileState] = {}
     for root, folders, files in os.walk(folder):

@@ -39,16 +39,23 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
         EddiError: there are none (U001).
     """
     if packages:
-        found = [Group(path.resolve().parent, {path.resolve().name: _answers(path)}) for path in packages]
+        found = [
+            Group(path.resolve().parent, {path.resolve().name: _answers(path)}) for path in packages
+        ]
         roots = dict.fromkeys(group.root for group in found)
-        return [Group(root, {k: v for g in found if g.root == root for k, v in g.present.items()}) for root in roots]
+        return [
+            Group(root, {k: v for g in found if g.root == root for k, v in g.present.items()})
+            for root in roots
+        ]
     place = workspace or Path()
     candidates = [place / platform.root for platform in platforms().values()]
     found = [Group(root, existing(root)) for root in dict.fromkeys(candidates)]
     found = [group for group in found if group.present]
     if not found:
         hint = "name a workspace with -w, or the folder of a package"
-        raise EddiError(error("U001", "there are no generated packages here", Place(str(place)), hint))
+        raise EddiError(
+            error("U001", "there are no generated packages here", Place(str(place)), hint)
+        )
     return found
 
 

@@ -33,7 +33,7 @@ def main() -> None:
         # whoever read our output has gone, for instance `| head`
         sys.stderr.close()
         sys.exit(0)
-    except Exception as bug:
+    except Exception as bug:  # noqa: BLE001 - a user never sees a traceback unasked
         _report_bug(bug, with_traceback="--traceback" in arguments)
         sys.exit(EXIT_OUR_BUG)
 

@@ -12,16 +12,24 @@ from eddi_scaffold.cli.options import DefaultGuarantees, ModelFile, Name
 
 def answers(
     model: ModelFile,
-    output: Annotated[Path, typer.Option("-o", "--output", help="File to write; with --all a folder.")],
-    config: Annotated[Path | None, typer.Option("-c", "--config", help="eddi_config.yml of the monitor.")] = None,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", help="File to write; with --all a folder.")
+    ],
+    config: Annotated[
+        Path | None, typer.Option("-c", "--config", help="eddi_config.yml of the monitor.")
+    ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     platform: Annotated[str, typer.Option(help="ros1 or plain.")] = "ros1",
     workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="With --all: workspace whose other monitors are kept.")
+        Path | None,
+        typer.Option(
+            "-w", "--workspace", help="With --all: workspace whose other monitors are kept."
+        ),
     ] = None,
     every: Annotated[
-        bool, typer.Option("--all", help="Also the answers of the packages that all monitors share.")
+        bool,
+        typer.Option("--all", help="Also the answers of the packages that all monitors share."),
     ] = False,
 ) -> None:
     """Write the answers with which plain `copier copy` renders the same package as `generate`.
@@ -37,16 +45,22 @@ def answers(
     from eddi_scaffold.yaml_text import dump_plain
 
     target = chosen(platform)
-    monitors, problems = monitors_of(model, [config] if config else [], name, default_guarantee or ())
+    monitors, problems = monitors_of(
+        model, [config] if config else [], name, default_guarantee or ()
+    )
     if len(monitors) != 1:
         names = ", ".join(monitor.model.name for monitor in monitors)
-        raise EddiError(error("G005", f"the file holds several models: {names}", hint="choose one with --name"))
+        raise EddiError(
+            error("G005", f"the file holds several models: {names}", hint="choose one with --name")
+        )
     root = (workspace or Path()) / target.root
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)
     packages = assembly.packages if every else assembly.packages[:1]
     files = {
-        (f"{package.folder}.yml" if every else output.name): FileState(dump_plain(package.answers).encode())
+        (f"{package.folder}.yml" if every else output.name): FileState(
+            dump_plain(package.answers).encode()
+        )
         for package in packages
     }
     write(output if every else output.parent, files)

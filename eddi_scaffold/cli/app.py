@@ -15,7 +15,6 @@ from eddi_scaffold.cli import (
     export,
     generate,
     regions,
-
     show,
     status,
     upgrade,
@@ -24,7 +23,7 @@ from eddi_scaffold.console import console
 
 app = typer.Typer(
     name="eddi-scaffold",
-    help="Turn a design-time EDDI into runtime monitors, and regenerate them without losing a hand-written line.",
+    help="Turn a design-time EDDI into runtime monitors, without losing a hand-written line.",
     epilog="Start with: eddi-scaffold example two-conserts demo",
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
@@ -46,10 +45,14 @@ def options(
     ] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print errors only.")] = False,
     verbose: Annotated[bool, typer.Option("-v", "--verbose", help="Print infos as well.")] = False,
-    color: Annotated[bool | None, typer.Option("--color/--no-color", help="Default: on a terminal.")] = None,
-    traceback: Annotated[bool, typer.Option("--traceback", help="Show where a bug happened.")] = False,
+    color: Annotated[
+        bool | None, typer.Option("--color/--no-color", help="Default: on a terminal.")
+    ] = None,
+    traceback: Annotated[
+        bool, typer.Option("--traceback", help="Show where a bug happened.")
+    ] = False,
 ) -> None:
-    """Turn a design-time EDDI into runtime monitors, and regenerate them without losing a hand-written line."""
+    """Turn a design-time EDDI into runtime monitors, without losing a hand-written line."""
     console.quiet, console.verbose, console.colour = quiet, verbose, color
 
 

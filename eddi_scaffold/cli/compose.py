@@ -10,7 +10,9 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Json
 
 
 def compose(
-    conserts: Annotated[list[str], typer.Argument(metavar="[NAME=]FILE...", help="ConSert YAML or EDDI XML files.")],
+    conserts: Annotated[
+        list[str], typer.Argument(metavar="[NAME=]FILE...", help="ConSert YAML or EDDI XML files.")
+    ],
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
 ) -> None:

@@ -30,7 +30,9 @@ def example(
         raise EddiError(error("G012", f"there is no example {name!r}", hint=hint))
     target = folder or Path(name)
     if target.exists() and any(target.iterdir()):
-        raise EddiError(error("G013", "the folder is not empty", Place(str(target)), "name a new one"))
+        raise EddiError(
+            error("G013", "the folder is not empty", Place(str(target)), "name a new one")
+        )
     files = example_files(name)
     write(target, files)
     for file in sorted(files):

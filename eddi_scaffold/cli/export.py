@@ -13,7 +13,9 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Name
 def export(
     model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")],
-    kind: Annotated[str | None, typer.Option("--kind", help="Only models of this kind, such as consert.")] = None,
+    kind: Annotated[
+        str | None, typer.Option("--kind", help="Only models of this kind, such as consert.")
+    ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
@@ -34,7 +36,9 @@ def export(
     console.problems(reading.problems)
     files: dict[str, FileState] = {}
     for item in select(reading.models, name, kinds()[kind] if kind else None):
-        files |= {file: FileState(text.encode()) for file, text in kinds()[item.kind].export(item).items()}
+        files |= {
+            file: FileState(text.encode()) for file, text in kinds()[item.kind].export(item).items()
+        }
     write(output, files)
     for file in sorted(files):
         console.data(str(output / file))

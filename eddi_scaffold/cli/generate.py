@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -13,10 +14,13 @@ from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, DryRun, Mo
 def generate(
     model: ModelFile,
     workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace (for the platform ros1).")
+        Path | None,
+        typer.Option("-w", "--workspace", help="Catkin workspace (for the platform ros1)."),
     ] = None,
     config: ConfigFiles = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder (for the platform plain).")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder (for the platform plain).")
+    ] = None,
     platform: Annotated[str, typer.Option(help="ros1 or plain.")] = "ros1",
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
@@ -45,12 +49,14 @@ def generate(
     monitors, problems = monitors_of(model, config or [], name, default_guarantee or ())
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)
-    outcome = bring(root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress)
+    outcome = bring(
+        root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
+    )
     steps = _next_steps(target.name, place, assembly.monitors)
     finish(outcome, dry_run=dry_run, next_steps=steps)
 
 
-def _next_steps(platform: str, place: Path, monitors: list[str] | tuple[str, ...]) -> list[str]:
+def _next_steps(platform: str, place: Path, monitors: Sequence[str]) -> list[str]:
     if platform == "ros1":
         return [
             f"cd {place} && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3",

@@ -7,17 +7,24 @@ from typing import Annotated
 
 import typer
 
-ModelFile = Annotated[Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")]
-ConfigFiles = Annotated[
-    list[Path] | None, typer.Option("-c", "--config", help="eddi_config.yml; repeat it for several monitors.")
+ModelFile = Annotated[
+    Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")
 ]
-Workspace = Annotated[Path, typer.Option("-w", "--workspace", help="Catkin workspace (it holds `src`).")]
-Name = Annotated[str | None, typer.Option("--name", help="Which model of the file, when it holds several.")]
+ConfigFiles = Annotated[
+    list[Path] | None,
+    typer.Option("-c", "--config", help="eddi_config.yml; repeat it for several monitors."),
+]
+Workspace = Annotated[
+    Path, typer.Option("-w", "--workspace", help="Catkin workspace (it holds `src`).")
+]
+Name = Annotated[
+    str | None, typer.Option("--name", help="Which model of the file, when it holds several.")
+]
 DefaultGuarantees = Annotated[
     list[str] | None,
     typer.Option(
         "--default-guarantee",
-        help="`ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its service); repeatable.",
+        help="`ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its service).",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]

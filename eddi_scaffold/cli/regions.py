@@ -11,10 +11,15 @@ from eddi_scaffold.cli.options import Json
 
 
 def regions(
-    path: Annotated[Path, typer.Argument(help="A package, or a folder that holds packages.")] = Path(),
-    check: Annotated[bool, typer.Option("--check", help="Exit with 3 when a person must look; for CI.")] = False,
+    path: Annotated[
+        Path, typer.Argument(help="A package, or a folder that holds packages.")
+    ] = Path(),
+    check: Annotated[
+        bool, typer.Option("--check", help="Exit with 3 when a person must look; for CI.")
+    ] = False,
     accept: Annotated[
-        list[str] | None, typer.Option("--accept", help="Region id that was looked at and is right; repeatable.")
+        list[str] | None,
+        typer.Option("--accept", help="Region id that was looked at and is right; repeatable."),
     ] = None,
     as_json: Json = False,
 ) -> None:

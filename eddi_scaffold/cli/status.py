@@ -11,9 +11,15 @@ from eddi_scaffold.cli.options import ConfigFiles, Json
 
 
 def status(
-    packages: Annotated[list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")] = None,
-    workspace: Annotated[Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")] = None,
-    model: Annotated[Path | None, typer.Option("-m", "--model", help="Compare with this model file.")] = None,
+    packages: Annotated[
+        list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
+    ] = None,
+    workspace: Annotated[
+        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")
+    ] = None,
+    model: Annotated[
+        Path | None, typer.Option("-m", "--model", help="Compare with this model file.")
+    ] = None,
     config: ConfigFiles = None,
     as_json: Json = False,
 ) -> None:
@@ -25,7 +31,11 @@ def status(
     from eddi_scaffold.drift import drift_of
     from eddi_scaffold.upgrading import groups
 
-    reports = [report for group in groups(workspace, packages or []) for report in drift_of(group, model, config or [])]
+    reports = [
+        report
+        for group in groups(workspace, packages or [])
+        for report in drift_of(group, model, config or [])
+    ]
     if as_json:
         console.json({"packages": [report.as_json() for report in reports]})
     else:

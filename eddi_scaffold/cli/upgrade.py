@@ -11,8 +11,12 @@ from eddi_scaffold.cli.options import ConfigFiles, DryRun
 
 
 def upgrade(
-    packages: Annotated[list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")] = None,
-    workspace: Annotated[Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")] = None,
+    packages: Annotated[
+        list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
+    ] = None,
+    workspace: Annotated[
+        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")
+    ] = None,
     model: Annotated[Path | None, typer.Option("-m", "--model", help="Newer model file.")] = None,
     config: ConfigFiles = None,
     dry_run: DryRun = False,
@@ -29,10 +33,16 @@ def upgrade(
 
     outcomes: list[Outcome] = []
     template = own_template()
-    planned = [(group, *targets(group, model, config or [])) for group in groups(workspace, packages or [])]
+    planned = [
+        (group, *targets(group, model, config or [])) for group in groups(workspace, packages or [])
+    ]
     for group, wanted, problems in planned:
         console.problems(problems)
-        outcomes.append(bring(group.root, wanted, template, dry_run=dry_run, progress=console.progress))
+        outcomes.append(
+            bring(group.root, wanted, template, dry_run=dry_run, progress=console.progress)
+        )
     attention = [outcome for outcome in outcomes if outcome.attention]
-    for outcome in sorted(outcomes, key=lambda o: o in attention):  # the one that exits with 3 comes last
+    for outcome in sorted(
+        outcomes, key=lambda o: o in attention
+    ):  # the one that exits with 3 comes last
         finish(outcome, dry_run=dry_run)

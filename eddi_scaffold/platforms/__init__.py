@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.problems import EddiError, error
 
 if TYPE_CHECKING:
-    from eddi_scaffold.answers import Monitor
+    from eddi_scaffold.binding import Monitor
     from eddi_scaffold.config import Config
     from eddi_scaffold.kinds import JsonValue
     from eddi_scaffold.problems import Problem

@@ -125,11 +125,13 @@ def _package(document: EddiDocument, element: Element) -> FoundPackage:
 
 
 def _name(document: EddiDocument, element: Element) -> str:
-    name = document.attribute(element, Spelling("name"))
-    if name is None:  # SACM: the name is an object with a content
-        contents = [n.get("content") for n in document.children(element, Spelling("name"))]
-        name = next((content for content in contents if content), None)
-    return name or ""
+    """Return the name; in SACM it is an object with a content, often of the part only."""
+    stated = document.attribute(element, Spelling("name"))
+    if stated is not None:
+        return stated
+    here = '*[local-name()="name"]/@content'
+    contents = select(element, here) or select(element, f"*/{here}")
+    return str(contents[0]) if contents else ""
 
 
 _BY_CLASS = {

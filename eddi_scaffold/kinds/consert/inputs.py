@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import InputType, ModelInput
@@ -31,6 +32,7 @@ def inputs(consert: ConSert) -> Sequence[ModelInput]:
             "bool",
             description=demand.description,
             covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
+            is_good=lambda value: value is True,
         )
         for demand in consert.demands
     )
@@ -52,7 +54,13 @@ def _evidence(evidence: Evidence) -> ModelInput:
     covered = covered_text(dimension)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
         type_: InputType = "bool" if isinstance(dimension, BinaryDimension) else "str"
-        return ModelInput(evidence.id, type_, description=evidence.description, covered=covered)
+        return ModelInput(
+            evidence.id,
+            type_,
+            description=evidence.description,
+            covered=covered,
+            is_good=partial(_is_covered, dimension),
+        )
     return ModelInput(
         evidence.id,
         "float",
@@ -60,4 +68,18 @@ def _evidence(evidence: Evidence) -> ModelInput:
         units=units.convertible(dimension.uom),
         description=evidence.description,
         covered=covered,
+        is_good=partial(_is_covered, dimension),
+    )
+
+
+def _is_covered(dimension: Dimension, value: object) -> bool:
+    if isinstance(dimension, BinaryDimension):
+        return value is True
+    if isinstance(dimension, CategoricalDimension):
+        return value in dimension.covered
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return any(
+        one.start.value <= value < one.end.value or (one.inclusive and value == one.end.value)
+        for one in dimension.covered
     )

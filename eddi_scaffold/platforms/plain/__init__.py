@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 
-from eddi_scaffold.answers import Monitor, shared_answers
+from eddi_scaffold.answers import shared_answers
+from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import Config
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import Problem
@@ -15,7 +16,7 @@ def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     return PackageAnswers(monitor.package, shared_answers(monitor, "plain_monitor")), []
 
 
-def _support(monitors: Sequence[str], config: Config | None) -> list[PackageAnswers]:
+def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:
     return []
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from eddi_scaffold.answers import Monitor, identity_answers, one_line, shared_answers
-from eddi_scaffold.config import Config, ConfigFile
+from eddi_scaffold.answers import identity_answers, one_line, shared_answers
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.config import Config, ConfigFile, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1.messages import packages_of
@@ -19,16 +20,24 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     assert monitor.config is not None, "the ros1 platform needs a configuration"
     config = monitor.config.config
     output_type = f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
-    classes = _class_names([source.type for source in config.SimulatorOutputs if _used(monitor, source.id)])
+    classes = _class_names(
+        [source.type for source in config.SimulatorOutputs if _used(monitor, source.id)]
+    )
     classes[output_type] = f"eddi_messages.msg.{monitor.kind.output_message}"
     status = monitor.kind.status_message
     answers = shared_answers(monitor, "ros1_monitor")
-    answers["message_packages"] = sorted({name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE})
+    answers["message_packages"] = sorted(
+        {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
+    )
     answers["frequency"] = repr(config.Model.frequency)
     answers["mode"] = config.Model.mode
     answers["message_imports"] = _imports(classes)
     answers["subscriptions"] = [
-        {"id": ascii(source.id), "topic": ascii(source.topic), "message_class": classes[source.type]}
+        {
+            "id": ascii(source.id),
+            "topic": ascii(source.topic),
+            "message_class": classes[source.type],
+        }
         for source in _subscribed(monitor)
     ]
     answers["publications"] = [
@@ -71,7 +80,12 @@ def support_answers(monitors: Sequence[str], config: Config | None) -> list[Pack
             messages=messages,
             message_packages=packages_of(texts.values()),
         ),
-        package("ros1_metapackage", "eddi_monitor", "All EDDI runtime monitors of this workspace", monitors=listed),
+        package(
+            "ros1_metapackage",
+            "eddi_monitor",
+            "All EDDI runtime monitors of this workspace",
+            monitors=listed,
+        ),
         package(
             "ros1_launcher",
             "eddi_monitor_launcher",
@@ -86,7 +100,7 @@ def _used(monitor: Monitor, source_id: str) -> bool:
     return any(source_id == source.id for binding in monitor.inputs for source in binding.requires)
 
 
-def _subscribed(monitor: Monitor) -> Iterable[object]:
+def _subscribed(monitor: Monitor) -> Iterable[SimulatorOutput]:
     """Return the simulator outputs that an input requires, in the order of the configuration."""
     assert monitor.config is not None
     seen: set[str] = set()
@@ -97,11 +111,17 @@ def _subscribed(monitor: Monitor) -> Iterable[object]:
 
 
 def _class_names(types: Iterable[str]) -> dict[str, str]:
-    """Return message type -> Python name; equal class names of two packages get the package before."""
+    """Return message type -> Python name; equal names of two packages get the package before."""
     unique = sorted(set(types))
     names = [name.partition("/")[2] for name in unique]
     return {
-        full: (name if names.count(name) == 1 and name not in {"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "MonitorNode"} else full.replace("/", "_"))
+        full: (
+            name
+            if names.count(name) == 1
+            and name
+            not in {"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "MonitorNode"}
+            else full.replace("/", "_")
+        )
         for full, name in zip(unique, names, strict=True)
     }
 

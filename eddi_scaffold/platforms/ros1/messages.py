@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from eddi_scaffold.answers import FieldsOf
+from eddi_scaffold.binding import FieldsOf
 from eddi_scaffold.kinds import Kind
 
 _PYTHON_TYPES = {
@@ -28,7 +28,9 @@ _STD_MSGS = {
 
 def known_messages(kinds: Iterable[Kind]) -> FieldsOf:
     """Return the fields of the messages of ``std_msgs`` and of our own ``eddi_messages``."""
-    known = {f"std_msgs/{name}": {"data": _PYTHON_TYPES[of]} for name, of in _STD_MSGS.items()}
+    known: dict[str, Mapping[str, str]] = {
+        f"std_msgs/{name}": {"data": _PYTHON_TYPES[of]} for name, of in _STD_MSGS.items()
+    }
     for kind in kinds:
         for name, text in kind.messages.items():
             known[f"eddi_messages/{name}"] = fields_of(text)

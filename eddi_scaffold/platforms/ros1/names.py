@@ -19,7 +19,11 @@ _IMPORTED_BY_ROSPY = (
 
 def taken_names() -> Mapping[str, str]:
     """Return package names that must not be used, with the reason."""
-    taken = dict.fromkeys(sys.stdlib_module_names, "it would hide a module of Python's standard library")
-    taken.update(dict.fromkeys(_IMPORTED_BY_ROSPY, "it would hide a module that every ROS node imports"))
+    taken = dict.fromkeys(
+        sys.stdlib_module_names, "it would hide a module of Python's standard library"
+    )
+    taken.update(
+        dict.fromkeys(_IMPORTED_BY_ROSPY, "it would hide a module that every ROS node imports")
+    )
     taken.update(dict.fromkeys(OWN, "eddi-scaffold generates a package of this name itself"))
     return taken

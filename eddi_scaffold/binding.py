@@ -1,0 +1,357 @@
+"""A model joined with its configuration: what a monitor listens to, and how it gets its inputs.
+
+What does not fit is a problem with the place in the configuration.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from eddi_scaffold import fields
+from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput
+from eddi_scaffold.identifiers import attribute, package_name
+from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput, Settings
+from eddi_scaffold.model_document import model_document
+from eddi_scaffold.problems import (
+    EddiError,
+    Place,
+    Problem,
+    did_you_mean,
+    error,
+    has_errors,
+    warning,
+)
+
+FieldsOf = Mapping[str, Mapping[str, str]]
+"""ROS message type -> field -> ``bool``, ``int``, ``float``, ``str`` or another message type."""
+
+_PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
+    "bool": bool,
+    "float": (int, float),
+    "int": int,
+    "str": str,
+}
+
+
+@dataclass(frozen=True)
+class InputBinding:
+    """One input of the model, joined with what the configuration says about it.
+
+    Attributes:
+        model: the input as the model has it.
+        attribute: name in ``EDDIInput``.
+        requires: the simulator outputs it is made of; one of its own id without a configuration.
+        arguments: a Python name for each of them.
+        expression: Python expression over the arguments that gives the value, ``None`` when a
+            person must write it.
+        max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
+        default: value before the first message.
+        factor: exact factor from the configured unit to the model's, or ``None``.
+        renamed_from: former id.
+        known_fields: argument -> its fields, for the messages that are known.
+    """
+
+    model: ModelInput
+    attribute: str
+    requires: tuple[SimulatorOutput, ...] = ()
+    arguments: tuple[str, ...] = ()
+    expression: str | None = None
+    max_age: float | str | None = None
+    default: bool | int | float | str | None = None
+    factor: tuple[int, int] | None = None
+    renamed_from: str | None = None
+    known_fields: Mapping[str, Sequence[str]] | None = None
+
+
+@dataclass(frozen=True)
+class Monitor:
+    """Everything a platform needs to know of one monitor.
+
+    Attributes:
+        package: name of its package.
+        model_json: text of its ``config/model.json``, without the last line end.
+        default_guarantees: marks that were given when the model was read.
+    """
+
+    package: str
+    model: Model
+    kind: Kind
+    config: ConfigFile | None
+    inputs: tuple[InputBinding, ...]
+    model_json: str
+    default_guarantees: tuple[str, ...] = ()
+
+
+def monitor_of(
+    model: Model,
+    kind: Kind,
+    config: ConfigFile | None,
+    known_messages: FieldsOf,
+    marks: Sequence[str] = (),
+) -> tuple[Monitor | None, list[Problem]]:
+    """Join a checked model with its configuration.
+
+    Args:
+        model: what is monitored.
+        kind: the kind of the model.
+        config: how it is connected, if it is.
+        known_messages: the fields of the message types that are known.
+        marks: the default guarantees that were marked when the model was read; remembered.
+
+    Returns:
+        The monitor, ``None`` when a problem is an error, and all problems of the join.
+    """
+    bindings, problems = _bind(kind.inputs(model), config, known_messages)
+    if config is not None:
+        problems += _check_model_section(model, kind, config)
+    problems += _repeated_attributes(bindings)
+    if has_errors(problems):
+        return None, problems
+    place = config.place("Model") if config is not None else model.place
+    inputs = [_input_document(binding) for binding in bindings]
+    try:
+        text = model_document(model, kind, inputs, _settings(config), place)
+    except EddiError as refused:
+        return None, [*problems, *refused.problems]
+    package = package_name(config.config.Model.id if config is not None else model.name)
+    monitor = Monitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
+    return monitor, problems
+
+
+def _settings(config: ConfigFile | None) -> Settings:
+    if config is None:
+        return Settings()
+    section = config.config.Model
+    filtering = section.filter
+    if filtering is None and section.debounce is not None:
+        filtering = {"kind": "debounce", "regain_after": section.debounce}
+    return Settings(guarantee_ids=section.guarantee_ids, filter=filtering)
+
+
+def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
+    return {
+        "id": binding.model.id,
+        "attribute": binding.attribute,
+        "requires": [source.id for source in binding.requires],
+        "max_age": binding.max_age,
+        "factor": list(binding.factor) if binding.factor else None,
+        "default": binding.default,
+    }
+
+
+def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterable[Problem]:
+    section = config.config.Model
+    if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
+        message = f"the model is a {kind.title}, the configuration says {section.type!r}"
+        yield error("E010", message, config.place("Model", "type"))
+    if section.debounce is not None and section.filter is not None:
+        place = config.place("Model", "filter")
+        yield error("E011", "debounce and filter exclude each other", place, "keep one of them")
+    if section.id != model.name and package_name(section.id) == package_name(model.name):
+        message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
+        yield warning("E012", message, config.place("Model", "id"))
+
+
+def _bind(
+    inputs: Sequence[ModelInput], config: ConfigFile | None, known: FieldsOf
+) -> tuple[list[InputBinding], list[Problem]]:
+    if config is None:
+        return [_unconfigured(item) for item in inputs], []
+    problems: list[Problem] = []
+    left = {item.id: item for item in inputs}
+    bindings: list[InputBinding] = []
+    for index, entry in enumerate(config.config.EDDIInputs):
+        item = left.pop(entry.id, None)
+        if item is None:
+            names = [other.id for other in inputs]
+            hint = did_you_mean(entry.id, names) or f"the inputs are: {', '.join(names)}"
+            place = config.place("EDDIInputs", index, "id")
+            problems.append(error("E013", f"the model has no input {entry.id!r}", place, hint))
+            continue
+        binding, found = _Binder(item, entry, index, config, known).bind()
+        bindings.append(binding)
+        problems += found
+    for item in left.values():
+        message = (
+            f"no entry of EDDIInputs provides {item.id!r}: it stays unknown, and no guarantee "
+            "that needs it becomes active"
+        )
+        hint = f"add `- id: {item.id}` with `requires:`"
+        problems.append(warning("E014", message, config.place("EDDIInputs"), hint))
+        bindings.append(InputBinding(item, attribute(item.id)))
+    return bindings, problems
+
+
+def _unconfigured(item: ModelInput) -> InputBinding:
+    """Bind an input to a value of its own id: what a plain program passes in."""
+    name = attribute(item.id)
+    source = SimulatorOutput.model_construct(id=item.id, type="", topic="", max_age=None)
+    return InputBinding(item, name, (source,), (name,), name)
+
+
+def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
+    first: dict[str, str] = {}
+    for binding in bindings:
+        other = first.setdefault(binding.attribute, binding.model.id)
+        if other != binding.model.id:
+            message = (
+                f"the inputs {other!r} and {binding.model.id!r} give the same name "
+                f"{binding.attribute!r}"
+            )
+            yield error("E025", message, hint="rename one of them in the model")
+
+
+class _Binder:
+    """Joins one input of the model with one entry of ``EDDIInputs``."""
+
+    def __init__(
+        self, item: ModelInput, entry: Input, index: int, config: ConfigFile, known: FieldsOf
+    ) -> None:
+        self.item, self.entry, self.index, self.config = item, entry, index, config
+        self.problems: list[Problem] = []
+        sources = {source.id: source for source in reversed(config.config.SimulatorOutputs)}
+        self.requires = tuple(sources[name] for name in dict.fromkeys(entry.requires))
+        self.arguments = tuple(attribute(source.id) for source in self.requires)
+        self.fields = {
+            name: known[source.type]
+            for name, source in zip(self.arguments, self.requires, strict=True)
+            if source.type in known
+        }
+
+    def bind(self) -> tuple[InputBinding, list[Problem]]:
+        """Return the joined input and what does not fit."""
+        self._check_arguments()
+        self._check_type()
+        factor = self._factor()
+        self._check_default(factor)
+        binding = InputBinding(
+            self.item,
+            attribute(self.item.id),
+            self.requires,
+            self.arguments,
+            self._expression(),
+            self._max_age(),
+            self.entry.default,
+            factor,
+            self.entry.renamed_from,
+            {name: tuple(of) for name, of in self.fields.items()},
+        )
+        return binding, self.problems
+
+    def _place(self, *key: str) -> Place:
+        return self.config.place("EDDIInputs", self.index, *key)
+
+    def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
+        self.problems.append(error(code, message, self._place(key), hint))
+
+    def _check_arguments(self) -> None:
+        if len(set(self.arguments)) != len(self.arguments):
+            names = ", ".join(self.arguments)
+            message = f"the ids that {self.entry.id!r} requires give the same Python name: {names}"
+            self._error("E015", message, "requires", "rename one")
+
+    def _check_type(self) -> None:
+        given, wanted = self.entry.type, self.item.type
+        if given is not None and given != wanted and not {given, wanted} <= {"int", "float"}:
+            message = f"input {self.entry.id!r} is a {wanted} in the model, not a {given}"
+            self._error("E016", message, "type")
+
+    def _max_age(self) -> float | str | None:
+        max_age = self.entry.max_age if self.entry.max_age is not None else _shortest(self.requires)
+        if max_age is None and self.item.safety:
+            topics = ", ".join(source.topic for source in self.requires) or "nothing"
+            message = (
+                f"input {self.entry.id!r} (from {topics}) has no max_age: it stays as it was if "
+                "its publisher dies"
+            )
+            hint = (
+                "write `max_age:` in seconds, about 2.5 periods of the publisher, "
+                "or `max_age: none`"
+            )
+            self.problems.append(warning("E017", message, self._place(), hint))
+        return max_age
+
+    def _expression(self) -> str | None:
+        """Return the expression of ``field:``, or of the only field where that fits."""
+        entry = self.entry
+        if len(self.requires) != 1:
+            if entry.field is not None:
+                message = (
+                    f"`field:` of {entry.id!r} needs exactly one message in `requires`, "
+                    f"not {len(self.requires)}"
+                )
+                hint = "write the region in EDDIInput.py by hand instead"
+                self._error("E018", message, "field", hint)
+            return None
+        argument = self.arguments[0]
+        of_type = self.fields.get(argument)
+        if entry.field is None:
+            return _only_fitting_field(argument, of_type, self.item.type)
+        try:
+            path = fields.parse_field(entry.field)
+        except ValueError as problem:
+            self._error("E019", str(problem), "field")
+            return None
+        first = path[0]
+        if (
+            of_type is not None
+            and isinstance(first, fields.Attribute)
+            and first.name not in of_type
+        ):
+            hint = did_you_mean(first.name, of_type) or f"its fields: {', '.join(of_type)}"
+            message = f"{self.requires[0].type} has no field {first.name!r}"
+            self._error("E020", message, "field", hint)
+        return fields.expression(argument, path)
+
+    def _factor(self) -> tuple[int, int] | None:
+        given, wanted = self.entry.unit, self.item.unit
+        if given is None or given == (wanted or ""):
+            return None
+        if self.item.type not in {"float", "int"}:
+            self._error("E021", f"input {self.entry.id!r} is no number and has no unit", "unit")
+            return None
+        factor = (self.item.units or {}).get(given)
+        if factor is None:
+            fitting = ", ".join(unit or '""' for unit in self.item.units or {})
+            message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
+            self._error("E022", message, "unit", f"units that can: {fitting}")
+            return None
+        return None if factor[0] == factor[1] else factor
+
+    def _check_default(self, factor: tuple[int, int] | None) -> None:
+        value, item = self.entry.default, self.item
+        if value is None:
+            return
+        finite = not isinstance(value, float) or math.isfinite(value)
+        fits = finite and isinstance(value, _PYTHON_TYPES[item.type])
+        if not fits or (item.type != "bool" and isinstance(value, bool)):
+            message = f"the default of {item.id!r} is {value!r}, a {item.type} is expected"
+            self._error("E023", message, "default")
+            return
+        if factor is not None and isinstance(value, int | float):
+            value = value * factor[0] / factor[1]
+        if item.is_good is None or not item.is_good(value) or self.entry.allow_unsafe_default:
+            return
+        message = (
+            f"the default {self.entry.default!r} of {item.id!r} counts as good evidence before "
+            "any message has come"
+        )
+        hint = "leave it out, or write `allow_unsafe_default: true` beside it"
+        self._error("E024", message, "default", hint)
+
+
+def _shortest(requires: Sequence[SimulatorOutput]) -> float | str | None:
+    ages = [source.max_age for source in requires if source.max_age is not None]
+    numbers = [age for age in ages if not isinstance(age, str)]
+    return min(numbers) if numbers else (ages[0] if ages else None)
+
+
+def _only_fitting_field(
+    argument: str, of_type: Mapping[str, str] | None, wanted: str
+) -> str | None:
+    if of_type is None or len(of_type) != 1:
+        return None
+    ((name, given),) = of_type.items()
+    return f"{argument}.{name}" if given == wanted or (given, wanted) == ("int", "float") else None

@@ -1,0 +1,57 @@
+"""The text of ``config/model.json``: the model as the runtime reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from eddi_runtime import __version__ as runtime_version
+from eddi_runtime.model_file import ModelError, canonical, digest_of, parse_model
+from eddi_runtime.monitor import build
+
+from eddi_scaffold.kinds import JsonValue, Kind, Model, Settings
+from eddi_scaffold.problems import EddiError, Place, error
+
+
+def model_document(
+    model: Model,
+    kind: Kind,
+    inputs: Sequence[dict[str, JsonValue]],
+    settings: Settings,
+    place: Place,
+) -> str:
+    """Return canonical JSON with its own digest, after the runtime has compiled it once.
+
+    Args:
+        model: what is monitored.
+        kind: its kind.
+        inputs: ``id``, ``attribute``, ``requires``, ``max_age``, ``factor``, ``default`` of each.
+        settings: what the configuration says about the kind.
+        place: where the settings stand, for errors.
+
+    Raises:
+        EddiError: the runtime refuses the model or the settings (E028).
+    """
+    data: dict[str, JsonValue] = {
+        "format": 1,
+        "kind": kind.name,
+        "id": model.name,
+        "requires_runtime": ".".join(runtime_version.split(".")[:2]),
+        "source": {
+            "file": model.source.file_name,
+            "sha256": model.source.sha256,
+            "path": model.place.path,
+        },
+        "inputs": list(inputs),
+        "model": kind.runtime_model(model, settings),
+        "settings": {
+            "guarantee_ids": settings.guarantee_ids,
+            "filter": dict(settings.filter or {"kind": "none"}),
+        },
+    }
+    data["sha256"] = digest_of(data)
+    text = canonical(data).rstrip("\n")
+    try:
+        build(parse_model(text, "the runtime model"))
+    except ModelError as refused:  # the runtime that will run it has the last word
+        raise EddiError(error("E028", refused.reason, place)) from None
+    return text
