@@ -158,7 +158,7 @@ def test_references_by_href_by_id_and_into_other_files() -> None:
         '<b to="x.xml#//@a.0 _2 //@a[k]"/>\n<b to=" "/></r>'
     )
     to = Spelling("to")
-    good, bad, empty = doc.roots[0][1:]
+    _, good, bad, empty = doc.roots[0]
     found, problems, present = doc.targets(good, to)
     assert (found, problems, present) == ([doc.roots[0][0]] * 4, [], True)
     found, problems, present = doc.targets(bad, to)

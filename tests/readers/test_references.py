@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import pytest
@@ -86,14 +87,15 @@ def test_a_suggestion_only_when_there_is_exactly_one() -> None:
 
 
 NAMES = st.sampled_from(["a", "b", "c_", "D", "consert"])
-TREES = st.recursive(
+Tree = tuple[str, list[Any]]
+TREES: st.SearchStrategy[Tree] = st.recursive(
     st.tuples(NAMES, st.just([])),
     lambda children: st.tuples(NAMES, st.lists(children, max_size=5)),
     max_leaves=25,
 )
 
 
-def _text(tree: tuple[str, list], prefix: str, noise: str) -> str:
+def _text(tree: Tree, prefix: str, noise: str) -> str:
     name, children = tree
     inner = noise.join(_text(child, prefix, noise) for child in children)
     tag = f"{prefix}{name}"
@@ -101,7 +103,7 @@ def _text(tree: tuple[str, list], prefix: str, noise: str) -> str:
 
 
 @given(TREES)
-def test_the_path_of_an_element_resolves_to_it(tree: tuple[str, list]) -> None:
+def test_the_path_of_an_element_resolves_to_it(tree: Tree) -> None:
     doc = document(_text(tree, "", ""))
     for element in doc.roots[0].iter():
         path = doc.references.path(element)
@@ -111,7 +113,7 @@ def test_the_path_of_an_element_resolves_to_it(tree: tuple[str, list]) -> None:
 
 
 @given(TREES)
-def test_prefixes_and_comments_do_not_count(tree: tuple[str, list]) -> None:
+def test_prefixes_and_comments_do_not_count(tree: Tree) -> None:
     plain = document(_text(tree, "", ""))
     noisy = document(_text(tree, "p:", "<!-- x --><?pi?>\n"))
     paths = [

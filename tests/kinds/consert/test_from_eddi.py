@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 
 import pytest
 import yaml
@@ -142,7 +143,7 @@ def test_the_shared_example_gives_the_models_of_the_oracle() -> None:
 
 
 PREFIXES = re.compile(r"\b(integration|consert|architecture)_:")
-VARIANTS = {
+VARIANTS: dict[str, Callable[[str], str]] = {
     "prefixes without underscore": lambda t: (
         PREFIXES.sub(r"\1:", t)
         .replace("xmlns:integration_", "xmlns:integration")
