@@ -1,4 +1,7 @@
-"""Public models of other projects, where a copy lies among the shared data: no errors, all counts."""
+"""Public models of other projects, where the shared data have a copy: no errors, all counts.
+
+Sources: the DDI-Scripting-Tools of DEIS (MIT) and the MobSTr dataset of PANORAMA (EPL-2.0).
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,6 @@ from eddi_scaffold.readers.survey import survey
 from eddi_scaffold.source import read_source
 from tests.shared_data import shared
 
-# DEIS-Project-EU/DDI-Scripting-Tools (MIT), panorama-research/mobstr-dataset (EPL-2.0)
 FILES = {
     "etcs.model": (628, 579),
     "trackside.model": (399, 217),
