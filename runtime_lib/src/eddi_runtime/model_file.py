@@ -206,7 +206,7 @@ def _input(item: Any, where: str) -> InputSpec:
 def _max_age(value: Any, where: str) -> Union[float, str, None]:
     if value is None or value == "none":
         return None if value is None else "none"
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and value > 0:
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 0 < value < 1e18:
         return float(value)
     raise ModelError("", f"'max_age' of {where} is neither a number of seconds above 0 nor 'none'")
 

@@ -175,7 +175,7 @@ def describe(leaf: Leaf, raw: object, why: str) -> str:
     if why == NAN:
         return "the value is NaN"
     if why == FAULT:
-        problem = raw.problem if isinstance(raw, Absent) else ""
+        problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
         return problem or f"expected {leaf.expectation()}, got {show(raw)}"
     if isinstance(leaf, BinaryLeaf):
         return "the value is False"
@@ -212,4 +212,4 @@ def nearest_double(exact: Optional[Any], text: str) -> float:
     try:
         return float(exact)
     except OverflowError:
-        return math.copysign(math.inf, exact)
+        return math.inf if exact > 0 else -math.inf

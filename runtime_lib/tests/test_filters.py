@@ -1,0 +1,70 @@
+"""Debouncing and majority, by the letters of their samples."""
+
+import pytest
+from eddi_runtime import ModelError
+
+from runtime_lib.tests.documents import binary, give, monitor
+
+RAW = {"T": True, "F": False, "U": None}
+
+
+def made(**wanted):
+    return monitor([("x", binary())], guarantees=["G"], edges=["x>G"], filter=wanted)
+
+
+def run(one, samples):
+    found = []
+    for sample in samples.split():
+        one.execute_step(give(x=RAW[sample]))
+        found.append(one.verdicts()["G"][0])
+    return " ".join(found)
+
+
+def test_debounce_loses_at_once_and_gains_late():
+    assert run(made(kind="debounce", regain_after=3), "T T T F T T U T T T") == (
+        "U U T F F F U U U T"
+    )
+
+
+@pytest.mark.parametrize(
+    "wanted", [{"kind": "none"}, {"kind": "debounce"}, {"kind": "debounce", "regain_after": 1}]
+)
+def test_no_filter_is_no_code(wanted):
+    one = made(**wanted)
+    assert one._filter is None
+    assert run(one, "T F U T") == "T F U T"
+
+
+def test_majority_votes_over_the_samples_that_are_there():
+    assert run(made(kind="majority", window=3), "T F T U U F F") == "T F T U U U F"
+    assert run(made(kind="majority", window=5), "T F T T F F") == "T F T T T F"
+    assert run(made(kind="majority", window=1), "T F U") == "T F U"
+
+
+def test_debouncing_stands_in_the_reason():
+    one = made(kind="debounce", regain_after=4)
+    run(one, "F T T")
+    assert one.reasons()["x"] == ("debouncing", "debouncing, 2 of 4 good samples")
+    assert one.explain("G").text() == (
+        "G is FALSE, not active\n  needs x (debouncing, 2 of 4 good samples)"
+    )
+    assert one.blocked() == {}
+    one = made(kind="majority", window=3)
+    run(one, "F F T")
+    assert one.reasons()["x"].text == "majority, 1 of 3 samples good"
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {"kind": "median"},
+        {},
+        {"kind": "debounce", "regain_after": 0},
+        {"kind": "debounce", "regain_after": True},
+        {"kind": "majority", "window": 2.0},
+        {"kind": "majority", "window": 10**9},
+    ],
+)
+def test_other_filters_are_refused(wanted):
+    with pytest.raises(ModelError):
+        made(**wanted)

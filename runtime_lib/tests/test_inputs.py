@@ -1,0 +1,113 @@
+"""EDDIInputBase: what cannot be trusted becomes None, with the reason beside it."""
+
+import pytest
+from eddi_runtime import EDDIInputBase, InputSpec, by_id
+
+from runtime_lib.tests.documents import give
+
+
+class Input(EDDIInputBase):
+    def __init__(self):
+        super().__init__()
+        self.front = False
+        self.bind([InputSpec("front left", "front", ("a", "b"), 0.5), InputSpec("free", "free")])
+
+    def process(self, a, b):
+        self.front = a.data and b.data
+
+    def go(self, messages, ages=None, process=None):
+        self.begin_step(ages)
+        self.update("front left", process or self.process, messages, ("a", "b"))
+        return self.front, self.states["front left"].state
+
+
+BOTH = {"a": give(data=True), "b": give(data=True)}
+
+
+def test_the_default_holds_before_the_first_messages_only():
+    one = Input()
+    assert one.go({}) == (False, "missing")
+    assert one.go({"a": BOTH["a"], "b": None}) == (False, "missing")
+    assert one.states["front left"].reason == "no message of b"
+    assert one.go(BOTH) == (True, "ok")
+    assert one.go({"a": BOTH["a"]}) == (None, "missing")
+    assert one.go({}) == (None, "missing")
+
+
+def test_any_message_older_than_the_limit_makes_it_stale():
+    one = Input()
+    assert one.go(BOTH, {"a": 0.5, "b": 0.0}) == (True, "ok")
+    assert one.states["front left"].age == 0.5
+    assert one.go(BOTH, {"a": 0.0, "b": 0.51}) == (None, "stale")
+    assert one.go(BOTH, {"a": float("nan"), "b": 0.0}) == (None, "stale")
+    assert one.go(BOTH) == (True, "ok")
+
+
+def test_a_method_that_raises_makes_it_invalid():
+    def broken(a, b):
+        raise IndexError("list index\nout of range")
+
+    one = Input()
+    one.go(BOTH)
+    assert one.go(BOTH, None, broken) == (None, "invalid")
+    state = one.states["front left"]
+    assert state.reason == "IndexError: list index out of range"
+    assert "in broken" in state.detail
+    one.go(BOTH, None, broken)
+    assert one.states["front left"].errors == 2
+    assert one.states["front left"].detail is state.detail
+    assert one.go(BOTH) == (True, "ok")
+    assert one.states["front left"].errors == 2
+
+
+def test_an_exception_that_cannot_be_printed():
+    class OddError(Exception):
+        def __str__(self):
+            raise ValueError
+
+    def broken(a, b):
+        raise OddError
+
+    one = Input()
+    assert one.go(BOTH, None, broken) == (None, "invalid")
+    assert one.states["front left"].reason == "OddError: it cannot be printed"
+
+
+def test_none_is_invalid():
+    one = Input()
+
+    def forgets(a, b):
+        one.front = None
+
+    assert one.go(BOTH, None, forgets) == (None, "invalid")
+    assert one.states["front left"].reason == "left at None"
+
+
+def test_without_bind_the_id_is_the_attribute():
+    one = EDDIInputBase()
+
+    def process(message):
+        one.x = message
+
+    one.update("x", process, {"topic": 3}, ("topic",))
+    assert (one.x, one.states["x"].state) == (3, "ok")
+
+
+def test_no_limit_is_never_stale():
+    one = Input()
+
+    def process(message):
+        one.free = message
+
+    one.begin_step({"topic": 1e9})
+    one.update("free", process, {"topic": 3}, ("topic",))
+    assert one.states["free"] == ("ok", "", 1e9, 0, "")
+
+
+def test_by_id():
+    items = [give(id="a", active=False), give(id="b", active=True)]
+    assert by_id(items, "b").active is True
+    with pytest.raises(LookupError, match="no element has the id 'c'; there: a, b"):
+        by_id(items, "c")
+    with pytest.raises(LookupError, match="there: nothing"):
+        by_id([], "c")

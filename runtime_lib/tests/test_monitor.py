@@ -1,0 +1,263 @@
+"""Evaluation, output, best guarantees, messages and what stands beside the output."""
+
+import pytest
+from eddi_runtime.consert import compile as compiler
+
+from runtime_lib.tests.documents import GOOD, active, binary, give, monitor, nested, numeric
+
+
+def test_the_output_is_a_new_list_of_dicts_in_file_order():
+    made = monitor(["e", "f"], guarantees=["Z", "A"], edges=["e>Z", "f>A"])
+    rows = made.execute_step(give(e=True, f=None))
+    assert rows == [{"id": "Z", "active": True}, {"id": "A", "active": False}]
+    assert rows[1]["active"] is False
+    rows[0]["active"] = None
+    assert made.execute_step(give(e=True, f=None)) == [
+        {"id": "Z", "active": True},
+        {"id": "A", "active": False},
+    ]
+    assert made.step(give(e=1, f=True)) == (False, True)
+
+
+def test_verdicts_have_three_values():
+    made = nested()
+    made.execute_step(give(a=True, c="low", n=None))
+    assert made.verdicts() == {"G": "UNKNOWN"}
+    made.execute_step(give(a=None, c="high", d=False))
+    assert made.verdicts() == {"G": "FALSE"}
+    made.execute_step(give(**GOOD))
+    assert made.verdicts() == {"G": "TRUE"}
+
+
+@pytest.mark.parametrize("source", [None, 3, object(), object, "text"])
+def test_any_object_may_be_given(source):
+    made = nested()
+    assert made.execute_step(source) == [{"id": "G", "active": False}]
+    assert made.faults() == {}
+    assert {reason.kind for reason in made.reasons().values()} == {"missing"}
+
+
+def test_a_property_that_raises_is_a_fault_of_that_input_only():
+    class Source:
+        d = True
+
+        @property
+        def a(self):
+            raise ZeroDivisionError
+
+        def __getattr__(self, name):
+            raise ValueError(name)
+
+    made = nested()
+    assert active(made.execute_step(Source())) == ["G"]
+    assert made.faults()["a"] == "reading it raised ZeroDivisionError"
+    assert made.faults()["b"] == "reading it raised ValueError"
+    assert made.fault_counts() == {"a": 1, "b": 1, "c": 1, "n": 1, "d": 0}
+
+
+def test_interrupts_are_not_swallowed():
+    class Source:
+        @property
+        def a(self):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        nested().execute_step(Source())
+
+
+def test_ids_that_are_no_identifiers():
+    names = ["front left", "class", "ünï", "a.b", "__import__('os')", "ﬁ", "x\n", "1"]
+    made = monitor(
+        names,
+        guarantees=["G", 'it\'s 100 % "safe"\n\\'],
+        edges=[(name, guarantee) for name in names for guarantee in ("G",)]
+        + [("1", 'it\'s 100 % "safe"\n\\')],
+    )
+    source = give()
+    for name in names:
+        setattr(source, name, True)
+    assert active(made.execute_step(source)) == ["G", 'it\'s 100 % "safe"\n\\']
+    delattr(source, "ﬁ")
+    assert active(made.execute_step(source)) == ['it\'s 100 % "safe"\n\\']
+    assert made.explain("G").missing == (("ﬁ",),)
+
+
+def test_attribute_and_id_differ():
+    made = monitor(
+        ["front left"],
+        guarantees=["G"],
+        edges=[("front left", "G")],
+        specs={"front left": {"attribute": "front_left"}},
+    )
+    assert made.step(give(front_left=True)) == (True,)
+    by_id = give()
+    setattr(by_id, "front left", True)
+    assert made.step(by_id) == (True,)
+    by_id.front_left = False
+    assert made.step(by_id) == (False,)
+
+
+def test_class_ids_are_published_and_model_ids_explained():
+    made = monitor(["e"], guarantees=["g_1"], edges=["e>g_1"], guarantee_ids="class")
+    assert made.execute_step(give()) == [{"id": "g_1Class", "active": False}]
+    assert made.verdicts() == {"g_1": "UNKNOWN"}
+    assert made.explain("g_1") == made.explain("g_1Class") == made.explain()[0]
+    with pytest.raises(LookupError, match="there is no guarantee 'x'; there: g_1"):
+        made.explain("x")
+
+
+def test_default_guarantees_hold_from_the_first_step():
+    rows = [{"id": "D", "default": True}, "G"]
+    made = monitor(["e"], guarantees=rows, edges=["e>G"])
+    assert active(made.execute_step(give())) == ["D"]
+    assert made.explain("D").single_losses == ()
+
+
+def test_best_guarantees():
+    made = monitor(
+        ["e", "f"],
+        guarantees=[
+            {"id": "D", "default": True, "ranking": 0},
+            "N1",
+            "N2",
+            {"id": "R2", "ranking": 2},
+            {"id": "R1", "ranking": 1},
+        ],
+        edges=["e>N1", "e>N2", "e>R2", "f>R1"],
+        services=[("S", ["R2", "R1", "N2", "N1", "D"]), ("T", ["N2", "N1"]), ("U", ["D", "N1"])],
+    )
+    made.execute_step(give())
+    assert made.best_guarantees() == {"S": "D", "T": None, "U": "D"}
+    made.execute_step(give(e=True))
+    assert made.best_guarantees() == {"S": "R2", "T": "N1", "U": "N1"}
+    made.execute_step(give(e=True, f=True))
+    assert made.best_guarantees()["S"] == "R1"
+
+
+def test_blocked_lists_unknown_inputs_only():
+    made = monitor(
+        ["a", "b", "c"],
+        gates=["o|"],
+        guarantees=["G", "H", "K"],
+        edges=["a>o", "b>o", "o>G", "c>G", "c>H", "o>K"],
+    )
+    made.execute_step(give(a=None, b=False, c=False))
+    assert made.blocked() == {"a": ("G", "K")}
+    made.execute_step(give(a=None, b=True, c="?"))
+    assert made.blocked() == {"c": ("G", "H")}
+    made.execute_step(give(a=None, b=True, c=True))
+    assert made.blocked() == {}
+
+
+def test_message_takes_nothing_but_bools_as_active():
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"])
+    rows = made.execute_step(give(e=True))
+    assert made.message(rows) == (
+        "ConSertOutput",
+        {"guarantees": [("Guarantee", {"id": "G", "active": True})]},
+    )
+    assert made.output_faults() == ()
+    for spoilt in (2, "True", None, float("nan"), [1]):
+        tree = made.message([{"id": "G", "active": spoilt}])
+        assert tree[1]["guarantees"] == [("Guarantee", {"id": "G", "active": False})]
+        assert made.output_faults() == ("'active' of 'G' is not a bool; published as not active",)
+    assert made.message(None)[1]["guarantees"] == [("Guarantee", {"id": "G", "active": False})]
+    assert made.message([None, {"id": 3, "active": True}])[1] == {"guarantees": []}
+    assert len(made.output_faults()) == 2
+    np = pytest.importorskip("numpy")
+    ((_, row),) = made.message([{"id": "G", "active": np.bool_(True)}])[1]["guarantees"]
+    assert row["active"] is True
+
+
+def test_status_message():
+    made = nested()
+    made.execute_step(give(a=True, c="low"))
+    name, fields = made.status_message()
+    assert name == "ConSertStatus"
+    assert fields["model_id"] == "Test"
+    assert fields["model_digest"] == made.digest
+    assert fields["guarantees"] == [
+        ("GuaranteeStatus", {"id": "G", "verdict": 1, "missing": ["d"]})
+    ]
+    made.execute_step(give(**GOOD))
+    status = {"id": "G", "verdict": 2, "missing": []}
+    assert made.status_message()[1]["guarantees"] == [("GuaranteeStatus", status)]
+
+
+def test_reset_forgets():
+    made = nested(filter={"kind": "debounce", "regain_after": 2})
+    for _ in range(2):
+        rows = made.execute_step(give(**GOOD))
+    assert active(rows) == ["G"]
+    made.reset()
+    assert made.verdicts() == {"G": "UNKNOWN"}
+    assert active(made.execute_step(give(**GOOD))) == []
+
+
+def test_unsupported_elements_are_constants_when_asked_for():
+    made = monitor(
+        gates=["and&", "or|"],
+        guarantees=["Alone", "A", "O"],
+        edges=["and>A", "or>O"],
+        allow_unsupported=True,
+    )
+    assert active(made.execute_step(None)) == ["Alone", "A"]
+    assert made.explain("O").missing == ()
+    assert made.explain("O").text() == "O is FALSE, not active\n  nothing can activate it"
+
+
+def test_no_guarantees():
+    assert monitor(["e"]).execute_step(give()) == []
+
+
+def test_a_ladder_of_shared_gates_is_linear():
+    made = monitor(*ladder(500))
+    given = give(**{f"e{k}": True for k in range(1002)})
+    assert made.step(given) == (True, True)
+    assert made.step(give()) == (False, False)
+    assert all(explanation.truncated for explanation in made.explain())
+
+
+def ladder(levels):
+    gates, edges, pair = [], [], ("e0", "e1")
+    for k in range(levels):
+        gates += [f"a{k}&", f"o{k}|"]
+        for gate, leaf in ((f"a{k}", f"e{2 * k + 2}"), (f"o{k}", f"e{2 * k + 3}")):
+            edges += [f"{pair[0]}>{gate}", f"{pair[1]}>{gate}", f"{leaf}>{gate}"]
+        pair = f"a{k}", f"o{k}"
+    edges += [f"{pair[0]}>G", f"{pair[1]}>H"]
+    return [f"e{k}" for k in range(2 * levels + 2)], [], gates, ["G", "H"], edges
+
+
+def test_a_chain_of_50_000_gates():
+    count = 50_000
+    gates = [f"g{k}&" for k in range(count)]
+    edges = [f"g{k}>g{k + 1}" for k in range(count - 1)]
+    edges += ["e>g0", "f>g25000", "h>g0", f"g{count - 1}>G"]
+    edges += [f"f>g{k}" for k in range(0, count, 2) if k != 25000]
+    made = monitor(["e", "f", "h"], gates=gates, guarantees=["G"], edges=edges)
+    assert made.step(give(e=True, f=True, h=True)) == (True,)
+    assert made.explain("G").single_losses == ("e", "f", "h")
+    made.step(give(e=True))
+    assert made.explain("G").missing == (("f", "h"),)
+
+
+def test_loop_and_straight_line_agree(monkeypatch):
+    plain = nested(), nested(filter={"kind": "majority", "window": 3})
+    monkeypatch.setitem(compiler.compile_step.__kwdefaults__, "limit", 0)
+    loops = nested(), nested(filter={"kind": "majority", "window": 3})
+    values = [None, True, False, "low", 5.0, 25, 30.0, float("nan"), object()]
+    for k in range(200):
+        names = enumerate("abcnd")
+        given = give(**{name: values[(k * (j + 2) + k // 7) % len(values)] for j, name in names})
+        for one, other in zip(plain, loops):
+            assert one.execute_step(given) == other.execute_step(given)
+            assert one.verdicts() == other.verdicts()
+            assert one.faults() == other.faults()
+
+
+def test_many_ranges_and_dimensions_compile():
+    ranges = numeric(*[f"[{k}, {k}.5)" for k in range(2000)])
+    made = monitor([("x", ranges), ("y", binary())], guarantees=["G"], edges=["x>G", "y>G"])
+    assert made.step(give(x=1999.25, y=True)) == (True,)
+    assert made.step(give(x=1999.5, y=True)) == (False,)

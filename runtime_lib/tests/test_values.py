@@ -1,0 +1,187 @@
+"""The table of what counts as TRUE, FALSE, UNKNOWN and as a fault."""
+
+import enum
+import math
+import sys
+
+import pytest
+
+from runtime_lib.tests.documents import binary, categorical, give, numeric, one_leaf
+
+T, F, U, X = ("TRUE", False), ("FALSE", False), ("UNKNOWN", False), ("UNKNOWN", True)
+KINDS = {
+    "binary": binary(),
+    "categorical": categorical("ok", "1"),
+    "numeric": numeric("[0, 5]"),
+    "open": numeric("[0, inf]"),
+}
+
+
+class Number(float):
+    def __le__(self, other):
+        return True
+
+    __ge__ = __lt__ = __gt__ = __eq__ = __le__
+    __hash__ = float.__hash__
+
+
+class Text(str):
+    __slots__ = ()
+
+    def __eq__(self, other):
+        return True
+
+    def __hash__(self):
+        return hash("ok")
+
+
+class Level(enum.IntEnum):
+    LOW = 3
+
+
+class Hostile:
+    def __getattribute__(self, name):
+        raise RuntimeError(name)
+
+    def __eq__(self, other):
+        return True
+
+    __hash__ = None
+
+    def __bool__(self):
+        return True
+
+    def __float__(self):
+        return 1.0
+
+    __lt__ = __le__ = __gt__ = __ge__ = __eq__
+
+
+class Pretender:
+    @property
+    def __class__(self):
+        return bool
+
+
+TABLE = [
+    # value, binary, categorical, numeric
+    (None, U, U, U),
+    (True, T, X, X),
+    (False, F, X, X),
+    ("ok", X, T, X),
+    ("bad", X, F, X),
+    ("False", X, F, X),
+    ("", X, F, X),
+    (1, X, X, T),
+    (0, X, X, T),
+    (6, X, X, F),
+    (-1, X, X, F),
+    (10**400, X, X, F),
+    (5.0, X, X, T),
+    (math.nextafter(5.0, 6.0) if sys.version_info >= (3, 9) else 5.000000000000001, X, X, F),
+    (-0.0, X, X, T),
+    (float("nan"), U, U, U),
+    (float("inf"), X, X, F),
+    (float("-inf"), X, X, F),
+    (b"ok", X, X, X),
+    ([True], X, X, X),
+    ({}, X, X, X),
+    (1 + 0j, X, X, X),
+    (object(), X, X, X),
+    (Number(9.0), X, X, F),
+    (Number("nan"), U, U, U),
+    (Text("bad"), X, F, X),
+    (Level.LOW, X, X, T),
+    (Hostile(), X, X, X),
+    (Pretender(), X, X, X),
+    (bool, X, X, X),
+]
+
+
+def outcome(monitor, value):
+    rows = monitor.execute_step(give(x=value))
+    verdict = monitor.input_verdicts()["x"]
+    assert rows == [{"id": "G", "active": verdict == "TRUE"}]
+    faulty = "x" in monitor.faults()
+    assert monitor.fault_counts()["x"] == faulty
+    return verdict, faulty
+
+
+@pytest.mark.parametrize("row", range(len(TABLE)))
+def test_table(row):
+    value, *wanted = TABLE[row]
+    found = [outcome(one_leaf(KINDS[kind]), value) for kind in ("binary", "categorical", "numeric")]
+    assert found == wanted
+
+
+def test_infinity_is_compared_like_a_number():
+    assert outcome(one_leaf(KINDS["open"]), math.inf) == T
+    assert outcome(one_leaf(numeric("[0, inf)")), math.inf) == F
+    assert outcome(one_leaf(numeric("[-inf, 3)")), -math.inf) == T
+
+
+def test_numpy_scalars_count_by_their_plain_value():
+    np = pytest.importorskip("numpy")
+    table = [
+        (np.bool_(True), T, X, X),
+        (np.bool_(False), F, X, X),
+        (np.int8(3), X, X, T),
+        (np.uint64(2**63), X, X, F),
+        (np.float32(5), X, X, T),
+        (np.float64(5.5), X, X, F),
+        (np.float16("nan"), U, U, U),
+        (np.longdouble(2), X, X, T),
+        (np.str_("ok"), X, T, X),
+        (np.timedelta64(3, "s"), X, X, X),
+        (np.timedelta64(3, "ns"), X, X, X),
+        (np.datetime64("2020-01-01"), X, X, X),
+        (np.complex64(1), X, X, X),
+        (np.array(True), X, X, X),
+        (np.array([1.0]), X, X, X),
+    ]
+    for value, *wanted in table:
+        found = [outcome(one_leaf(KINDS[k]), value) for k in ("binary", "categorical", "numeric")]
+        assert found == wanted, repr(value)
+
+
+def test_more_ranges_than_are_written_out():
+    monitor = one_leaf(numeric(*(f"[{10 * k}, {10 * k + 1})" for k in range(20))))
+    assert outcome(monitor, 190.5) == T
+    assert outcome(monitor, 191.0) == F
+
+
+def test_a_factor_is_exact():
+    """A bound is the double nearest to the exact bound in the unit of the input."""
+    kmh = one_leaf(numeric("[0, 36]", uom="km/h"), factor=[18, 5])  # given in m/s
+    assert outcome(kmh, 10.0) == T
+    assert outcome(kmh, 10) == T
+    assert kmh.step(give(x=10.000000000000002)) == (False,)
+    meters = one_leaf(numeric("[0, 100]"), factor=[1000, 1])  # given in km
+    assert outcome(meters, 0.1) == T
+    third = one_leaf(numeric("[1, 1]"), factor=[3, 1])
+    assert outcome(third, 1 / 3) == T
+    nano = one_leaf(numeric("[0, 1e-6)", uom="s"), factor=[1, 10**9])  # given in ns
+    assert nano.step(give(x=1000)) == (False,)
+    assert nano.step(give(x=999.9999999999999)) == (True,)
+
+
+def test_reasons_name_value_and_range():
+    def text(dimension, value, **spec):
+        monitor = one_leaf(dimension, **spec)
+        monitor.execute_step(give(x=value))
+        reason = monitor.reasons()["x"]
+        return f"{reason.kind}: {reason.text}"
+
+    assert text(binary(), False) == "false: the value is False"
+    assert text(binary(), None) == "missing: no value"
+    assert text(binary(), "no") == "fault: expected True or False, got 'no'"
+    assert text(numeric("[0, 5)"), 7.5) == "false: the value 7.5 is not in [0, 5) m"
+    ranges = numeric("[0, 1]", "[2, inf)", uom=None)
+    assert text(ranges, 1.5) == "false: the value 1.5 is not in [0, 1] or [2, inf)"
+    assert text(numeric("[0, 1]"), float("nan")) == "nan: the value is NaN"
+    hidden = text(numeric("[0, 1]"), Hostile())
+    assert hidden == "fault: expected a number, got an object of type Hostile"
+    assert text(categorical("a", "b"), "c") == "false: the value 'c' is not in {a, b}"
+    km = text(numeric("[0, 5]"), 1, factor=[1000, 1])
+    assert km == "false: the value 1 is not in [0, 5] m (after times 1000/1)"
+    assert text(numeric("[0, 5]"), 10**400).startswith("false: the value a whole number of 1329 b")
