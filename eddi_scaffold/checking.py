@@ -9,9 +9,10 @@ from eddi_scaffold.binding import monitor_of
 from eddi_scaffold.config import ConfigFile, read_config
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
-from eddi_scaffold.models import is_xml, read_models
+from eddi_scaffold.models import read_models
 from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error, with_excerpts
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
 from eddi_scaffold.yaml_nodes import Map, read_map
 

@@ -8,15 +8,10 @@ from pathlib import Path
 from eddi_scaffold.kinds import Kind, Model, Reading, kinds
 from eddi_scaffold.problems import EddiError, Place, did_you_mean, error, has_errors
 from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
 
 _YAML_SUFFIXES = (".yml", ".yaml")
-_XML_STARTS = (b"<", b"\xef\xbb\xbf<", b"\xff\xfe<\x00", b"\xfe\xff\x00<")
-
-
-def is_xml(source: Source) -> bool:
-    """Tell whether the file looks like XML (its suffix says nothing)."""
-    return source.data.lstrip(b" \t\r\n").startswith(_XML_STARTS)
 
 
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:

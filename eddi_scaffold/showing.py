@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from eddi_scaffold.kinds import JsonValue, kinds
-from eddi_scaffold.models import is_xml, read_models
+from eddi_scaffold.models import read_models
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.survey import survey
 from eddi_scaffold.source import Source
 

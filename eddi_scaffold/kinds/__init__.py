@@ -11,7 +11,6 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
@@ -144,6 +143,8 @@ def kinds() -> Mapping[str, Kind]:
         if module.ispkg:
             kind: Kind = importlib.import_module(f"{__name__}.{module.name}").KIND
             found[kind.name] = kind
+    from importlib.metadata import entry_points  # noqa: PLC0415 - 4 MB that a reader does not need
+
     for entry in entry_points(group="eddi_scaffold.kinds"):
         kind = entry.load()
         found.setdefault(kind.name, kind)
