@@ -16,6 +16,7 @@ from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.models import checked_models, select
+from eddi_scaffold.neighbours import check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors
@@ -56,7 +57,9 @@ def monitors_of(
     models = select(reading.models, name) if name is not None else reading.models
     problems = list(reading.problems)
     monitors: list[Monitor] = []
-    for config in _configs(config_files, problems) if config_files else ():
+    configs = _configs(config_files, problems)
+    problems += check_neighbours(configs)
+    for config in configs:
         model = model_for(config, models)[0]
         _join(model, config, default_guarantees, monitors, problems)
     for model in () if config_files else models:

@@ -10,6 +10,7 @@ from eddi_scaffold.config import ConfigFile, read_config
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.models import read_models
+from eddi_scaffold.neighbours import check_neighbours
 from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error, with_excerpts
 from eddi_scaffold.readers.eddi import sniff as is_xml
@@ -32,9 +33,13 @@ def check_files(files: Sequence[Path], default_guarantees: Sequence[str] = ()) -
         problems += _excerpted(found, source)
         models += read
         configs += [config] if config is not None else []
+    joint = list(check_neighbours(configs))
     for config in configs if models else ():
-        problems += _excerpted(_check_pair(config, models), read_source(config.name))
-    return problems
+        joint += _check_pair(config, models)
+    for config in configs:
+        source = read_source(config.name)
+        problems += _excerpted([p for p in joint if p.place.file == config.name], source)
+    return [*problems, *(p for p in joint if p.place.file not in {c.name for c in configs})]
 
 
 def is_config(source: Source) -> bool:

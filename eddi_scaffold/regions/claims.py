@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.regions.bodies import is_empty, same_body
@@ -90,7 +90,8 @@ def claim_bodies(
     taken: list[Orphan] = []
     notes: list[Note] = []
     for region in new.values():
-        source = _own_or_former(region, hand, new, claimed)
+        former = _former_ids(region, base, own, new)
+        source = _own_or_former(region, former, hand, claimed)
         if source is not None:
             claimed.add(source.id)
             before = old.get(source.id)
@@ -102,7 +103,8 @@ def claim_bodies(
         else:
             # A region that is no news and holds the default was emptied by the person on purpose.
             news = region.id not in own or region.id not in old
-            saved = _saved(region, new, [o for o in orphans if o not in taken]) if news else None
+            names = [region.id, *(former if base else ())] if news else []
+            saved = _saved(names, [o for o in orphans if o not in taken])
             if saved is None:
                 claim = Claim(region, region.body, region.sig, region.indent, edited=False)
             else:
@@ -129,17 +131,29 @@ def _untouched(region: Region, before: Region | None, after: Region | None) -> b
     return any(r is not None and same_body(region.body, r.body) for r in (before, after))
 
 
+def _former_ids(
+    region: Region, base: Document | None, own: Mapping[str, Region], new: Mapping[str, Region]
+) -> list[str]:
+    """Return the former ids that are news; an old declaration must not catch another element.
+
+    Answers keep ``renamed_from`` for ever, and the former id may name something else by now.
+    """
+    if base is None:
+        known: Iterable[str] = region.was if region.id in own else ()
+    else:
+        before = base.regions.get(region.id)
+        known = before.was if before else ()
+    return [old for old in region.was if old not in known and old not in new]
+
+
 def _own_or_former(
-    region: Region, hand: Mapping[str, Region], new: Mapping[str, Region], claimed: Iterable[str]
+    region: Region, former: Iterable[str], hand: Mapping[str, Region], claimed: Container[str]
 ) -> Region | None:
-    if region.id in hand:
-        return hand[region.id]
-    former = (hand[old] for old in region.was if old in hand and old not in new)
-    return next((found for found in former if found.id not in claimed), None)
+    names = [region.id, *(old for old in former if old not in claimed)]
+    return next((hand[name] for name in names if name in hand), None)
 
 
-def _saved(region: Region, new: Mapping[str, Region], orphans: Sequence[Orphan]) -> Orphan | None:
-    names = [region.id, *(old for old in region.was if old not in new)]
+def _saved(names: Iterable[str], orphans: Sequence[Orphan]) -> Orphan | None:
     for name in names:
         found = [orphan for orphan in orphans if orphan.id == name]
         if found:
