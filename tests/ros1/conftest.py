@@ -1,41 +1,22 @@
 """The fast fixture: a real ROS master and real nodes, without catkin and without a compiler."""
 
 import os
-import subprocess
 
 import pytest
 
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.ros1 import models
-from tests.ros1.world import PYTHON, World, make_messages
-
-NEEDED = "import rospy, rosmaster, genpy, std_msgs.msg, diagnostic_msgs.msg"
-
-
-def _why_not():
-    """Return why ROS cannot be used here, ``None`` when it can."""
-    try:
-        tried = subprocess.run(
-            [PYTHON, "-c", NEEDED],
-            env={"PATH": "/usr/bin:/bin"},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-    except OSError as error:
-        return str(error)
-    return tried.stderr.strip().splitlines()[-1] if tried.returncode else None
+from tests.ros1.world import World, make_messages, why_no_ros
 
 
 @pytest.fixture(scope="session")
 def ros_here():
-    reason = _why_not()
+    reason = why_no_ros()
     if reason is None:
         return
-    text = f"{PYTHON} has no ROS 1: {reason}"
     if os.environ.get("EDDI_REQUIRE_ROS") == "1":
-        pytest.fail(text)
-    pytest.skip(text)
+        pytest.fail(reason)
+    pytest.skip(reason)
 
 
 @pytest.fixture(scope="session")

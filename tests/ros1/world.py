@@ -17,6 +17,21 @@ PYTHON = "/usr/bin/python3"
 RUNTIME = HERE.parents[1] / "runtime_lib" / "src"
 
 
+def why_no_ros():
+    """Return why ROS 1 cannot be used here, ``None`` when it can."""
+    needed = "import rospy, rosmaster, genpy, std_msgs.msg, diagnostic_msgs.msg"
+    clean = {"PATH": "/usr/bin:/bin"}
+    try:
+        tried = subprocess.run(
+            [PYTHON, "-c", needed], env=clean, capture_output=True, text=True, check=False
+        )
+    except OSError as error:
+        return f"no ROS 1 here: {error}"
+    if tried.returncode == 0:
+        return None
+    return f"{PYTHON} has no ROS 1: {tried.stderr.strip().splitlines()[-1]}"
+
+
 def free_port():
     with socket.socket() as found:
         found.bind(("127.0.0.1", 0))
