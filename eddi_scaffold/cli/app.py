@@ -15,6 +15,7 @@ from eddi_scaffold.cli import (
     export,
     generate,
     regions,
+    run,
     show,
     status,
     upgrade,
@@ -60,6 +61,7 @@ app.command("example")(example.example)
 app.command("check")(check.check)
 app.command("show")(show.show)
 
+app.command("run")(run.run)
 app.command("generate")(generate.generate)
 app.command("upgrade")(upgrade.upgrade)
 app.command("status")(status.status)
