@@ -261,3 +261,8 @@ def test_many_ranges_and_dimensions_compile():
     made = monitor([("x", ranges), ("y", binary())], guarantees=["G"], edges=["x>G", "y>G"])
     assert made.step(give(x=1999.25, y=True)) == (True,)
     assert made.step(give(x=1999.5, y=True)) == (False,)
+
+
+def test_a_gate_that_nothing_needs_may_be_empty():
+    made = monitor(["e"], gates=["unused&"], guarantees=["G"], edges=["e>G"])
+    assert made.step(give(e=True)) == (True,)

@@ -62,18 +62,20 @@ class EDDIInputBase:
             by the values of the attributes.
     """
 
+    # Two underscores: an input may be called anything else, `_ages` as well.
+
     def __init__(self) -> None:
         self.states: Dict[str, InputState] = {}
-        self._specs: Dict[str, InputSpec] = {}
-        self._ages: Mapping[str, float] = _NO_AGES
+        self.__specs: Dict[str, InputSpec] = {}
+        self.__ages: Mapping[str, float] = _NO_AGES
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names and age limits of the model; called once by the node."""
-        self._specs = {spec.id: spec for spec in specs}
+        self.__specs = {spec.id: spec for spec in specs}
 
     def begin_step(self, ages: Optional[Mapping[str, float]] = None) -> None:
         """Say how old each message is (SimulatorOutput id -> seconds); absent means fresh."""
-        self._ages = _NO_AGES if ages is None else ages
+        self.__ages = _NO_AGES if ages is None else ages
 
     def update(
         self,
@@ -88,57 +90,49 @@ class EDDIInputBase:
         becomes None: a value whose source has gone is not evidence. It also becomes None when a
         message is older than the limit or ``process`` raises.
         """
+        spec = self.__specs.get(input_id)
+        attribute = input_id if spec is None else spec.attribute
         before = self.states.get(input_id, _NEW)
+        after: InputState
         try:
-            self.states[input_id] = self._updated(
-                input_id, process, simulator_outputs, requires, before
-            )
+            messages = [simulator_outputs.get(name) for name in requires]
+            if any(message is None for message in messages):
+                after = _missing(messages, requires, before)
+            else:
+                ages = [self.__ages.get(name, 0.0) for name in requires]
+                after = _aged(ages, None if spec is None else spec.max_age, before)
+                if after.state == "ok":
+                    process(*messages)
+                    if getattr(self, attribute, None) is None:
+                        errors = before.errors + 1
+                        after = InputState("invalid", "left at None", after.age, errors)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            self._forget(input_id)
-            reason = _one_line(problem)
-            repeated = before.state == "invalid" and before.reason == reason
-            detail = before.detail if repeated else _traceback()
-            self.states[input_id] = InputState(
-                "invalid", reason, before.age, before.errors + 1, detail
-            )
+            after = _invalid(problem, before)
+        # Missing from the start: the default stands.
+        if after.state != "ok" and not (after.state == before.state == "missing"):
+            setattr(self, attribute, None)
+        self.states[input_id] = after
 
-    def _updated(
-        self,
-        input_id: str,
-        process: Callable[..., object],
-        simulator_outputs: Mapping[str, Any],
-        requires: Sequence[str],
-        before: InputState,
-    ) -> InputState:
-        messages = [simulator_outputs.get(name) for name in requires]
-        missing = [name for name, message in zip(requires, messages) if message is None]
-        if missing:
-            if before is not _NEW and before.state != "missing":
-                self._forget(input_id)
-            return InputState("missing", f"no message of {', '.join(missing)}", None, before.errors)
-        age = max((self._ages.get(name, 0.0) for name in requires), default=0.0)
-        spec = self._specs.get(input_id)
-        limit = spec.max_age if spec is not None else None
-        # "not <=" and not ">": an age of NaN is no proof of freshness.
-        if (
-            limit is not None
-            and not isinstance(limit, str)
-            and not self._all_fresh(requires, limit)
-        ):
-            self._forget(input_id)
-            reason = f"the last message is {age:.3g} s old, the limit is {limit:g} s"
-            return InputState("stale", reason, age, before.errors)
-        process(*messages)
-        if getattr(self, spec.attribute if spec is not None else input_id, None) is None:
-            return InputState("invalid", "left at None", age, before.errors + 1)
+
+def _missing(messages: Sequence[Any], requires: Sequence[str], before: InputState) -> InputState:
+    absent = [name for name, message in zip(requires, messages) if message is None]
+    return InputState("missing", f"no message of {', '.join(absent)}", None, before.errors)
+
+
+def _aged(ages: Sequence[float], limit: Union[float, str, None], before: InputState) -> InputState:
+    age = max(ages, default=0.0)
+    # "<=" for each and not ">" for the oldest: an age of NaN is no proof of freshness.
+    if limit is None or isinstance(limit, str) or all(one <= limit for one in ages):
         return InputState("ok", "", age, before.errors)
+    reason = f"the last message is {age:.3g} s old, the limit is {limit:g} s"
+    return InputState("stale", reason, age, before.errors)
 
-    def _all_fresh(self, requires: Sequence[str], limit: float) -> bool:
-        return all(self._ages.get(name, 0.0) <= limit for name in requires)
 
-    def _forget(self, input_id: str) -> None:
-        spec = self._specs.get(input_id)
-        setattr(self, spec.attribute if spec is not None else input_id, None)
+def _invalid(problem: Exception, before: InputState) -> InputState:
+    reason = _one_line(problem)
+    repeated = before.state == "invalid" and before.reason == reason
+    detail = before.detail if repeated else _traceback()
+    return InputState("invalid", reason, None, before.errors + 1, detail)
 
 
 def _one_line(problem: BaseException) -> str:

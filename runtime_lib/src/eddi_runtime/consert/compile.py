@@ -10,7 +10,7 @@ from __future__ import annotations
 import keyword
 import math
 import re
-from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from .graph import Graph
 from .values import (
@@ -198,9 +198,8 @@ def _number(value: float) -> str:
 def _evaluation(graph: Graph) -> List[str]:
     lines: List[str] = []
     held = [f"v{k}" for k in range(graph.leaves)]
-    needed = _needed(graph)
     for k, (is_and, inputs) in enumerate(graph.nodes, graph.leaves):
-        if k not in needed:
+        if k not in graph.needed:
             held.append("")
         elif not inputs:
             held.append("2" if is_and else "0")
@@ -217,14 +216,6 @@ def _extreme(target: str, sign: str, values: List[str]) -> List[str]:
     first, second, *rest = values
     lines = [f"    {target} = {first} if {first} {sign} {second} else {second}"]
     return lines + [f"    if {one} {sign} {target}: {target} = {one}" for one in rest]
-
-
-def _needed(graph: Graph) -> Set[int]:
-    needed = set(graph.guarantees)
-    for k in range(len(graph.names) - 1, graph.leaves - 1, -1):
-        if k in needed:
-            needed.update(graph.nodes[k - graph.leaves].inputs)
-    return needed
 
 
 def _loop(

@@ -7,7 +7,7 @@ here is a loop, so that a chain of any length is no recursion.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, List, NamedTuple, Sequence, Set, Tuple
 
 from ..model_file import ModelError
 from .model import ConSertData
@@ -36,7 +36,8 @@ class Graph:
         nodes: gates and guarantees in topological order; node ``k`` has number ``leaves + k``.
         guarantees: numbers of the guarantees in file order.
         unsupported: ids of guarantees without support that are not default, of default guarantees
-            with support, and of gates without input: constants that no author meant.
+            with support, and of needed gates without input: constants that no author meant.
+        needed: numbers of the nodes that some guarantee depends on.
     """
 
     names: Tuple[str, ...]
@@ -44,6 +45,7 @@ class Graph:
     nodes: Tuple[Node, ...]
     guarantees: Tuple[int, ...]
     unsupported: Tuple[str, ...]
+    needed: FrozenSet[int]
 
     def evaluate(self, leaf_values: Sequence[int]) -> List[int]:
         """Return the truth value of every node by number, from those of the leaves."""
@@ -74,11 +76,24 @@ def build_graph(data: ConSertData) -> Graph:
         Node(data.gates.get(name, True), tuple(number[source] for source in inputs[name]))
         for name in order
     )
+    guarantees = tuple(number[g.id] for g in data.guarantees)
+    needed = _needed(guarantees, nodes, len(leaves))
     default = {g.id: g.default for g in data.guarantees}
     # Without support: wrong for a gate and a common guarantee, right for a default guarantee.
-    unsupported = tuple(name for name in inner if bool(inputs[name]) == default.get(name, False))
-    guarantees = tuple(number[g.id] for g in data.guarantees)
-    return Graph(names, len(leaves), nodes, guarantees, unsupported)
+    unsupported = tuple(
+        name
+        for name in inner
+        if number[name] in needed and bool(inputs[name]) == default.get(name, False)
+    )
+    return Graph(names, len(leaves), nodes, guarantees, unsupported, needed)
+
+
+def _needed(guarantees: Tuple[int, ...], nodes: Tuple[Node, ...], leaves: int) -> FrozenSet[int]:
+    needed = set(guarantees)
+    for k in range(leaves + len(nodes) - 1, leaves - 1, -1):
+        if k in needed:
+            needed.update(nodes[k - leaves].inputs)
+    return frozenset(needed)
 
 
 def _inputs_of(

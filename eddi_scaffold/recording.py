@@ -1,0 +1,296 @@
+"""Recorded inputs: a CSV file with a column ``t`` (seconds) and one column per input, played back.
+
+An empty cell means that no new sample came: the last one holds until it is older than the input's
+``max_age``. Which values count is decided by the monitor and ``EDDIInputBase``, as on the robot.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from eddi_runtime import EDDIInputBase
+
+from eddi_scaffold.problems import (
+    Place,
+    Problem,
+    did_you_mean,
+    error,
+    has_errors,
+    warning,
+    with_excerpts,
+)
+
+if TYPE_CHECKING:
+    from eddi_runtime import InputSpec, Monitor
+
+    from eddi_scaffold.kinds import InputType, JsonValue
+    from eddi_scaffold.source import Source
+
+TIME = "t"
+MAX_PROBLEMS = 100
+"""Problems that are listed of one file; a wrong column would else be reported for every row."""
+
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf|nan", re.ASCII)
+_WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
+_TRUTH = {"true": True, "1": True, "false": False, "0": False}
+_EXPECTED: Mapping[str, str] = {
+    "bool": "true, false, 1 or 0",
+    "float": "a number",
+    "int": "a whole number",
+    "str": "a text",
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a recording.
+
+    Attributes:
+        t: time in seconds.
+        samples: input id -> new sample; inputs without one are left out.
+        line: line in the file, counted from 1.
+    """
+
+    t: float
+    samples: Mapping[str, JsonValue]
+    line: int
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A recording that was read without errors.
+
+    Attributes:
+        inputs: ids of the inputs it has a column for, in the order of the columns.
+        rows: in the order of time.
+    """
+
+    inputs: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class _Cell:
+    text: str
+    col: int
+    quoted: bool = False
+
+
+def read_recording(
+    source: Source, types: Mapping[str, InputType]
+) -> tuple[Recording | None, list[Problem]]:
+    """Read a recording.
+
+    Args:
+        source: the CSV file, UTF-8, comma-separated, cells quoted by ``"`` where needed.
+        types: input id -> type of its values; other columns than these and ``t`` are errors.
+
+    Returns:
+        The recording, ``None`` when a problem is an error, and all problems (R001 to R009).
+    """
+    try:
+        text = source.data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        where = Place(source.name, source.data.count(b"\n", 0, problem.start) + 1)
+        return None, [error("R001", "the file is not UTF-8 text", where)]
+    reader = _Reader(source.name, types)
+    lines = [line.removesuffix("\r") for line in text.split("\n")]
+    recording = reader.read(lines)
+    problems = with_excerpts(reader.problems, "\n".join(lines))
+    return (None if has_errors(problems) else recording), problems
+
+
+class _Reader:
+    """Reads the lines of one file and collects what is wrong with them."""
+
+    def __init__(self, file: str, types: Mapping[str, InputType]) -> None:
+        self.problems: list[Problem] = []
+        self._file = file
+        self._types = types
+
+    def read(self, lines: Sequence[str]) -> Recording:
+        filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
+        if not filled:
+            self._error("R001", "the file is empty: a header line with a column t is missing", 1, 1)
+            return Recording((), ())
+        header, *rest = filled
+        columns = self._columns(*header)
+        rows: list[Row] = []
+        last = -math.inf
+        for number, line in rest if TIME in columns else ():
+            row = self._row(number, line, columns, last)
+            if row is not None:
+                rows.append(row)
+                last = row.t
+            if len(self.problems) >= MAX_PROBLEMS:
+                self._error("R009", "too many problems, the rest was not read", number, 1)
+                break
+        time_at = columns.index(TIME) if TIME in columns else -1
+        inputs = tuple(name for k, name in enumerate(columns) if k != time_at)
+        return Recording(inputs, tuple(rows))
+
+    def _error(self, code: str, message: str, line: int, col: int, hint: str | None = None) -> None:
+        self.problems.append(error(code, message, Place(self._file, line, col), hint))
+
+    def _columns(self, number: int, line: str) -> tuple[str, ...]:
+        """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
+        cells = self._cells(number, line)
+        names = tuple(cell.text for cell in cells)
+        if TIME not in names:
+            self._error("R001", "the header has no column t (time in seconds)", number, 1)
+        time_at = names.index(TIME) if TIME in names else -1
+        seen: set[str] = set()
+        for k, cell in enumerate(cells):
+            if k == time_at:
+                continue
+            if cell.text in seen or (cell.text == TIME and TIME not in self._types):
+                self._error("R002", f"the column {cell.text!r} is there twice", number, cell.col)
+            elif cell.text not in self._types:
+                hint = did_you_mean(cell.text, self._types)
+                hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
+                self._error("R003", f"no input has the id {cell.text!r}", number, cell.col, hint)
+            seen.add(cell.text)
+        for name in self._types:
+            if name not in seen:
+                message = f"there is no column for the input {name!r}: it never gets a sample"
+                self.problems.append(warning("R004", message, Place(self._file, number, 1)))
+        return names
+
+    def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
+        before = len(self.problems)
+        cells = self._cells(number, line)
+        if len(cells) != len(columns):
+            if len(self.problems) == before:
+                message = f"{len(cells)} cells, but the header has {len(columns)} columns"
+                self._error("R005", message, number, 1)
+            return None
+        time_at = columns.index(TIME)
+        t = self._time(cells[time_at], number, last)
+        samples = {
+            name: self._value(cell, number, self._types[name])
+            for k, (name, cell) in enumerate(zip(columns, cells, strict=True))
+            if k != time_at and name in self._types and (cell.text or cell.quoted)
+        }
+        return Row(t, samples, number) if t is not None else None
+
+    def _time(self, cell: _Cell, number: int, last: float) -> float | None:
+        t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
+        if not math.isfinite(t):
+            message = f"the time {cell.text!r} is not a number of seconds"
+            self._error("R007", message, number, cell.col)
+            return None
+        if t <= last:
+            message = f"the time {cell.text} is not after the one before, {last:g}"
+            self._error("R008", message, number, cell.col)
+            return None
+        return t
+
+    def _value(self, cell: _Cell, number: int, wanted: InputType) -> JsonValue:
+        value = _converted(cell.text, wanted)
+        if value is None:
+            message = f"cannot read {cell.text!r}: expected {_EXPECTED[wanted]}"
+            self._error("R006", message, number, cell.col)
+        return value
+
+    def _cells(self, number: int, line: str) -> list[_Cell]:
+        """Split a line at its commas; columns count from 1."""
+        if '"' not in line:
+            cells, start = [], 0
+            for part in line.split(","):
+                cells.append(_plain(part, start))
+                start += len(part) + 1
+            return cells
+        return self._quoted_cells(number, line)
+
+    def _quoted_cells(self, number: int, line: str) -> list[_Cell]:
+        cells, position = [], 0
+        pattern = re.compile(r'(?:\s*"((?:[^"]|"")*)"\s*|([^",]*))(,|$)')
+        while True:
+            match = pattern.match(line, position)
+            if match is None:
+                hint = 'a quote inside is written twice (""), a cell ends on its line'
+                message = "this quoted cell does not end as it should"
+                self._error("R009", message, number, position + 1, hint)
+                return []
+            quoted, plain, end = match.groups()
+            if quoted is None:
+                cells.append(_plain(plain, position))
+            else:
+                cells.append(_Cell(quoted.replace('""', '"'), match.start(1), quoted=True))
+            if not end:
+                return cells
+            position = match.end()
+
+
+def _plain(part: str, start: int) -> _Cell:
+    """Return a cell without quotes, the blanks around it cut; ``start`` counts from 0."""
+    text = part.strip()
+    return _Cell(text, start + (len(part) - len(part.lstrip()) if text else 0) + 1)
+
+
+def _converted(text: str, wanted: InputType) -> JsonValue:
+    """Return the value of a cell, ``None`` when it cannot be read."""
+    if wanted == "bool":
+        return _TRUTH.get(text.lower())
+    if wanted == "str":
+        return text
+    if wanted == "int":
+        return int(text) if _WHOLE.fullmatch(text) else None
+    return float(text) if _NUMBER.fullmatch(text) else None
+
+
+def replay(
+    monitor: Monitor,
+    recording: Recording,
+    limits: Mapping[str, float | str | None] | None = None,
+) -> Iterator[tuple[float, Any]]:
+    """Yield (time, output of the monitor) for each row, one step per row.
+
+    An input has its default before its first sample, holds each sample, and is unknown while the
+    last sample is older than its limit. The monitor can be asked for more (``explain``) between
+    two rows.
+
+    Args:
+        monitor: a monitor; former steps are forgotten.
+        recording: what to play.
+        limits: input id -> ``max_age`` in seconds, to use instead of those of the model.
+    """
+    monitor.reset()
+    player = _Player(monitor.inputs, limits or {})
+    for row in recording.rows:
+        player.play(row)
+        yield row.t, monitor.execute_step(player.eddi_input)
+
+
+class _Player:
+    """Feeds an ``EDDIInputBase`` as the node does: each input is its own source of messages."""
+
+    def __init__(
+        self, specs: Sequence[InputSpec], limits: Mapping[str, float | str | None]
+    ) -> None:
+        self.eddi_input = EDDIInputBase()
+        self.eddi_input.bind(
+            [spec._replace(max_age=limits.get(spec.id, spec.max_age)) for spec in specs]
+        )
+        self._process = {spec.id: _setter(self.eddi_input, spec.attribute) for spec in specs}
+        for spec in specs:
+            setattr(self.eddi_input, spec.attribute, spec.default)
+        self._samples: dict[str, JsonValue] = {}
+        self._times: dict[str, float] = {}
+
+    def play(self, row: Row) -> None:
+        """Take over the samples of a row and update every input."""
+        self._samples.update(row.samples)
+        self._times.update(dict.fromkeys(row.samples, row.t))
+        # Decimal times are not exact in binary: 0.7 - 0.2 is a little more than 0.5.
+        self.eddi_input.begin_step({k: round(row.t - t, 9) for k, t in self._times.items()})
+        for name, process in self._process.items():
+            self.eddi_input.update(name, process, self._samples, (name,))
+
+
+def _setter(target: object, attribute: str) -> Callable[[JsonValue], None]:
+    return lambda value: setattr(target, attribute, value)

@@ -1,0 +1,106 @@
+"""The runtime agrees with the shared oracle, by way of the generator's reader and model data."""
+
+from __future__ import annotations
+
+import pytest
+from eddi_runtime.consert import build
+from eddi_runtime.consert import compile as compiler
+from eddi_runtime.model_file import check_document, digest_of
+from eddi_runtime.testing import inputs
+
+from eddi_scaffold.kinds import Settings
+from eddi_scaffold.kinds.consert import KIND
+from tests.kinds.consert.oracle import as_source, oracle
+
+
+def document(model, settings):
+    data = {
+        "format": 1,
+        "kind": "consert",
+        "id": model.name,
+        "requires_runtime": "0.1",
+        "source": {},
+        "inputs": [
+            {"id": one.id, "attribute": one.id, "requires": []} for one in KIND.inputs(model)
+        ],
+        "model": KIND.runtime_model(model, Settings()),
+        "settings": settings,
+    }
+    return dict(data, sha256=digest_of(data))
+
+
+def monitor(name, **settings):
+    (model,) = KIND.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
+    return build(check_document(document(model, settings)), allow_unsupported=True)
+
+
+def active(rows):
+    return [row["id"] for row in rows if row["active"]]
+
+
+@pytest.mark.parametrize("limit", [compiler.STRAIGHT_LINE_LIMIT, 0])
+def test_every_step_of_every_scenario(monkeypatch, limit):
+    monkeypatch.setitem(compiler.compile_step.__kwdefaults__, "limit", limit)
+    steps = 0
+    for scenario in oracle()["evaluate"]:
+        window = {"kind": "majority", "window": scenario["window"]}
+        made = monitor(scenario["model"], filter=window)
+        for step in scenario["steps"]:
+            found = active(made.execute_step(inputs(made, step["in"])))
+            assert found == step["active"], (scenario["id"], step)
+            steps += 1
+    assert steps == 320
+
+
+def test_window_one_needs_no_filter():
+    for scenario in oracle()["evaluate"]:
+        if scenario["window"] == 1:
+            made = monitor(scenario["model"])
+            for step in scenario["steps"]:
+                assert active(made.execute_step(inputs(made, step["in"]))) == step["active"]
+
+
+GOOD = {
+    "a": True, "b": True, "c": "low", "n": 5.0, "d": True, "RtE_A_E0": True,
+    "InstallationApproved": True, "S1_Unoccupied": True,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "guarantee", "true", "missing", "losses"),
+    [
+        ("ConSertA", "System_A_G1", "", "RtE_A_D0 RtE_A_E0", ""),
+        ("ConSertA", "System_A_G1", "RtE_A_E0", "RtE_A_D0", ""),
+        ("OrNest", "G_nest", "", "d, a c n, b c n", ""),
+        ("OrNest", "G_nest", "a n", "c, d", ""),
+        ("OrNest", "G_nest", "a c n", "", "a c n"),
+        ("OrNest", "G_nest", "a b c n", "", "c n"),
+        ("OrNest", "G_nest", "a b c d n", "", ""),
+        (
+            "FabOS_Scanner2", "UnoccupiedShort", "InstallationApproved S1_Unoccupied",
+            "MultiEvaluation4 S2_Unoccupied", "",
+        ),
+    ],
+)  # fmt: skip
+def test_explanations(name, guarantee, true, missing, losses):
+    made = monitor(name)
+    made.execute_step(inputs(made, {one: GOOD[one] for one in true.split()}))
+    found = made.explain(guarantee)
+    assert found.missing == tuple(tuple(group.split()) for group in missing.split(", ") if group)
+    assert found.single_losses == tuple(losses.split())
+    assert found.active == (not missing)
+
+
+def test_every_model_that_the_generator_accepts_is_accepted_here():
+    accepted = 0
+    for case in oracle()["parse"]:
+        reading = KIND.read_file(as_source(case.get("doc", case.get("text"))), ())
+        if any(problem.level == "error" for problem in reading.problems):
+            continue
+        for model in reading.models:
+            made = build(check_document(document(model, {})))
+            assert active(made.execute_step(None)) == [
+                g.id for g in model.data.guarantees if g.default
+            ]
+            accepted += 1
+    assert accepted > 10
