@@ -26,6 +26,7 @@ from eddi_scaffold.regions.generated import (
 )
 from eddi_scaffold.regions.sync import sync_package
 from eddi_scaffold.transaction import FileState
+from eddi_scaffold.unpacking import unpacked
 
 PRIVATE_ANSWERS = ("_commit", "_src_path")
 """What Copier itself writes into an answers file."""
@@ -97,23 +98,27 @@ def bring(
     """
     transaction.recover(root)
     work = _Work()
-    with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
+    with (
+        tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
+        unpacked(template.location, template.ref) as source,
+    ):
+        work.notes += source.notes
         for number, package in enumerate(packages):
             progress(package.folder)
-            _bring_one(root, package, template, Path(scratch, str(number)), work)
+            rendered = Path(scratch, str(number), "rendered")
+            notes = render(package.answers, template, source, rendered)
+            _bring_one(root, package, rendered, notes, work)
     if not dry_run:
         transaction.write(root, work.changes)
     return Outcome(root, work.changes, work.before, work.notes, work.attention)
 
 
 def _bring_one(
-    root: Path, package: PackageAnswers, template: Template, scratch: Path, work: _Work
+    root: Path, package: PackageAnswers, rendered: Path, notes: list[str], work: _Work
 ) -> None:
     target = root / package.folder
-    rendered = scratch / "rendered"
-    notes = render(package.answers, template, rendered)
     before = transaction.tree_of(target)
-    staged = scratch / "staged"
+    staged = rendered.with_name("staged")
     if before:
         if read_answers(target) is None:
             hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"

@@ -7,7 +7,7 @@ the git bundle that travels in it and is put where a later ``copier update`` fin
 from __future__ import annotations
 
 import os
-import shutil
+import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -18,7 +18,8 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.source import read_source
-from eddi_scaffold.yaml_nodes import read_document, value_11
+from eddi_scaffold.unpacking import Unpacked
+from eddi_scaffold.yaml_nodes import dump_11, read_document, value_11
 
 ANSWERS_FILE = ".copier-answers.yml"
 _BUNDLE = "templates.bundle"
@@ -81,29 +82,33 @@ def read_answers(package: Path) -> dict[str, Any] | None:
     return data if known else None
 
 
-def render(answers: Mapping[str, Any], template: Template, folder: Path) -> list[str]:
+def render(
+    answers: Mapping[str, Any], template: Template, source: Unpacked, folder: Path
+) -> list[str]:
     """Render a package into an empty or missing folder.
 
+    Args:
+        answers: all answers of the package's template.
+        template: what the answers file records as the origin.
+        source: the same templates, taken out of git.
+        folder: where to.
+
     Returns:
-        Copier's warnings, such as a checkout with uncommitted changes.
+        Copier's warnings.
 
     Raises:
-        EddiError: git is missing (T003), or Copier refused (T004).
+        EddiError: Copier refused (T004).
     """
     import copier  # noqa: PLC0415 - half a second, paid only where something is rendered
     from copier.errors import CopierError  # noqa: PLC0415 - the same
 
-    if shutil.which("git") is None:
-        message = "git is not installed, the templates cannot be read"
-        raise EddiError(error("T003", message, hint="apt-get install git"))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             copier.run_copy(
-                template.location,
+                str(source.folder),
                 folder,
                 data=dict(answers),
-                vcs_ref=template.ref,
                 defaults=True,
                 overwrite=True,
                 unsafe=True,
@@ -112,6 +117,7 @@ def render(answers: Mapping[str, Any], template: Template, folder: Path) -> list
             )
         except (CopierError, ValueError) as problem:
             raise EddiError(error("T004", f"Copier refused: {problem}")) from problem
+    _record_origin(folder / ANSWERS_FILE, template, source)
     return sorted(
         {
             str(warning.message)
@@ -119,3 +125,15 @@ def render(answers: Mapping[str, Any], template: Template, folder: Path) -> list
             if warning.category.__module__.startswith("copier")
         }
     )
+
+
+_ORIGIN = re.compile(r"^_src_path:.*\n(?:[ ].*\n|\n)*", re.MULTILINE)
+"""What an answers file rendered from a plain folder says of its origin; long paths are folded."""
+
+
+def _record_origin(answers_file: Path, template: Template, source: Unpacked) -> None:
+    """Write what Copier would have recorded, had it cloned the templates itself."""
+    origin = {"_commit": source.commit} if source.commit is not None else {}
+    text = dump_11({**origin, "_src_path": template.location})
+    rendered = answers_file.read_text("utf-8")
+    answers_file.write_text(_ORIGIN.sub(lambda _: text, rendered, count=1), "utf-8")

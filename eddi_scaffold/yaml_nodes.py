@@ -51,6 +51,8 @@ __all__ = [
     "as_text",
     "describe",
     "differs_between_versions",
+    "dump_11",
+    "dump_11",
     "dump_plain",
     "is_null",
     "quoted",
@@ -119,6 +121,12 @@ def value_11(node: Node) -> Any:
     if isinstance(node, Map):
         return {key.text: value_11(value) for key, value in node.entries}
     return _scalar_11(node.text) if node.plain else node.text
+
+
+def dump_11(data: dict[str, str]) -> str:
+    """Write a flat map as Copier's filter ``to_nice_yaml`` writes it into an answers file."""
+    text = yaml.safe_dump(data, indent=4, allow_unicode=True, default_flow_style=False)
+    return str(text)
 
 
 def differs_between_versions(node: Node) -> bool:
