@@ -1,0 +1,189 @@
+"""Random lives of a package: no sequence of operations loses, doubles or moves a written line."""
+
+from __future__ import annotations
+
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from hypothesis import HealthCheck, Phase, given, note, settings
+from hypothesis import strategies as st
+
+from tests.updates.inputs import TYPES, Element, elements
+from tests.updates.templates import VERSIONS, Templates
+from tests.updates.world import World, snapshot
+
+NAMES = ("alpha", "beta", "gamma", "delta", "alpha2", "Rt_E-5")
+PLACES = (
+    "import helper docstring behind init default comment last manifest cmake launch"
+).split()
+OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
+CHANGES = ("add", "remove", "rename", "retype", "reorder", "rename_silently", "template")
+
+DONE: Counter[str] = Counter()
+LONG = settings().max_examples >= 1000
+
+
+class Life:
+    """Turn drawn words and one seed into what happens to a package."""
+
+    def __init__(self, world: World, seed: int) -> None:
+        self.world = world
+        self.chance = random.Random(seed)
+
+    def act(self, word: str) -> None:
+        DONE[word] += 1
+        note(word)
+        getattr(self, word)()
+
+    # what changes in the model, the templates, the files -------------------------------------
+    def add(self) -> None:
+        free = [name for name in NAMES if name not in self._names()]
+        if free:
+            new = Element(self.chance.choice(free), self.chance.choice(TYPES))
+            place = self.chance.randint(0, len(self.world.inputs))
+            self.world.change(*self.world.inputs[:place], new, *self.world.inputs[place:])
+
+    def remove(self) -> None:
+        if len(self.world.inputs) > 1:
+            gone = self.chance.choice(self.world.inputs)
+            self.world.change(*(item for item in self.world.inputs if item != gone))
+
+    def rename(self, *, declared: bool = True) -> None:
+        free = [name for name in NAMES if name not in self._names()]
+        if free:
+            old = self.chance.choice(self.world.inputs)
+            new = old.renamed(self.chance.choice(free), declared=declared)
+            self.world.change(*(new if item == old else item for item in self.world.inputs))
+
+    def rename_silently(self) -> None:
+        self.rename(declared=False)
+
+    def retype(self) -> None:
+        old = self.chance.choice(self.world.inputs)
+        new = replace(old, type=self.chance.choice(TYPES))
+        self.world.change(*(new if item == old else item for item in self.world.inputs))
+
+    def reorder(self) -> None:
+        order = list(self.world.inputs)
+        self.chance.shuffle(order)
+        self.world.change(*order)
+
+    def template(self) -> None:
+        self.world.version = min(VERSIONS, self.world.version + self.chance.choice((1, 1, 2)))
+
+    def edit(self) -> None:
+        regions = self.world.document().regions
+        name = self.chance.choice(sorted(regions)).removeprefix("input:")
+        self.world.edit(name, self.chance.randrange(5), keep=self.chance.random() < 0.8)
+
+    def edit_outside(self) -> None:
+        self.world.edit_outside(self.chance.choice(PLACES))
+
+    def line_ends(self) -> None:
+        path = self.world.package / self.world.main
+        data = path.read_bytes().replace(b"\r\n", b"\n")
+        path.write_bytes(data.replace(b"\n", b"\r\n") if self.chance.random() < 0.7 else data)
+
+    # what runs ---------------------------------------------------------------------------------
+    def run(self, word: str) -> None:
+        result = getattr(self.world, word)()
+        note(f"  -> {result.status} {result.words}")
+        assert result.status in ((0, 3) if word in {"generate", "upgrade"} else (0,)), result
+        self.world.settle()
+        self.world.check()
+
+    def copy(self) -> None:
+        self.run("copy")
+
+    def recopy(self) -> None:
+        self.run("recopy")
+
+    def update(self) -> None:
+        self.run("update")
+
+    def generate(self) -> None:
+        self.run("generate")
+
+    def upgrade(self) -> None:
+        self.run("upgrade")
+
+    def kill(self) -> None:
+        """Kill an operation; the person goes on writing before the next one."""
+        self._some_change()
+        word = self.chance.choice(OPERATIONS)
+        seconds = {"update": 1.3, "generate": 0.7, "upgrade": 0.7}.get(word, 0.4)
+        if word == "generate" and self.world.platform == "ros1":
+            seconds = 3.0
+        self.world.seen.append(self.world.inputs)
+        self.world.killed(getattr(self.world, word), self.chance.random() ** 0.7 * seconds)
+        self.world.check(finished=False)
+        if self.chance.random() < 0.5:
+            self.edit()
+        if self.chance.random() < 0.3:
+            self._some_change()
+        DONE[f"kill {word}"] += 1
+        again = self.chance.choice(OPERATIONS)
+        note(f"  killed {word}, then {again}")
+        answers = self.world.package / ".copier-answers.yml"
+        if not answers.read_bytes().endswith(b"\n") or again in {"update", "recopy"}:
+            again = "copy" if self.chance.random() < 0.5 else "upgrade"
+        self.run(again)
+
+    def broken(self) -> None:
+        """Break a marker: nothing of the file is touched; then repair it."""
+        self._some_change()
+        whole = self.world.damage(self.chance.randrange(100))
+        self.world.commit()
+        before = snapshot(self.world.package)
+        word = self.chance.choice(OPERATIONS)
+        result = getattr(self.world, word)()
+        after = snapshot(self.world.package)
+        if word in {"generate", "upgrade"}:
+            assert result.status == 2, result
+        if word in {"update", "generate", "upgrade"}:
+            assert after == before
+        else:
+            self.world.seen.append(self.world.inputs)
+        assert after[self.world.main] == before[self.world.main]
+        self.world.write(whole)
+        self.world.check(finished=False)
+
+    def _some_change(self) -> None:
+        getattr(self, self.chance.choice(CHANGES))()
+
+    def _names(self) -> list[str]:
+        return [item.name for item in self.world.inputs]
+
+
+WORDS = (
+    *OPERATIONS, *OPERATIONS, *CHANGES, *CHANGES,
+    "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside", "line_ends", "kill", "broken",
+)  # fmt: skip
+
+
+@settings(
+    deadline=None,
+    max_examples=400 if LONG else 6,
+    suppress_health_check=list(HealthCheck),
+    phases=(Phase.explicit, Phase.generate),  # a life takes seconds: shrinking would take hours
+)
+@given(
+    platform=st.sampled_from(["plain", "ros1"]),
+    words=st.lists(st.sampled_from(WORDS), min_size=8, max_size=24),
+    seed=st.integers(0, 10**9),
+)
+def test_no_life_loses_moves_or_doubles_a_line(
+    templates: Templates, fast_folder: Path, platform: str, words: list[str], seed: int
+) -> None:
+    with tempfile.TemporaryDirectory(dir=fast_folder) as folder:
+        world = World(Path(folder), templates, platform, elements("alpha", "beta", "gamma"))
+        life = Life(world, seed)
+        life.run("copy")
+        for word in words:
+            life.act(word)
+        life.run(life.chance.choice(OPERATIONS))
+        DONE["sequences"] += 1

@@ -1,0 +1,380 @@
+"""A workspace with one generated package, a person who writes in it, and what must always hold."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import io
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from unittest.mock import patch
+from xml.etree import ElementTree
+
+import copier
+
+from eddi_scaffold import cli, project
+from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.platforms import chosen
+from eddi_scaffold.regions.markers import Document, Region, parse
+from eddi_scaffold.regions.store import load_orphans
+from tests.updates.inputs import Element, write_inputs
+from tests.updates.templates import Templates, git
+
+EDITABLE = {
+    "plain": ("EDDIInput.py",),
+    "ros1": ("src/rover/EDDIInput.py", "package.xml", "CMakeLists.txt", "launch/eddi_monitor.launch"),
+}
+_WORD = re.compile(r"hand_\d+_line")
+
+
+@dataclass
+class Line:
+    """One line that a person wrote.
+
+    Attributes:
+        path: file in the package.
+        ids: regions in which it may ever stand or be saved under; empty: it stands outside.
+        home: region in which it must stand now; ``None``: it may also be saved.
+        function: innermost function of a line outside.
+        above: method that follows a comment outside.
+    """
+
+    token: str
+    path: str
+    ids: set[str] = field(default_factory=set)
+    home: str | None = None
+    function: str = ""
+    above: str | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a command ended."""
+
+    status: int
+    words: str
+
+
+class World:
+    """The workspace, the model, the templates of today, and every line written by hand."""
+
+    def __init__(
+        self, folder: Path, templates: Templates, platform: str = "plain", inputs: Sequence[Element] = ()
+    ) -> None:
+        self.folder, self.templates, self.platform = folder, templates, platform
+        self.inputs = tuple(inputs)
+        self.version = 1
+        self.workspace = folder / "workspace"
+        self.root = self.workspace / chosen(platform).root
+        self.package = self.root / "rover"
+        self.main = EDITABLE[platform][0]
+        self.lines: dict[str, Line] = {}
+        self.count = 0
+        self.seen: list[tuple[Element, ...]] = []  # models that the package may be at
+        self.workspace.mkdir()
+        git(self.workspace, "init", "-q")
+
+    # operations -----------------------------------------------------------------------------
+    @property
+    def tag(self) -> str:
+        return self.templates.tag(self.version)
+
+    def answers(self) -> dict[str, object]:
+        """Return what `eddi-scaffold answers` writes."""
+        model, config = write_inputs(self.folder / "inputs", self.inputs)
+        monitors, problems = monitors_of(model, [config])
+        return dict(assemble(monitors, chosen(self.platform), self.root, problems).packages[0].answers)
+
+    def copy(self) -> Result:
+        return self._copier(copier.run_copy, str(self.templates.path), self.package, data=self.answers())
+
+    def recopy(self) -> Result:
+        return self._copier(copier.run_recopy, self.package, data=self.answers())
+
+    def update(self) -> Result:
+        self.commit()
+        return self._copier(copier.run_update, self.package, data=self.answers())
+
+    def generate(self) -> Result:
+        model, config = write_inputs(self.folder / "inputs", self.inputs)
+        place = ["-w", self.workspace] if self.platform == "ros1" else ["-o", self.workspace]
+        return self.command("generate", "--platform", self.platform, *place, "-m", model, "-c", config)
+
+    def upgrade(self) -> Result:
+        model, config = write_inputs(self.folder / "inputs", self.inputs)
+        return self.command("upgrade", self.package, "-m", model, "-c", config)
+
+    def command(self, *words: object) -> Result:
+        """Run eddi-scaffold in this process, with the templates of today as its own."""
+        argv = ["eddi-scaffold", *map(str, words)]
+        template = project.Template(str(self.templates.path), self.tag)
+        said = io.StringIO()
+        with (
+            patch.object(sys, "argv", argv),
+            patch.object(project, "own_template", lambda: template),
+            contextlib.redirect_stderr(said),
+            contextlib.redirect_stdout(said),
+        ):
+            try:
+                cli.main()
+            except SystemExit as end:
+                status = end.code if isinstance(end.code, int) else int(end.code is not None)
+                return Result(status, said.getvalue())
+        return Result(0, said.getvalue())
+
+    def commit(self) -> None:
+        (self.workspace / ".git/index.lock").unlink(missing_ok=True)  # left by a killed git
+        git(self.workspace, "add", "-A")
+        git(self.workspace, "commit", "-q", "--allow-empty", "-m", "work")
+
+    def killed(self, operation: Callable[[], Result], delay: float) -> None:
+        """Run an operation in a process of its own and kill it, and all it started, after a while."""
+        child = os.fork()
+        if child == 0:  # pragma: no cover - ends by SIGKILL
+            os.setsid()
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            for handle in (0, 1, 2):
+                os.dup2(nowhere, handle)
+            try:
+                operation()
+            finally:
+                os._exit(0)
+        end = time.monotonic() + delay
+        while time.monotonic() < end and os.waitpid(child, os.WNOHANG) == (0, 0):
+            time.sleep(0.002)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(child, signal.SIGKILL)
+        with contextlib.suppress(ChildProcessError):
+            os.waitpid(child, 0)
+
+    def _copier(self, run: Callable[..., object], *where: object, data: dict[str, object]) -> Result:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                run(
+                    *where, data=data, vcs_ref=self.tag, defaults=True, overwrite=True, unsafe=True, quiet=True
+                )
+            except (copier.CopierError, subprocess.CalledProcessError) as problem:
+                return Result(1, str(problem))
+        return Result(0, "")
+
+    # the person -----------------------------------------------------------------------------
+    def text(self, path: str | None = None) -> str:
+        return (self.package / (path or self.main)).read_bytes().decode().replace("\r\n", "\n")
+
+    def write(self, text: str, path: str | None = None) -> None:
+        target = self.package / (path or self.main)
+        crlf = b"\r\n" in target.read_bytes()
+        target.write_bytes((text.replace("\n", "\r\n") if crlf else text).encode())
+
+    def document(self) -> Document:
+        document, faults = parse(self.text())
+        assert not faults, faults
+        return document
+
+    def token(self) -> str:
+        self.count += 1
+        return f"hand_{self.count}_line"
+
+    def edit(self, name: str, shape: int = 0, *, keep: bool = True) -> str:
+        """Write into the region of an input, behind what stands there or instead of it."""
+        token, region = self.token(), self.document().regions[f"input:{name}"]
+        shapes = (
+            f"self.{token} = 1",
+            f"if self:\n    self.{token} = 2\nelse:\n    pass",
+            f'text = """\n  {token}\nflush left\n"""',
+            f"# only a comment: {token}",
+            f"\n\nself.{token} = 1   \n",
+        )
+        code = shapes[shape % len(shapes)]
+        lines = "".join(f"{region.indent}{line}\n" if line else "\n" for line in code.split("\n"))
+        lines = lines.replace(f"{region.indent}flush", "flush").replace(f"{region.indent}  hand", "  hand")
+        if not keep:
+            for old in _WORD.findall(region.body):
+                self.lines.pop(old, None)
+        self.put(region, (region.body if keep else "") + lines)
+        self.lines[token] = Line(token, self.main, {region.id}, region.id)
+        return token
+
+    def put(self, region: Region, body: str) -> None:
+        before = f"{region.begin}\n{region.body}{region.end}\n"
+        assert self.text().count(before) == 1
+        self.write(self.text().replace(before, f"{region.begin}\n{body}{region.end}\n"))
+
+    def edit_outside(self, kind: str) -> str | None:
+        """Write outside of the regions; ``None`` when there is no such place now."""
+        token = self.token()
+        line = Line(token, self.main)
+        text = self.text()
+        names = [attribute(item.name) for item in self._present()]
+        name = names[self.count % len(names)] if names else ""
+        if kind == "import":
+            new = re.sub(r"(\nfrom [^\n]*EDDIInputBase[^\n]*\n)", rf"\1import {token}\n", text, count=1)
+        elif kind == "helper":
+            helper = f"\n    def {token}(self):\n        return 1\n"
+            new = text.replace("\n    def processing(", f"{helper}\n    def processing(", 1)
+            line.function = token
+        elif kind == "docstring":
+            new = re.sub(r'(\nclass [^\n]*\n    """[^\n]*?)"""\n', rf'\1\n\n    {token}\n    """\n', text, count=1)
+        elif kind == "behind":
+            end = rf"(edit end-----'''  # region: input:{name}\n)"
+            new = re.sub(end, rf"\1        self.{token} = 1\n", text, count=1)
+            line.function = f"process_{name}"
+        elif kind == "init":
+            new = re.sub(r"(\n        super\(\).__init__\(\)\n)", rf"\1        self.{token} = 1\n", text, count=1)
+            line.function = "__init__"
+        elif kind == "default":
+            new = re.sub(rf"(\n        self.{name} = )None\n", rf"\1'{token}'\n", text, count=1)
+            line.function = "__init__"
+        elif kind == "comment":
+            new = text.replace(f"\n    def process_{name}(", f"\n    # {token}\n    def process_{name}(", 1)
+            line.above = f"process_{name}"
+        elif kind == "last":
+            new = f"{text}        self.{token}()\n"
+            line.function = "processing"
+        elif self.platform == "plain":
+            return None
+        else:
+            line.path = {"manifest": "package.xml", "cmake": "CMakeLists.txt", "launch": "launch/eddi_monitor.launch"}[kind]
+            text = self.text(line.path)
+            new = {
+                "manifest": text.replace("</package>", f"  <exec_depend>{token}</exec_depend>\n</package>", 1),
+                "cmake": text.replace("catkin_package()\n", f"catkin_package()\nset({token} 1)\n", 1),
+                "launch": text.replace("  <node ", f'  <arg name="{token}" default="1"/>\n  <node ', 1),
+            }[kind]
+        if new == text:
+            return None
+        self.write(new, line.path)
+        self.lines[token] = line
+        return token
+
+    def damage(self, kind: int) -> str:
+        """Break a marker of the main file; returns the whole text, to repair it."""
+        whole = self.text()
+        lines = whole.split("\n")
+        begins = [i for i, line in enumerate(lines) if "Manual edit begin" in line]
+        ends = [i for i, line in enumerate(lines) if "Manual edit end" in line]
+        one = kind // 6 % len(begins)
+        begin, end = begins[one], ends[one]
+        edits: tuple[Callable[[], object], ...] = (
+            lambda: lines.pop(end),
+            lambda: lines.pop(begin),
+            lambda: lines.__setitem__(end, f"{lines[end]}; x = 1"),
+            lambda: lines.insert(begin, lines[begin]),
+            lambda: lines.insert(begin, "<<<<<<< mine"),
+            lambda: lines.__setitem__(end, lines[end].replace("input:", "input:other_")),
+        )
+        edits[kind % 6]()
+        self.write("\n".join(lines))
+        assert parse(self.text())[1]
+        return whole
+
+    def _present(self) -> list[Element]:
+        there = self.document().regions
+        return [item for item in self.inputs if f"input:{item.name}" in there]
+
+    # what must hold -------------------------------------------------------------------------
+    def change(self, *inputs: Element) -> None:
+        """Take a new model; a declared rename allows its lines to move."""
+        self.inputs = inputs
+        for item in inputs:
+            for line in self.lines.values():
+                if f"input:{item.was}" in line.ids:
+                    line.ids.add(f"input:{item.name}")
+
+    def settle(self) -> None:
+        """Say that an operation has finished: the package is at the present model."""
+        names = {item.name for item in self.inputs}
+        for line in self.lines.values():
+            if line.home is not None:
+                name = line.home.removeprefix("input:")
+                heirs = [item for item in self.inputs if item.was == name]
+                before = {item.name for model in self.seen for item in model}
+                always = all(any(item.name == name for item in model) for model in self.seen)
+                if name in names and always:
+                    continue
+                simple = len(self.seen) == 1 and always and name not in names and len(heirs) == 1
+                moves = simple and heirs[0].name not in before
+                line.home = f"input:{heirs[0].name}" if moves else None
+        self.seen = [self.inputs]
+
+    def check(self, *, finished: bool = True) -> None:
+        """Hold the promise against every line; ``finished``: no operation was killed."""
+        if finished:
+            self._check_files()
+        texts = {path: self.text(path) for path in EDITABLE[self.platform]}
+        for path, text in texts.items():
+            _check_valid(path, text)
+        document = self.document()
+        if finished:
+            assert list(document.regions) == [f"input:{item.name}" for item in self.inputs]
+        orphans = list(load_orphans(self.package).values())
+        rejects = self.package / ".eddi/rejects"
+        for line in self.lines.values():
+            count = sum(text.count(line.token) for text in texts.values())
+            assert count <= 1, f"{line} stands {count} times"
+            if line.ids:
+                homes = [r.id for r in document.regions.values() if line.token in r.body]
+                saved = [o.id for o in orphans if line.token in o.body]
+                assert len(homes) == count, f"{line} left its region"
+                assert homes or saved, f"{line} is lost"
+                assert set(homes + saved) <= line.ids, f"{line} is in {homes}, saved in {saved}"
+                if finished:
+                    assert not (homes and saved), f"{line} is in {homes} and saved in {saved}"
+                    assert line.home is None or homes == [line.home], f"{line} is in {homes}"
+            elif count == 0:
+                patches = [p.read_text() for p in rejects.glob(f"{line.path}*.patch")]
+                assert any(line.token in text for text in patches), f"{line} is lost"
+            elif line.path == self.main:
+                assert _function_of(texts[line.path], line.token) == line.function, line
+                if line.above is not None:
+                    after = texts[line.path].partition(line.token)[2]
+                    assert re.findall(r"def (\w+)", after)[0] == line.above, line
+
+    def _check_files(self) -> None:
+        for path in sorted(self.package.rglob("*")):
+            assert path.suffix != ".rej", path
+            if path.is_file() and ".eddi/rejects" not in path.as_posix():
+                text = path.read_bytes().decode()
+                assert not re.search(r"^(<<<<<<<|>>>>>>>)", text, re.MULTILINE), path
+                if ".eddi/" not in path.as_posix():
+                    _check_valid(path.name, text)
+
+
+def snapshot(folder: Path) -> dict[str, bytes]:
+    """Return every file below a folder, without git's own."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and ".git/" not in path.as_posix()
+    }
+
+
+def _check_valid(path: str, text: str) -> None:
+    if path.endswith(".py"):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            compile(text, path, "exec", dont_inherit=True)
+    if path.endswith((".xml", ".launch")):
+        ElementTree.fromstring(text)
+
+
+def _function_of(text: str, token: str) -> str:
+    number = text[: text.index(token)].count("\n") + 1
+    found = [
+        node
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.FunctionDef) and node.lineno <= number <= (node.end_lineno or 0)
+    ]
+    return max(found, key=lambda node: node.lineno).name if found else ""
