@@ -52,7 +52,6 @@ __all__ = [
     "describe",
     "differs_between_versions",
     "dump_11",
-    "dump_11",
     "dump_plain",
     "is_null",
     "quoted",
