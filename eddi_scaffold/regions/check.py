@@ -120,18 +120,23 @@ def _of_file(root: Path, name: str) -> list[RegionStatus]:
     base = read_text(root / EDDI / "base" / name)
     old = parse(base)[0].regions if isinstance(base, str) else {}
     new = theirs.regions if theirs else {}
-    doubts = doubtful_names(text, mine) if kind_of(name) == "python" else {}
-    return [
-        _status(name, r, old.get(r.id), new.get(r.id), doubts.get(r.id, ()))
+    edited = {
+        r.id: r
         for r in mine.regions.values()
+        if not any(
+            d is not None and same_body(r.body, d.body) for d in (old.get(r.id), new.get(r.id))
+        )
+    }
+    doubts = doubtful_names(text, edited.values()) if kind_of(name) == "python" else {}
+    return [
+        _edited(name, region, new.get(region.id), doubts.get(region.id, ()))
+        if region.id in edited
+        else RegionStatus(region.id, name, region.line, "untouched")
+        for region in mine.regions.values()
     ]
 
 
-def _status(
-    name: str, region: Region, old: Region | None, new: Region | None, doubts: Iterable[str]
-) -> RegionStatus:
-    if any(r is not None and same_body(region.body, r.body) for r in (old, new)):
-        return RegionStatus(region.id, name, region.line, "untouched")
+def _edited(name: str, region: Region, new: Region | None, doubts: Iterable[str]) -> RegionStatus:
     notes = list(doubts)
     if new is not None and new.sig is not None and region.sig != new.sig:
         notes.insert(0, "written for other inputs or states; look at it, then accept it")

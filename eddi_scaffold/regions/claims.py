@@ -103,7 +103,7 @@ def claim_bodies(
         else:
             # A region that is no news and holds the default was emptied by the person on purpose.
             news = region.id not in own or region.id not in old
-            names = [region.id, *(former if base else ())] if news else []
+            names = [*([region.id] if news else ()), *(former if base else ())]
             saved = _saved(names, [o for o in orphans if o not in taken])
             if saved is None:
                 claim = Claim(region, region.body, region.sig, region.indent, edited=False)

@@ -17,6 +17,7 @@ import re
 import urllib.parse
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 Style = Literal["python", "xml", "hash"]
@@ -35,7 +36,7 @@ _ALIKE = re.compile(r"-{3,}\s*Manual edit (?:begin|end)\s*-{3,}|<!--[^>]*Manual 
 _TAIL = re.compile(r"^(\S+)(?:\s+was:\s*(\S+(?:\s*,\s*\S+)*?))?(?:\s+sig:\s*([0-9a-f]{8}))?$")
 _SIG = re.compile(r"\s+sig:\s*[0-9a-f]{8}(?=\s|$)")
 _CONFLICT = re.compile(r"^(?:<{7}|>{7})(?:\s|$)")
-_SCOPE = re.compile(r"^([ \t]*)(?:async\s+)?(def|class)\s+(\w+)")
+_DEFINITION = re.compile(r"^([ \t]*)(?:async\s+)?(def|class)\s+(\w+)")
 _PLACEHOLDER = re.compile(r"^\s*'''eddi region (\S+)'''\s*$")
 
 
@@ -94,7 +95,7 @@ class Document:
 
     parts: tuple[str | Region, ...]
 
-    @property
+    @cached_property
     def regions(self) -> dict[str, Region]:
         """The regions by id, in file order."""
         return {part.id: part for part in self.parts if isinstance(part, Region)}
@@ -113,6 +114,14 @@ class _Marker:
     id: str | None
     was: tuple[str, ...]
     sig: str | None
+
+
+@dataclass(frozen=True)
+class _Scope:
+    line: int
+    indent: int
+    kind: str
+    name: str
 
 
 def encode_id(region_id: str) -> str:
@@ -196,6 +205,7 @@ def parse(text: str) -> tuple[Document, list[Fault]]:
     lines = split_lines(text)
     faults: list[Fault] = []
     parts: list[str | Region] = []
+    scopes = _scopes(lines)
     begin: _Marker | None = None
     body: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -215,7 +225,7 @@ def parse(text: str) -> tuple[Document, list[Fault]]:
                 Fault(number, "end marker without begin; put the begin marker back above it")
             )
         else:
-            parts.append(_region(begin, marker, "".join(body), lines, faults))
+            parts.append(_region(begin, marker, "".join(body), scopes, faults))
             begin = None
     if begin:
         faults.append(
@@ -267,7 +277,7 @@ def _nested(outer: _Marker, inner: _Marker) -> Fault:
 
 
 def _region(
-    begin: _Marker, end: _Marker, body: str, lines: Sequence[str], faults: list[Fault]
+    begin: _Marker, end: _Marker, body: str, scopes: Sequence[_Scope], faults: list[Fault]
 ) -> Region:
     if begin.id and end.id and begin.id != end.id:
         reason = (
@@ -275,7 +285,7 @@ def _region(
             f"{begin.id!r}; give both the same id"
         )
         faults.append(Fault(end.line, reason))
-    function = _enclosing_function(lines, begin.line - 1)
+    function = _enclosing_function(scopes, begin)
     region_id = begin.id or end.id
     if region_id is None and not function:
         reason = "a marker without id must stand in a function; write '# region: <kind>:<id>'"
@@ -293,17 +303,22 @@ def _region(
     )
 
 
-def _enclosing_function(lines: Sequence[str], at: int) -> str:
+def _scopes(lines: Sequence[str]) -> list[_Scope]:
+    """Return where definitions begin, the last one first."""
+    found = ((number, _DEFINITION.match(line)) for number, line in enumerate(lines, 1))
+    return [_Scope(n, len(m[1]), m[2], m[3]) for n, m in found if m][::-1]
+
+
+def _enclosing_function(scopes: Sequence[_Scope], begin: _Marker) -> str:
     # An editor may have stripped the marker's blanks: then any definition above encloses it.
-    limit = len(indent_of(lines[at])) or 10**6
+    limit = len(indent_of(begin.text)) or 10**6
     names: list[str] = []
-    for line in reversed(lines[:at]):
-        match = _SCOPE.match(line)
-        if match and len(match[1]) < limit:
-            if not names and match[2] == "class":
+    for scope in scopes:
+        if scope.line < begin.line and scope.indent < limit:
+            if not names and scope.kind == "class":
                 return ""
-            names.append(match[3])
-            limit = len(match[1])
+            names.append(scope.name)
+            limit = scope.indent
             if limit == 0:
                 break
     return ".".join(reversed(names))

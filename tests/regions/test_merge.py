@@ -348,3 +348,18 @@ def test_file_without_readable_base_is_retired_whole() -> None:
     result = retire(INPUT, "<<<<<<< ours\n", text(A))
     assert isinstance(result, Merged)
     assert "+class EDDIInput" in result.patch
+
+
+def test_an_old_rename_does_not_catch_another_element() -> None:
+    wind = renamed(A, "wind")
+    base = text(wind, A)  # another element has the former name now
+    result = merged(base, edit(base, "a", "hand = 1\n"), text(wind))
+    assert [o.id for o in result.orphans] == ["input:a"]
+    assert "hand" not in (result.text or "")
+
+
+def test_a_rename_may_be_declared_later() -> None:
+    z = Element("z")
+    gone = merged(text(A), edit(text(A), "a", "hand = 1\n"), text(z))
+    back = merged(text(z), gone.text, text(renamed(A, "z")), orphans=gone.orphans)
+    assert body(back, "input:z") == "        hand = 1\n"
