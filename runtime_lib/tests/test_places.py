@@ -1,4 +1,4 @@
-"""The model of a package is found from its script and from its modules, wherever they are installed."""
+"""The model of a package is found from its script and its modules, installed or not."""
 
 import pytest
 from eddi_runtime.places import NoModelFileError, find_model

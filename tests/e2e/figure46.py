@@ -1,0 +1,58 @@
+"""The demonstration of SESAME D7.2 Fig 46: publish evidence, see guarantees become active.
+
+No ROS here: a run is anything with ``states``, ``wait_for`` and ``publish``.
+"""
+
+import itertools
+
+SYSTEM_A, SYSTEM_B = "/conserta/guarantees", "/consertb/guarantees"
+GUARANTEES = {SYSTEM_A: ("System_A_G0", "System_A_G1"), SYSTEM_B: ("System_A_G0_c2",)}
+EVIDENCE_A, EVIDENCE_B = "/rte/e0a", "/rte/e0b"
+PATIENCE_S = 30.0
+
+
+def all_of(topic, active):
+    """Return the state in which every guarantee of a topic is active, or none."""
+    return dict.fromkeys(GUARANTEES[topic], active)
+
+
+def demonstrate(run, evidence_of_b=(EVIDENCE_B,), *, steady=True, patience=PATIENCE_S):
+    """Publish the evidence step by step and check every published guarantee.
+
+    Args:
+        run: launched monitors.
+        evidence_of_b: topics that system B needs, all of them.
+        steady: no guarantee may be lost again; not asked where a limit of age is so short that a
+            busy machine passes it.
+        patience: seconds for each step.
+    """
+    for topic in GUARANTEES:
+        run.wait_for(topic, all_of(topic, active=False), patience)
+    for topic in evidence_of_b:
+        never_active(run, SYSTEM_A)
+        never_active(run, SYSTEM_B)
+        run.publish(topic)
+    run.wait_for(SYSTEM_B, all_of(SYSTEM_B, active=True), patience)
+    never_active(run, SYSTEM_A)
+    run.publish(EVIDENCE_A)
+    run.wait_for(SYSTEM_A, all_of(SYSTEM_A, active=True), patience)
+    for topic in GUARANTEES:
+        check_history(topic, run.states(topic), steady=steady)
+
+
+def never_active(run, topic):
+    early = [state for state in run.states(topic) if any(state.values())]
+    assert not early, f"{topic} was active before its evidence: {early[0]}"
+
+
+def check_history(topic, states, *, steady):
+    """Check everything that was published on a topic, from the start to the end."""
+    assert states, f"{topic}: nothing was published"
+    assert {tuple(state) for state in states} == {GUARANTEES[topic]}, topic
+    assert states[0] == all_of(topic, active=False), f"{topic} began with {states[0]}"
+    lost = [
+        (before, after)
+        for before, after in itertools.pairwise(states)
+        if any(before[name] and not after[name] for name in before)
+    ]
+    assert not (steady and lost), f"{topic} lost a guarantee: {lost[0]}"

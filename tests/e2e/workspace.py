@@ -1,0 +1,81 @@
+"""Catkin workspaces as a person builds them."""
+
+import hashlib
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+from tests.e2e.robot import clean_env, sourced
+
+MONITORS = ("conserta", "consertb")
+PACKAGES = (
+    *MONITORS, "eddi_messages", "eddi_monitor", "eddi_monitor_launcher", "eddi_runtime",
+)  # fmt: skip
+_INTERPRETER = "-DPYTHON_EXECUTABLE=/usr/bin/python3"
+_BUILT = "build/\ndevel/\ninstall/\nlogs/\n.catkin_tools/\n.catkin_workspace\n"
+
+
+class Workspace:
+    """A workspace root.
+
+    Args:
+        path: the root; made with its ``src`` and with a ``.gitignore`` for what is built.
+        home: home folder of the person who builds.
+    """
+
+    def __init__(self, path, home):
+        self.path = Path(path)
+        self.home = Path(home)
+        (self.path / "src").mkdir(parents=True)
+        (self.path / ".gitignore").write_text(_BUILT)
+
+    @property
+    def packages(self):
+        return self.path / "src" / "eddi_monitor"
+
+    def eddi_input(self, package):
+        return self.packages / package / "src" / package / "EDDIInput.py"
+
+    def contents(self):
+        """Return package -> digest of all its files, and of the modes that catkin looks at."""
+        return {folder.name: _digest(folder) for folder in sorted(self.packages.iterdir())}
+
+    def catkin_make(self, *targets):
+        return self._build(["catkin_make", "-j2", _INTERPRETER, *targets])
+
+    def catkin_build(self):
+        self._build(["catkin", "init"])
+        return self._build(["catkin", "build", "--no-status", "-j2", "--cmake-args", _INTERPRETER])
+
+    def _build(self, command):
+        done = subprocess.run(
+            command,
+            cwd=self.path,
+            env=clean_env(self.home),
+            check=False,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        assert done.returncode == 0, f"{command}\n{done.stdout}"
+        return done.stdout
+
+    def devel_env(self):
+        return sourced(self.path / "devel" / "setup.bash", self.home)
+
+    def move_install(self, target):
+        """Move the install space away, delete all that it came from, and return its environment."""
+        (self.path / "install").rename(target)
+        for name in ("src", "build", "devel"):
+            shutil.rmtree(self.path / name)
+        return sourced(Path(target) / "setup.bash", self.home)
+
+
+def _digest(folder):
+    found = hashlib.sha256()
+    for path in sorted(folder.rglob("*")):
+        if path.is_file():
+            executable = os.access(path, os.X_OK)
+            found.update(f"{path.relative_to(folder)} {executable}\n".encode() + path.read_bytes())
+    return found.hexdigest()
