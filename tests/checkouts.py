@@ -1,0 +1,118 @@
+"""A clean checkout of what is being tested, as a commit of its own, and the commands run from it."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+HERE = Path(__file__).parents[1]
+PRIVATE = ("_commit:", "_src_path:")
+_PARTS = (
+    "copier.yml",
+    "copier_templates",
+    "eddi_scaffold",
+    "runtime_lib/src",
+    "examples",
+    "hatch_build.py",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+)
+_IGNORED = shutil.ignore_patterns(
+    "__pycache__", "*.pyc", "*.egg-info", "templates.bundle", ".*_cache"
+)
+_SILENT = {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_NOSYSTEM": "1"}
+
+
+def git(folder: Path, *words: str) -> str:
+    """Run git as nobody in particular."""
+    identity = ("-c", "user.name=Tester", "-c", "user.email=tester@localhost")
+    return run(["git", *identity, *words], folder, _SILENT).stdout
+
+
+def run(
+    command: list[str], folder: Path, env: Mapping[str, str] | None = None, *, status: int = 0
+) -> subprocess.CompletedProcess[str]:
+    """Run a command without a terminal and check its exit status."""
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        env={**os.environ, **(env or {})},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == status, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done
+
+
+@dataclass(frozen=True)
+class Checkout:
+    """A git repository that is program and template at once.
+
+    Attributes:
+        path: its folder.
+        env: variables for every command run from it.
+    """
+
+    path: Path
+    env: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def example(self) -> Path:
+        return self.path / "examples" / "two-conserts"
+
+    def eddi(
+        self, *words: object, cwd: Path | None = None, env: Mapping[str, str] | None = None
+    ) -> str:
+        """Run ``eddi-scaffold`` of this checkout and return its words."""
+        sources = os.pathsep.join([str(self.path), str(self.path / "runtime_lib" / "src")])
+        command = [sys.executable, "-m", "eddi_scaffold", *map(str, words)]
+        variables = {**self.env, "PYTHONPATH": sources, **(env or {})}
+        return run(command, cwd or self.path.parent, variables).stderr
+
+    def copier(self, *words: object, cwd: Path) -> None:
+        """Run the plain ``copier`` command; from here Python finds nothing of ours."""
+        run([sys.executable, "-m", "copier", *map(str, words)], cwd, {"PYTHONPATH": ""})
+
+
+def checkout(path: Path, *tags: str) -> Checkout:
+    """Commit the working tree as it is now to a new repository, and tag the commit."""
+    path.mkdir(parents=True)
+    for part in _PARTS:
+        source, target = HERE / part, path / part
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_dir():
+            shutil.copytree(source, target, symlinks=True, ignore=_IGNORED)
+        else:
+            shutil.copy(source, target)
+    git(path, "init", "--quiet", "--initial-branch=main")
+    git(path, "add", "--all", "--force")
+    git(path, "commit", "--quiet", "--message", "As it is now")
+    for tag in tags:
+        git(path, "tag", tag)
+    return Checkout(path)
+
+
+def tree(folder: Path, *skip: str) -> dict[str, tuple[bool, bytes]]:
+    """Read the files below a folder: path -> (executable, content), without folders in ``skip``."""
+    found = {}
+    for root, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if name not in {"__pycache__", *skip})
+        for name in sorted(files):
+            path = Path(root, name)
+            executable = bool(path.stat().st_mode & 0o100)
+            found[path.relative_to(folder).as_posix()] = (executable, path.read_bytes())
+    return found
+
+
+def without_origin(text: bytes) -> bytes:
+    """Drop from an answers file where the templates lay: it differs between machines."""
+    lines = text.decode().splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(PRIVATE)).encode()
