@@ -54,7 +54,7 @@ def identity_answers(package: str, description: str, config: Config | None) -> d
         "generator_version": __version__,
         "package": package,
         "package_version": section.version if section else "0.1.0",
-        "description": (section.description if section else None) or description,
+        "description": one_line((section.description if section else None) or description),
         "maintainer_name": name.strip(),
         "maintainer_email": address.strip(),
         "license": section.license if section else "Apache-2.0",
