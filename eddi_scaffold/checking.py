@@ -9,13 +9,11 @@ from eddi_scaffold.binding import monitor_of
 from eddi_scaffold.config import ConfigFile, read_config
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
-from eddi_scaffold.models import read_models
+from eddi_scaffold.models import is_config, read_models
 from eddi_scaffold.neighbours import check_neighbours
 from eddi_scaffold.platforms.ros1.messages import known_messages
-from eddi_scaffold.problems import EddiError, Problem, error, with_excerpts
-from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.problems import EddiError, Problem, error
 from eddi_scaffold.source import Source, read_source
-from eddi_scaffold.yaml_nodes import Map, read_map
 
 
 def check_files(files: Sequence[Path], default_guarantees: Sequence[str] = ()) -> list[Problem]:
@@ -30,25 +28,13 @@ def check_files(files: Sequence[Path], default_guarantees: Sequence[str] = ()) -
             problems += failure.problems
             continue
         found, read, config = _check_one(source, default_guarantees)
-        problems += _excerpted(found, source)
+        problems += found
         models += read
         configs += [config] if config is not None else []
-    joint = list(check_neighbours(configs))
+    problems += check_neighbours(configs)
     for config in configs if models else ():
-        joint += _check_pair(config, models)
-    for config in configs:
-        source = read_source(config.name)
-        problems += _excerpted([p for p in joint if p.place.file == config.name], source)
-    return [*problems, *(p for p in joint if p.place.file not in {c.name for c in configs})]
-
-
-def is_config(source: Source) -> bool:
-    """Tell whether a file is an eddi_config.yml: a map with a section ``Model``."""
-    if is_xml(source):
-        return False
-    node, _ = read_map(source, "E001")
-    sections = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
-    return isinstance(node, Map) and bool(sections & set(node.keys()))
+        problems += _check_pair(config, models)
+    return problems
 
 
 def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]:
@@ -102,10 +88,3 @@ def _check_pair(config: ConfigFile, models: Sequence[Model]) -> list[Problem]:
     except EddiError as failure:
         return list(failure.problems)
     return monitor_of(model, kind, config, known_messages(kinds().values()))[1]
-
-
-def _excerpted(problems: Sequence[Problem], source: Source) -> list[Problem]:
-    text = source.data.decode("utf-8", "replace")
-    own = [p for p in problems if p.place.file == source.name]
-    others = [p for p in problems if p.place.file != source.name]
-    return [*with_excerpts(own, text), *others]

@@ -9,7 +9,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import TextIO
 
-from eddi_scaffold.problems import Problem, in_order
+from eddi_scaffold.excerpts import with_source_lines
+from eddi_scaffold.problems import EddiError, Problem, error, in_order
 
 _COLOURS = {
     "error": "31",
@@ -19,6 +20,8 @@ _COLOURS = {
     "success": "32",
     "place": "1",
 }
+_WIDTH = 160
+"""Characters of a source line that are shown."""
 
 
 class Console:
@@ -41,12 +44,16 @@ class Console:
 
     def json(self, value: object) -> None:
         """Print one JSON value."""
-        _write(sys.stdout, json.dumps(value, ensure_ascii=False, sort_keys=False, indent=2) + "\n")
+        _write(sys.stdout, json.dumps(value, indent=2) + "\n")
 
     def say(self, text: str) -> None:
         """Print words, unless quiet."""
         if not self.quiet:
             _write(sys.stderr, _clean(f"{text}\n"))
+
+    def complain(self, text: str) -> None:
+        """Print words, quiet or not."""
+        _write(sys.stderr, _clean(f"{text}\n"))
 
     def success(self, text: str) -> None:
         """Print that something is done, unless quiet."""
@@ -55,18 +62,19 @@ class Console:
 
     def progress(self, text: str) -> None:
         """Print what is being done, on a terminal only."""
-        if sys.stderr.isatty() and not self.quiet:
+        if _on_terminal() and not self.quiet:
             _write(sys.stderr, f"{text}\n")
 
     def problems(self, problems: Iterable[Problem], *, summary: bool = True) -> None:
         """Print problems in order, with source lines, carets, hints and a closing count."""
-        shown = [p for p in in_order(problems) if self._wanted(p)]
-        for problem in shown:
+        shown = [p for p in in_order(problems) if self.shows(p)]
+        for problem in with_source_lines(shown):
             _write(sys.stderr, self._problem(problem))
         if shown and summary:
             self.say(count_line(shown))
 
-    def _wanted(self, problem: Problem) -> bool:
+    def shows(self, problem: Problem) -> bool:
+        """Tell whether a problem of this level is printed."""
         if problem.level == "error":
             return True
         return not self.quiet and (problem.level == "warning" or self.verbose)
@@ -75,16 +83,12 @@ class Console:
         place = problem.place
         where = ":".join(str(part) for part in (place.file, place.line, place.col) if part)
         level = self._painted(problem.level, f"{problem.level}:")
-        start = self._painted("place", f"{_clean(where)}: ") if where else ""
-        lines = [f"{start}{level} {_clean(problem.message)} [{problem.code}]"]
+        start = self._painted("place", f"{_one_line(where)}: ") if where else ""
+        lines = [f"{start}{level} {_one_line(problem.message)} [{problem.code}]"]
         if problem.excerpt is not None and problem.excerpt.strip():
-            excerpt = problem.excerpt[:160].expandtabs(8)
-            lines.append(f"    {_clean(excerpt)}")
-            if place.col is not None and place.col <= 160:
-                before = len(problem.excerpt[: place.col - 1].expandtabs(8))
-                lines.append(f"    {' ' * before}^")
+            lines += [f"    {line}" for line in _excerpt(problem.excerpt, place.col)]
         if problem.hint:
-            lines.append(f"  {self._painted('hint', 'hint:')} {_clean(problem.hint)}")
+            lines.append(f"  {self._painted('hint', 'hint:')} {_one_line(problem.hint)}")
         return "".join(f"{line}\n" for line in lines)
 
     def _painted(self, role: str, text: str) -> str:
@@ -95,7 +99,7 @@ class Console:
             return self.colour
         if os.environ.get("NO_COLOR"):
             return False
-        return bool(os.environ.get("FORCE_COLOR")) or sys.stderr.isatty()
+        return bool(os.environ.get("FORCE_COLOR")) or _on_terminal()
 
 
 def count_line(problems: Sequence[Problem]) -> str:
@@ -109,6 +113,24 @@ def count_line(problems: Sequence[Problem]) -> str:
     return ", ".join(parts)
 
 
+def _on_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()  # None: closed before we started
+
+
+def _excerpt(line: str, col: int | None) -> list[str]:
+    """Return the part of a source line around a column, with a caret below it."""
+    start = max(0, col - _WIDTH // 2) if col is not None and col > _WIDTH else 0
+    part = line[start : start + _WIDTH].expandtabs(8)
+    if col is None or col > len(line) + 1:
+        return [_one_line(part)]
+    before = _one_line(line[start : col - 1].expandtabs(8))
+    return [_one_line(part), f"{' ' * len(before)}^"]
+
+
+def _one_line(text: str) -> str:
+    return _clean(text).replace("\n", "\\n")
+
+
 def _clean(text: str) -> str:
     """Replace what is not printable, so that text of a model cannot steer the terminal."""
     return "".join(
@@ -116,11 +138,33 @@ def _clean(text: str) -> str:
     )
 
 
-def _write(stream: TextIO, text: str) -> None:
-    """Write text; what the encoding of the stream cannot hold becomes an escape."""
+def _write(stream: TextIO | None, text: str) -> None:
+    """Write text; what the encoding of the stream cannot hold becomes an escape.
+
+    Whoever read the stream may have gone (`| head`): the command goes on, and ends with the status
+    that its work deserves.
+
+    Raises:
+        EddiError: data could not be written to stdout, for instance on a full disk (F007).
+    """
+    if stream is None:  # closed before we started
+        return
     encoding = stream.encoding or "utf-8"
-    stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
-    stream.flush()
+    try:
+        stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
+        stream.flush()
+    except OSError as refused:
+        _mute(stream)
+        if stream is sys.stdout and not isinstance(refused, BrokenPipeError):
+            message = f"cannot write to the standard output: {refused.strerror}"
+            raise EddiError(error("F007", message)) from None
+
+
+def _mute(stream: TextIO) -> None:
+    """Let what is written from now on vanish, also what the interpreter flushes at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 console = Console()

@@ -50,7 +50,10 @@ def packages_below(folder: Path) -> list[Path]:
         if ANSWERS_FILE in files and (Path(root) / ".eddi").is_dir():
             found.append(Path(root))
     if not found:
-        raise EddiError(error("U001", "there are no generated packages here", Place(str(folder))))
+        hint = "name a workspace, or the folder of a package"
+        raise EddiError(
+            error("U001", "there are no generated packages here", Place(str(folder)), hint)
+        )
     return found
 
 

@@ -10,8 +10,18 @@ from eddi_scaffold.problems import EddiError, Place, did_you_mean, error, has_er
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.yaml_nodes import Map, read_map
 
 _YAML_SUFFIXES = (".yml", ".yaml")
+_CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
+
+
+def is_config(source: Source) -> bool:
+    """Tell whether a file is an eddi_config.yml, which no reader of models understands."""
+    if is_xml(source):
+        return False
+    node, _ = read_map(source, "E001")
+    return isinstance(node, Map) and not _CONFIG_SECTIONS.isdisjoint(node.keys())
 
 
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:
@@ -29,6 +39,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     for kind in kinds().values():
         if kind.sniff(source):
             return kind.read_file(source, default_guarantees)
+    if is_config(source):
+        hint = "name the EDDI XML or ConSert YAML that it belongs to"
+        message = "this is an eddi_config.yml, not a model"
+        return Reading((), (error("F008", message, Place(source.name), hint),))
     if source.name.lower().endswith(_YAML_SUFFIXES):
         # damaged beyond recognition: this kind says best what such a file should look like
         return kinds()["consert"].read_file(source, default_guarantees)
@@ -66,8 +80,9 @@ def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) 
     if not left:
         names = [model.name for model in models]
         wanted = f"no model {name!r}" if name is not None else "no such model"
-        hint = (did_you_mean(name, names) if name else None) or f"there are: {', '.join(names)}"
-        raise EddiError(
-            error("F005", f"there is {wanted} in this file", Place(models[0].source.name), hint)
+        hint = (did_you_mean(name, names) if name else None) or (
+            f"there are: {', '.join(names) or 'none that a monitor can be made of'}"
         )
+        place = Place(models[0].source.name) if models else Place()
+        raise EddiError(error("F005", f"there is {wanted} in this file", place, hint))
     return left

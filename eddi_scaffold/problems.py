@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -104,7 +105,8 @@ def in_order(problems: Iterable[Problem]) -> list[Problem]:
 
 def with_excerpts(problems: Iterable[Problem], text: str) -> list[Problem]:
     """Attach to each problem the source line of ``text`` that it speaks of."""
-    lines = text.splitlines()
+    # not splitlines(), which sees line ends that XML, YAML and editors do not
+    lines = re.split(r"\r\n|\r|\n", text)
     return [
         replace(p, excerpt=lines[p.place.line - 1])
         if p.place.line is not None and p.place.line <= len(lines) and p.excerpt is None

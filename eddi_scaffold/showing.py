@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.kinds import JsonValue, kinds
+from collections.abc import Sequence
+
+from eddi_scaffold.kinds import JsonValue, Model, kinds
 from eddi_scaffold.models import read_models
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.readers.eddi import read_document
@@ -28,3 +30,12 @@ def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
         for model in reading.models
     ]
     return {"models": models}, []
+
+
+def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, JsonValue]:
+    """Return a survey with no more than the chosen models; the facts of the file stay."""
+    names = {(model.kind, model.name) for model in chosen}
+    return {
+        **survey,
+        "models": [found for found in survey["models"] if (found["kind"], found["name"]) in names],
+    }

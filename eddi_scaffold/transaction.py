@@ -7,6 +7,7 @@ finishes the replacements.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -58,6 +59,7 @@ def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
     try:
         journal: list[tuple[str, str | None]] = []
         for number, (path, state) in enumerate(sorted(changes.items())):
+            _refuse_early(root / path)
             if state is None:
                 journal.append((path, None))
                 continue
@@ -70,7 +72,11 @@ def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
         raise
-    _finish(root, staging)
+    try:
+        _finish(root, staging)
+    except KeyboardInterrupt:
+        _finish(root, staging)  # all is decided: half of it would be worse than a moment more
+        raise
 
 
 def write(root: Path, changes: Mapping[str, FileState | None]) -> None:
@@ -83,7 +89,9 @@ def write(root: Path, changes: Mapping[str, FileState | None]) -> None:
         apply(root, changes)
     except OSError as problem:
         reason = problem.strerror or str(problem)
-        raise EddiError(error("F002", f"cannot write: {reason}", Place(str(root)))) from None
+        named = problem.filename is not None and _PREFIX not in str(problem.filename)
+        place = Place(str(problem.filename if named else root))
+        raise EddiError(error("F002", f"cannot write: {reason}", place)) from None
 
 
 def recover(root: Path) -> bool:
@@ -95,6 +103,19 @@ def recover(root: Path) -> bool:
         else:
             shutil.rmtree(staging, ignore_errors=True)
     return bool(unfinished)
+
+
+def _refuse_early(target: Path) -> None:
+    """Raise now what would stop the replacements half-way."""
+    if target.is_dir() and not target.is_symlink():
+        raise IsADirectoryError(errno.EISDIR, "a folder stands in its place", str(target))
+    for folder in target.parents:
+        if folder.is_dir():
+            if not os.access(folder, os.W_OK | os.X_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+            return
+        if os.path.lexists(folder):
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
 
 
 def _finish(root: Path, staging: Path) -> None:

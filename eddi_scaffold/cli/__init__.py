@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from typing import Any
 
-from eddi_scaffold.cli.app import app
 from eddi_scaffold.console import console
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.problems import EddiError, Place, Problem, error
 
 EXIT_NO = 1
 EXIT_BAD_INPUT = 2
@@ -14,28 +15,81 @@ EXIT_LOOK = 3
 EXIT_OUR_BUG = 70
 EXIT_INTERRUPTED = 130
 
+_EVERYWHERE = frozenset(
+    {"-q", "--quiet", "-v", "--verbose", "--color", "--no-color", "--traceback"}
+)
+
 
 def main() -> None:
     """Run the command line and end the process: the one funnel for errors."""
-    arguments = sys.argv[1:]
     try:
-        app()
+        status = _status(hoisted(sys.argv[1:]))
+    except KeyboardInterrupt:  # while a problem was printed
+        status = EXIT_INTERRUPTED
+    sys.exit(status)
+
+
+def hoisted(arguments: Sequence[str]) -> list[str]:
+    """Put the global options before the command, so that `check -q` does what people expect."""
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    front = [word for word in arguments[:end] if word in _EVERYWHERE]
+    rest = [word for word in arguments[:end] if word not in _EVERYWHERE]
+    return [*front, *rest, *arguments[end:]]
+
+
+def _status(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit status."""
+    try:
+        from eddi_scaffold.cli.app import app  # Ctrl-C while this loads is caught, too
+
+        result = app(list(arguments), standalone_mode=False)
     except EddiError as failure:
-        if "--json" in arguments:
-            console.json({"problems": [problem.as_json() for problem in failure.problems]})
-        else:
-            console.problems(failure.problems)
-        sys.exit(EXIT_BAD_INPUT)
+        return _fail(failure.problems, arguments)
     except KeyboardInterrupt:
+        result = EXIT_INTERRUPTED
+    except OSError as refused:  # permission, full disk, too many open files
+        return _fail([_refusal(refused)], arguments, refused)
+    except Exception as failed:  # noqa: BLE001 - a user never sees a traceback unasked
+        if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer tell it
+            result = EXIT_INTERRUPTED
+        elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
+            return _misused(failed, arguments)
+        else:
+            _report_bug(failed, with_traceback="--traceback" in arguments)
+            return EXIT_OUR_BUG
+    if result == EXIT_INTERRUPTED:
         console.say("interrupted, nothing is half-written")
-        sys.exit(EXIT_INTERRUPTED)
-    except BrokenPipeError:
-        # whoever read our output has gone, for instance `| head`
-        sys.stderr.close()
-        sys.exit(0)
-    except Exception as bug:  # noqa: BLE001 - a user never sees a traceback unasked
-        _report_bug(bug, with_traceback="--traceback" in arguments)
-        sys.exit(EXIT_OUR_BUG)
+    return result if isinstance(result, int) else 0
+
+
+def _fail(
+    problems: Sequence[Problem], arguments: Sequence[str], cause: Exception | None = None
+) -> int:
+    if cause is not None and "--traceback" in arguments:
+        _say_traceback(cause)
+    if "--json" in arguments:
+        console.json({"problems": [problem.as_json() for problem in problems]})
+    else:
+        console.problems(problems)
+    return EXIT_BAD_INPUT
+
+
+def _misused(failed: Any, arguments: Sequence[str]) -> int:
+    if "--json" in arguments:
+        return _fail([error("G000", " ".join(failed.format_message().split()))], arguments)
+    failed.show()
+    return EXIT_BAD_INPUT
+
+
+def _refusal(refused: OSError) -> Problem:
+    place = Place(str(refused.filename)) if refused.filename is not None else Place()
+    return error("F006", f"the system refused: {refused.strerror or refused}", place)
+
+
+def _say_traceback(failed: Exception) -> None:
+    import traceback
+
+    console.complain("".join(traceback.format_exception(failed)))
 
 
 def _report_bug(bug: Exception, *, with_traceback: bool) -> None:
@@ -44,9 +98,9 @@ def _report_bug(bug: Exception, *, with_traceback: bool) -> None:
     from eddi_scaffold import __version__
 
     if with_traceback:
-        console.say("".join(traceback.format_exception(bug)))
+        _say_traceback(bug)
     frame = traceback.extract_tb(bug.__traceback__)[-1]
-    console.say(
+    console.complain(
         f"this is a bug in eddi-scaffold {__version__}: {type(bug).__name__}: {bug} "
         f"({frame.filename.rpartition('/')[2]}:{frame.lineno})\n"
         "please report it with the model that shows it; --traceback shows the rest"

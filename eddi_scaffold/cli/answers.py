@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -66,6 +67,6 @@ def answers(
     write(output if every else output.parent, files)
     source = own_template().location
     for package, file in zip(packages, files, strict=True):
-        path = output / file if every else output
+        path = quote(str(output / file if every else output))
         folder = "/".join(part for part in (target.root, package.folder) if part)
-        console.say(f"copier copy --trust --defaults --data-file {path} {source} {folder}")
+        console.say(f"copier copy --trust --defaults --data-file {path} {quote(source)} {folder}")

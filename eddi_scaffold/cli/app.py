@@ -25,7 +25,8 @@ from eddi_scaffold.console import console
 app = typer.Typer(
     name="eddi-scaffold",
     help="Turn a design-time EDDI into runtime monitors, without losing a hand-written line.",
-    epilog="Start with: eddi-scaffold example two-conserts demo",
+    epilog="-q, -v, --color and --traceback may stand behind the command as well. "
+    "Start with: eddi-scaffold example two-conserts demo",
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -30,7 +30,9 @@ def check(
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems, summary=False)
+        shown = [problem for problem in problems if console.shows(problem)]
         names = ", ".join(str(file) for file in files)
-        console.say(f"{count_line(problems) or 'no problems'} in {names}")
+        more = f" (-v shows {count_line(problems)})" if problems and not shown else ""
+        console.say(f"{count_line(shown) or 'no problems'} in {names}{more}")
     if has_errors(problems):
         raise typer.Exit(1)

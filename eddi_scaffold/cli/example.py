@@ -29,10 +29,9 @@ def example(
         hint = did_you_mean(name, names()) or f"examples: {', '.join(names())}"
         raise EddiError(error("G012", f"there is no example {name!r}", hint=hint))
     target = folder or Path(name)
-    if target.exists() and any(target.iterdir()):
-        raise EddiError(
-            error("G013", "the folder is not empty", Place(str(target)), "name a new one")
-        )
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        message = "the folder is not empty" if target.is_dir() else "this is a file, not a folder"
+        raise EddiError(error("G013", message, Place(str(target)), "name a new one"))
     files = example_files(name)
     write(target, files)
     for file in sorted(files):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -42,6 +43,9 @@ def generate(
     place, option = (workspace, "-w WORKSPACE") if target.root else (output, "-o FOLDER")
     if place is None:
         raise EddiError(error("G006", f"the platform {platform} needs {option}"))
+    if workspace is not None and output is not None:
+        message = f"-w is for the platform ros1, -o for plain: the platform is {platform}"
+        raise EddiError(error("G014", message, hint="leave the other one out"))
     if target.root and not place.is_dir():
         hint = f"mkdir -p {place}/src"
         raise EddiError(error("G007", "there is no such catkin workspace", Place(str(place)), hint))
@@ -59,8 +63,8 @@ def generate(
 def _next_steps(platform: str, place: Path, monitors: Sequence[str]) -> list[str]:
     if platform == "ros1":
         return [
-            f"cd {place} && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3",
+            f"cd {quote(str(place))} && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3",
             "source devel/setup.bash",
             "roslaunch eddi_monitor_launcher eddi.launch",
         ]
-    return [f"pip install {place / monitors[0]}"]
+    return [f"pip install {quote(str(place / monitors[0]))}"]

@@ -23,7 +23,7 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
         diff = outcome.diff()
         if diff:
             console.data(diff.rstrip("\n"))
-        console.say(f"{len(outcome.changes)} files would change below {outcome.root}")
+        console.say(f"{_files(outcome)} would change below {outcome.root}")
     else:
         _list_changes(outcome)
     for note in outcome.notes:
@@ -37,6 +37,10 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
             console.say(f"  {step}")
 
 
+def _files(outcome: Outcome) -> str:
+    return "1 file" if len(outcome.changes) == 1 else f"{len(outcome.changes)} files"
+
+
 def _list_changes(outcome: Outcome) -> None:
     if not outcome.changes:
         console.success(f"nothing to change below {outcome.root}")
@@ -46,7 +50,7 @@ def _list_changes(outcome: Outcome) -> None:
         if "/.eddi/" not in path:
             folder, _, rest = path.partition("/")
             folders[folder].append(f"{_sign(outcome, path)} {rest}")
-    console.success(f"{outcome.root}: {len(outcome.changes)} files")
+    console.success(f"{outcome.root}: {_files(outcome)}")
     for folder, lines in folders.items():
         console.say(f"  {folder}/")
         for line in lines[:_SHOWN]:

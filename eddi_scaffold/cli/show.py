@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
+
+if TYPE_CHECKING:
+    from eddi_scaffold.kinds import JsonValue, Model
 
 
 def show(
@@ -21,10 +25,9 @@ def show(
     Example: eddi-scaffold show example.xml
     """
     from eddi_scaffold.console import console
-    from eddi_scaffold.kinds import kinds
     from eddi_scaffold.models import read_models, select
     from eddi_scaffold.problems import EddiError, has_errors
-    from eddi_scaffold.showing import survey_of
+    from eddi_scaffold.showing import only, survey_of
     from eddi_scaffold.source import read_source
 
     source = read_source(model)
@@ -32,16 +35,27 @@ def show(
     reading = read_models(source, default_guarantee or ())
     if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
+    chosen = select(reading.models, name) if name is not None else reading.models
+    survey = survey if name is None else only(survey, chosen)
     if as_json:
         console.json(survey)
-        return
-    chosen = select(reading.models, name) if name is not None else reading.models
+    else:
+        _print(survey, reading.models, chosen)
+        console.problems(reading.problems)
+    if has_errors(reading.problems):  # what is left of the file was shown
+        raise typer.Exit(1)
+
+
+def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:
+    from eddi_scaffold.console import console
+    from eddi_scaffold.kinds import kinds
+
     for item in chosen:
+        console.data(f"{kinds()[item.kind].title} {item.name}")
         for line in kinds()[item.kind].outline(item):
-            console.data(line)
-    listed = {(item.kind, item.name) for item in reading.models}
-    for other in survey["models"] if name is None else ():
+            console.data(f"  {line}")
+    listed = {(item.kind, item.name) for item in models}
+    for other in survey["models"]:
         if (other["kind"], other["name"]) not in listed:
             counts = ", ".join(f"{number} {what}" for what, number in other["counts"].items())
             console.data(f"{other['kind']} {other['name']} ({counts}); no monitor yet")
-    console.problems(reading.problems)
