@@ -6,8 +6,9 @@ import io
 import textwrap
 import tokenize
 
+from eddi_scaffold.regions.document import split_lines
 from eddi_scaffold.regions.formatting import same_code
-from eddi_scaffold.regions.markers import indent_of, split_lines
+from eddi_scaffold.regions.markers import indent_of
 
 
 def canonical(body: str) -> str:

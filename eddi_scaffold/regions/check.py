@@ -9,7 +9,8 @@ from typing import Literal
 
 from eddi_scaffold.regions.bodies import same_body
 from eddi_scaffold.regions.claims import adopt_ids
-from eddi_scaffold.regions.markers import Document, Fault, Region, parse, with_sig
+from eddi_scaffold.regions.document import Document, Fault, Region, parse
+from eddi_scaffold.regions.markers import with_sig
 from eddi_scaffold.regions.merge import kind_of
 from eddi_scaffold.regions.review import doubtful_names
 from eddi_scaffold.regions.store import (

@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.regions.bodies import is_empty, same_body
-from eddi_scaffold.regions.markers import Document, Region
+from eddi_scaffold.regions.document import Document, Region
 from eddi_scaffold.regions.result import Note, Orphan
 
 

@@ -11,8 +11,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from eddi_scaffold.regions.document import placeholder_id, split_lines
 from eddi_scaffold.regions.formatting import framed
-from eddi_scaffold.regions.markers import indent_of, placeholder_id, split_lines
+from eddi_scaffold.regions.markers import indent_of
 
 TAIL = "<tail>"
 

@@ -8,7 +8,8 @@ import tokenize
 import warnings
 from collections.abc import Sequence
 
-from eddi_scaffold.regions.markers import indent_of, split_lines
+from eddi_scaffold.regions.document import split_lines
+from eddi_scaffold.regions.markers import indent_of
 
 
 def framed(lines: Sequence[str]) -> str:

@@ -11,17 +11,16 @@ from xml.parsers import expat
 
 from eddi_scaffold.regions.bodies import reindent
 from eddi_scaffold.regions.claims import Claim, Claims, adopt_ids, claim_bodies
-from eddi_scaffold.regions.lines import merge_lines
-from eddi_scaffold.regions.markers import (
+from eddi_scaffold.regions.document import (
     Document,
     Fault,
     Region,
-    indent_of,
     parse,
     placeholder_id,
     split_lines,
-    with_sig,
 )
+from eddi_scaffold.regions.lines import merge_lines
+from eddi_scaffold.regions.markers import indent_of, with_sig
 from eddi_scaffold.regions.outside import Reject, merge_python, regions_in, same_lines
 from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused, patch_text
 

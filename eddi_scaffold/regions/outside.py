@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.regions.definitions import Group, Item, is_named, split, split_function
+from eddi_scaffold.regions.document import placeholder_id
 from eddi_scaffold.regions.formatting import framed, same_meaning
 from eddi_scaffold.regions.lines import merge_lines
-from eddi_scaffold.regions.markers import indent_of, placeholder_id
+from eddi_scaffold.regions.markers import indent_of
 
 
 @dataclass(frozen=True)

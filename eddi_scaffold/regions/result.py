@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.markers import Fault, placeholder_id
+from eddi_scaffold.regions.document import Fault, placeholder_id
 from eddi_scaffold.regions.outside import Reject
 
 

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeVar
 
-from eddi_scaffold.regions.markers import Region
+from eddi_scaffold.regions.document import Region
 
 _Node = TypeVar("_Node", bound=ast.stmt)
 

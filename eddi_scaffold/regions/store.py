@@ -17,7 +17,8 @@ from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from urllib.parse import quote
 
-from eddi_scaffold.regions.markers import Fault, decode_id, encode_id
+from eddi_scaffold.regions.document import Fault
+from eddi_scaffold.regions.markers import decode_id, encode_id
 from eddi_scaffold.regions.result import Orphan
 
 EDDI = ".eddi"

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from eddi_scaffold.regions.document import Fault, parse
 from eddi_scaffold.regions.generated import record_generated
-from eddi_scaffold.regions.markers import Fault, parse
 from eddi_scaffold.regions.merge import merge, retire
 from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused
 from eddi_scaffold.regions.store import (

@@ -6,15 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.regions.markers import (
-    begin_marker,
-    decode_id,
-    encode_id,
-    end_marker,
-    parse,
-    split_lines,
-    with_sig,
-)
+from eddi_scaffold.regions.document import parse, split_lines
+from eddi_scaffold.regions.markers import begin_marker, decode_id, encode_id, end_marker, with_sig
 
 BEGIN, END = "'''-----Manual edit begin-----'''", "'''-----Manual edit end-----'''"
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from eddi_scaffold.regions.markers import parse
+from eddi_scaffold.regions.document import parse
 from eddi_scaffold.regions.merge import merge, retire
 from eddi_scaffold.regions.result import Merged, Orphan, Refused
 from tests.regions.rendering import (

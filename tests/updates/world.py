@@ -19,12 +19,13 @@ from unittest.mock import patch
 from xml.etree import ElementTree
 
 import copier
+from copier.errors import CopierError
 
 from eddi_scaffold import cli, project
 from eddi_scaffold.assembly import assemble, monitors_of
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.platforms import chosen
-from eddi_scaffold.regions.markers import Document, Region, parse
+from eddi_scaffold.regions.document import Document, Region, parse
 from eddi_scaffold.regions.store import load_orphans
 from tests.updates.inputs import Element, write_inputs
 from tests.updates.templates import Templates, git
@@ -33,6 +34,7 @@ EDITABLE = {
     "plain": ("EDDIInput.py",),
     "ros1": ("src/rover/EDDIInput.py", "package.xml", "CMakeLists.txt", "launch/eddi_monitor.launch"),
 }
+DAMAGES = 6
 _WORD = re.compile(r"hand_\d+_line")
 
 
@@ -165,7 +167,7 @@ class World:
                 run(
                     *where, data=data, vcs_ref=self.tag, defaults=True, overwrite=True, unsafe=True, quiet=True
                 )
-            except (copier.CopierError, subprocess.CalledProcessError) as problem:
+            except (CopierError, subprocess.CalledProcessError) as problem:
                 return Result(1, str(problem))
         return Result(0, "")
 
@@ -263,9 +265,9 @@ class World:
         """Break a marker of the main file; returns the whole text, to repair it."""
         whole = self.text()
         lines = whole.split("\n")
-        begins = [i for i, line in enumerate(lines) if "Manual edit begin" in line]
-        ends = [i for i, line in enumerate(lines) if "Manual edit end" in line]
-        one = kind // 6 % len(begins)
+        begins = [i for i, line in enumerate(lines) if "---Manual edit begin" in line]
+        ends = [i for i, line in enumerate(lines) if "---Manual edit end" in line]
+        one = kind // DAMAGES % len(begins)
         begin, end = begins[one], ends[one]
         edits: tuple[Callable[[], object], ...] = (
             lambda: lines.pop(end),
@@ -275,7 +277,7 @@ class World:
             lambda: lines.insert(begin, "<<<<<<< mine"),
             lambda: lines.__setitem__(end, lines[end].replace("input:", "input:other_")),
         )
-        edits[kind % 6]()
+        edits[kind % DAMAGES]()
         self.write("\n".join(lines))
         assert parse(self.text())[1]
         return whole

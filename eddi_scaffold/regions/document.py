@@ -1,0 +1,219 @@
+"""A file split at its markers, and what is wrong with them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from eddi_scaffold.regions.markers import Marker, decode_id, encode_id, indent_of, read_marker
+
+_CONFLICT = re.compile(r"^(?:<{7}|>{7})(?:\s|$)")
+_DEFINITION = re.compile(r"^([ \t]*)(?:async\s+)?(def|class)\s+(\w+)")
+_PLACEHOLDER = re.compile(r"^\s*'''eddi region (\S+)'''\s*$")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Why a file's markers cannot be trusted.
+
+    Attributes:
+        line: line in the file, counted from 1.
+        reason: what is wrong and what to do about it.
+    """
+
+    line: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Region:
+    """One editable region of a file.
+
+    Attributes:
+        id: ``<kind>:<id>``, decoded; of a region without id ``function:<Class.method>``.
+        explicit: whether a marker names the id.
+        function: qualified name of the enclosing function, empty outside of functions.
+        was: ids under which the element was known before, the newest first.
+        sig: hash of what the body may use when it was written, ``None`` when not said.
+        line: line of the begin marker, counted from 1.
+        begin: the begin marker's line, without line end.
+        body: the text between the markers, byte for byte.
+        end: the end marker's line, without line end.
+    """
+
+    id: str
+    explicit: bool
+    function: str
+    was: tuple[str, ...]
+    sig: str | None
+    line: int
+    begin: str
+    body: str
+    end: str
+
+    @property
+    def indent(self) -> str:
+        """Blanks before the begin marker."""
+        return indent_of(self.begin)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A file split at its markers.
+
+    Attributes:
+        parts: lines outside of regions (with line end) and regions, in file order.
+    """
+
+    parts: tuple[str | Region, ...]
+
+    @cached_property
+    def regions(self) -> dict[str, Region]:
+        """The regions by id, in file order."""
+        return {part.id: part for part in self.parts if isinstance(part, Region)}
+
+    @property
+    def skeleton(self) -> list[str]:
+        """The lines with one placeholder line for each region: what is compared and merged."""
+        return [p if isinstance(p, str) else placeholder(p.id, p.indent) for p in self.parts]
+
+
+@dataclass(frozen=True)
+class _Scope:
+    line: int
+    indent: int
+    kind: str
+    name: str
+
+
+def placeholder(region_id: str, indent: str = "") -> str:
+    """Return the skeleton line that stands for a region; a statement, so that Python parses."""
+    return f"{indent}'''eddi region {encode_id(region_id)}'''\n"
+
+
+def placeholder_id(line: str) -> str | None:
+    """Return the region that a skeleton line stands for, ``None`` for every other line."""
+    match = _PLACEHOLDER.match(line)
+    return decode_id(match[1]) if match else None
+
+
+def split_lines(text: str) -> list[str]:
+    r"""Split at ``\n`` only: form feeds and Unicode separators belong to the text."""
+    lines = text.split("\n")
+    ends = [line + "\n" for line in lines[:-1]]
+    return [*ends, lines[-1]] if lines[-1] else ends
+
+
+def parse(text: str) -> tuple[Document, list[Fault]]:
+    """Split a file's text at its markers.
+
+    Returns:
+        The document, and the faults; with any fault the document must not be used.
+    """
+    lines = split_lines(text)
+    faults: list[Fault] = []
+    parts: list[str | Region] = []
+    scopes = _scopes(lines)
+    begin: Marker | None = None
+    body: list[str] = []
+    for number, line in enumerate(lines, 1):
+        if _CONFLICT.match(line):
+            faults.append(Fault(number, "unresolved merge conflict; resolve it first"))
+        marker = read_marker(line, number)
+        if isinstance(marker, str):
+            faults.append(Fault(number, marker))
+        if marker is None or isinstance(marker, str):
+            # Outside, line ends are the generator's; inside, every byte is the person's.
+            body.append(line) if begin else parts.append(line.replace("\r\n", "\n"))
+        elif marker.what == "begin":
+            if begin:
+                faults.append(_nested(begin, marker))
+            else:
+                begin, body = marker, []
+        elif begin is None:
+            faults.append(
+                Fault(number, "end marker without begin; put the begin marker back above it")
+            )
+        else:
+            parts.append(_region(begin, marker, "".join(body), scopes, faults))
+            begin = None
+    if begin:
+        faults.append(
+            Fault(begin.line, "the region has no end marker; put it back below the hand code")
+        )
+    faults.extend(_duplicates(parts))
+    return Document(tuple(parts)), sorted(faults, key=lambda f: f.line)
+
+
+def _nested(outer: Marker, inner: Marker) -> Fault:
+    reason = (
+        f"begin marker inside the region that begins in line {outer.line}; "
+        "regions do not nest: put the missing end marker back or remove this line"
+    )
+    return Fault(inner.line, reason)
+
+
+def _region(
+    begin: Marker, end: Marker, body: str, scopes: Sequence[_Scope], faults: list[Fault]
+) -> Region:
+    if begin.id and end.id and begin.id != end.id:
+        reason = (
+            f"this end marker says {end.id!r} but the begin marker in line {begin.line} says "
+            f"{begin.id!r}; give both the same id"
+        )
+        faults.append(Fault(end.line, reason))
+    function = _enclosing_function(scopes, begin)
+    region_id = begin.id or end.id
+    if region_id is None and not function:
+        reason = "a marker without id must stand in a function; write '# region: <kind>:<id>'"
+        faults.append(Fault(begin.line, reason))
+    return Region(
+        id=region_id or f"function:{function}",
+        explicit=region_id is not None,
+        function=function,
+        was=begin.was,
+        sig=begin.sig,
+        line=begin.line,
+        begin=begin.text,
+        body=body,
+        end=end.text,
+    )
+
+
+def _scopes(lines: Sequence[str]) -> list[_Scope]:
+    """Return where definitions begin, the last one first."""
+    found = ((number, _DEFINITION.match(line)) for number, line in enumerate(lines, 1))
+    return [_Scope(n, len(m[1]), m[2], m[3]) for n, m in found if m][::-1]
+
+
+def _enclosing_function(scopes: Sequence[_Scope], begin: Marker) -> str:
+    # An editor may have stripped the marker's blanks: then any definition above encloses it.
+    limit = len(indent_of(begin.text)) or 10**6
+    names: list[str] = []
+    for scope in scopes:
+        if scope.line < begin.line and scope.indent < limit:
+            if not names and scope.kind == "class":
+                return ""
+            names.append(scope.name)
+            limit = scope.indent
+            if limit == 0:
+                break
+    return ".".join(reversed(names))
+
+
+def _duplicates(parts: Iterable[str | Region]) -> list[Fault]:
+    seen: dict[str, int] = {}
+    faults = []
+    for part in parts:
+        if isinstance(part, Region):
+            if part.id in seen:
+                what = "region" if part.explicit else "region without id in this function"
+                reason = (
+                    f"second {what} {part.id!r}, the first is in line {seen[part.id]}; "
+                    "keep one or give it another id"
+                )
+                faults.append(Fault(part.line, reason))
+            seen.setdefault(part.id, part.line)
+    return faults
