@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -128,7 +129,7 @@ def _excerpt(line: str, col: int | None) -> list[str]:
 
 
 def _one_line(text: str) -> str:
-    return _clean(text).replace("\n", "\\n")
+    return re.sub(r"\s*\n\s*", " ", _clean(text))
 
 
 def _clean(text: str) -> str:

@@ -74,10 +74,18 @@ def _installed_bundle(bundle: Path) -> str:
 
 
 def read_answers(package: Path) -> dict[str, Any] | None:
-    """Read what a package was generated from; ``None`` when it is no package of ours."""
+    """Read what a package was generated from; ``None`` when it is no package of ours.
+
+    Raises:
+        EddiError: its answers cannot be read, for instance after a conflict in git (T005).
+    """
     path = package / ANSWERS_FILE
-    node = read_document(read_source(path), "T005")[0] if path.is_file() else None
-    data = value_11(node) if node is not None else None
+    if not path.is_file():
+        return None
+    node, problems = read_document(read_source(path), "T005")
+    if node is None:
+        raise EddiError(*problems)
+    data = value_11(node)
     known = isinstance(data, dict) and "template" in data and "generator_version" in data
     return data if known else None
 

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.assembly import rejoined, stored, support
-from eddi_scaffold.config import ConfigFile, read_config
+from eddi_scaffold.config import ConfigFile, from_json, read_config
 from eddi_scaffold.generation import existing
 from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.kinds import kinds
 from eddi_scaffold.models import checked_models
 from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
 from eddi_scaffold.problems import EddiError, Place, Problem, error
-from eddi_scaffold.project import read_answers
+from eddi_scaffold.project import ANSWERS_FILE, read_answers
 from eddi_scaffold.source import read_source
 
 
@@ -36,8 +37,16 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
     """Find generated packages: of a workspace, or the ones that are named.
 
     Raises:
-        EddiError: there are none (U001).
+        EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
+    found = _found(workspace, packages)
+    for group in found:
+        for folder, answers in group.present.items():
+            _check_answers(group.root / folder, answers)
+    return found
+
+
+def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
     if packages:
         found = [
             Group(path.resolve().parent, {path.resolve().name: _answers(path)}) for path in packages
@@ -100,6 +109,23 @@ def _answers(package: Path) -> dict[str, Any]:
         message = "this folder is no generated package"
         raise EddiError(error("U003", message, Place(str(package))))
     return answers
+
+
+def _check_answers(package: Path, answers: dict[str, Any]) -> None:
+    """Refuse answers that a person or a merge has damaged, before something is made of them."""
+    try:
+        _platform(answers)
+        if "model_json" in answers:
+            model_id(answers)
+            kinds()[answers["kind"]]
+            if answers.get("config_json"):
+                from_json(answers["config_json"], package.name)
+    except (KeyError, TypeError, ValueError) as damage:
+        reason = str(damage).partition("\n")[0]
+        message = f"the answers of the package are damaged: {reason}"
+        hint = "take the file back from git, or generate the package again"
+        place = Place(str(package / ANSWERS_FILE))
+        raise EddiError(error("T005", message, place, hint)) from None
 
 
 def _platform(answers: dict[str, Any]) -> Platform:
