@@ -15,7 +15,7 @@ from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.models import checked_models
 from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
-from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.project import ANSWERS_FILE, read_answers
 from eddi_scaffold.source import read_source
 
@@ -74,12 +74,17 @@ def targets(
     """Return what the packages of a group should be, with the problems of newer inputs.
 
     Raises:
-        EddiError: an input cannot be used, or a new configuration comes without a model (U002).
+        EddiError: an input cannot be used, a new configuration comes without a model (U002) or
+            belongs to no package (U005).
     """
     if config_files and model_file is None:
         message = "a new configuration needs the model as well"
         raise EddiError(error("U002", message, hint="add `-m MODEL`"))
     configs = _configs(config_files)
+    for name in sorted(configs.keys() - group.present.keys()):
+        message = f"no package here is called {name!r}"
+        hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
+        raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
     models = checked_models(model_file).models if model_file is not None else ()
     packages: list[PackageAnswers] = []
     problems: list[Problem] = []
@@ -100,6 +105,8 @@ def targets(
     for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
         own = [folder for folder, of in monitors.items() if of is platform]
         packages += [p for p in support(platform, group.root, own, None) if p.folder in shared]
+    if has_errors(problems):
+        raise EddiError(*problems)
     return packages, problems
 
 
