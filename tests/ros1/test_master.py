@@ -29,7 +29,8 @@ def test_a_roscore_that_dies_and_returns(world, model_files):
     )
     probe.publish("/flag", BOOL, {"data": True}, latch=True)
     probe.active("/guarantees", {"G_F"}, after=0)
-    until(lambda: master.call("lookupNode", "/leaving"), what="the second node")
+    for name in ("/tester", "/leaving"):  # connected and watched
+        probe.diagnostics(name, lambda lv, t, v: v["master"] == "ok", after=0)
 
     master.process.destroy()
     mark = probe.mark()
