@@ -1,4 +1,4 @@
-"""A clean checkout of what is being tested, as a commit of its own, and the commands run from it."""
+"""A clean checkout of what is being tested, as a commit of its own, and commands run from it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,12 @@ def git(folder: Path, *words: str) -> str:
 
 
 def run(
-    command: list[str], folder: Path, env: Mapping[str, str] | None = None, *, status: int = 0
+    command: list[str],
+    folder: Path,
+    env: Mapping[str, str] | None = None,
+    *,
+    status: int = 0,
+    umask: int = -1,
 ) -> subprocess.CompletedProcess[str]:
     """Run a command without a terminal and check its exit status."""
     done = subprocess.run(
@@ -46,6 +51,7 @@ def run(
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
+        umask=umask,
         check=False,
     )
     assert done.returncode == status, f"{command}\n{done.stdout}\n{done.stderr}"
@@ -68,14 +74,12 @@ class Checkout:
     def example(self) -> Path:
         return self.path / "examples" / "two-conserts"
 
-    def eddi(
-        self, *words: object, cwd: Path | None = None, env: Mapping[str, str] | None = None
-    ) -> str:
+    def eddi(self, *words: object, cwd: Path | None = None, umask: int = -1) -> str:
         """Run ``eddi-scaffold`` of this checkout and return its words."""
         sources = os.pathsep.join([str(self.path), str(self.path / "runtime_lib" / "src")])
         command = [sys.executable, "-m", "eddi_scaffold", *map(str, words)]
-        variables = {**self.env, "PYTHONPATH": sources, **(env or {})}
-        return run(command, cwd or self.path.parent, variables).stderr
+        variables = {**self.env, "PYTHONPATH": sources}
+        return run(command, cwd or self.path.parent, variables, umask=umask).stderr
 
     def copier(self, *words: object, cwd: Path) -> None:
         """Run the plain ``copier`` command; from here Python finds nothing of ours."""

@@ -1,0 +1,67 @@
+"""Whole generated packages, file by file; `pytest --update-golden` writes them anew.
+
+Not compared: the copy of the runtime library, and where the templates lay.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.checkouts import HERE, Checkout, tree, without_origin
+
+WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
+PLAIN = HERE / "tests" / "golden" / "plain"
+MODELS = HERE / "tests" / "golden" / "models"
+RUNTIME = ("src/eddi_runtime/", "eddi_runtime/")
+
+
+def snapshot(folder: Path) -> dict[str, tuple[bool, bytes]]:
+    """Read one package as it is compared."""
+    files = {name: it for name, it in tree(folder).items() if not name.startswith(RUNTIME)}
+    manifest = files.get(".eddi/manifest.json")
+    if manifest is not None:
+        files[".eddi/manifest.json"] = (manifest[0], _without_runtime(manifest[1]))
+    answers = files[".copier-answers.yml"]
+    files[".copier-answers.yml"] = (answers[0], without_origin(answers[1]))
+    return files
+
+
+def _without_runtime(manifest: bytes) -> bytes:
+    """Drop the hashes of the runtime's files: a change of the runtime is no change of a package."""
+    lines = manifest.decode().splitlines(keepends=True)
+    return "".join(line for line in lines if not line.strip(' "').startswith(RUNTIME)).encode()
+
+
+def compare(packages: Path, golden: Path, request: pytest.FixtureRequest) -> None:
+    """Compare the packages of a folder, or make them the expected ones."""
+    got = {
+        folder.name: snapshot(folder) for folder in sorted(packages.iterdir()) if folder.is_dir()
+    }
+    if request.config.getoption("--update-golden"):
+        shutil.rmtree(golden, ignore_errors=True)
+        for package, files in got.items():
+            for name, (executable, data) in files.items():
+                path = golden / package / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(data)
+                path.chmod(0o755 if executable else 0o644)
+    assert list(got) == sorted(folder.name for folder in golden.iterdir())
+    for package, files in got.items():
+        expected = tree(golden / package)
+        hint = f"{package}: look at the change, then run pytest with --update-golden"
+        assert sorted(files) == sorted(expected), hint
+        for name, (executable, data) in files.items():
+            assert data.decode() == expected[name][1].decode(), f"{name}: {hint}"
+            assert executable == expected[name][0], f"{name} executable: {hint}"
+
+
+def test_workspace_of_the_example(both: Path, request: pytest.FixtureRequest) -> None:
+    compare(both, WORKSPACE, request)
+
+
+def test_plain_package(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    clone.eddi("-q", "generate", "--platform", "plain", "-o", tmp_path, "-m", MODELS / "rover.yml")
+    compare(tmp_path, PLAIN, request)

@@ -1,0 +1,64 @@
+"""Plain Copier and our own command give the same bytes, in whatever order packages come."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.checkouts import Checkout, tree
+from tests.generated.conftest import generate
+
+SHARED = {"eddi_messages", "eddi_monitor", "eddi_monitor_launcher", "eddi_runtime"}
+
+
+def answers(clone: Checkout, folder: Path, workspace: Path, letter: str) -> list[Path]:
+    """Write the answers of one monitor and of the packages that all share."""
+    model, config = "two_conserts.xml", f"consert_{letter}_config.yml"
+    sources = ("-m", clone.example / model, "-c", clone.example / config)
+    clone.eddi("-q", "answers", "--all", "-o", folder, "-w", workspace, *sources)
+    return sorted(folder.iterdir())
+
+
+def test_copier_renders_what_generate_renders(clone: Checkout, tmp_path: Path) -> None:
+    one = generate(clone, tmp_path, "a")
+    files = answers(clone, tmp_path / "answers", tmp_path / "elsewhere", "a")
+    assert {file.stem for file in files} == {"conserta", *SHARED}
+    for file in files[:2]:  # all of them in the slow test below
+        # no --defaults and no terminal: a question without an answer would fail
+        words = ("--trust", "--quiet", "--data-file", file, clone.path, file.stem)
+        clone.copier("copy", *words, cwd=tmp_path)
+        assert tree(tmp_path / file.stem) == tree(one / file.stem), file.stem
+
+
+def test_one_after_the_other_is_both_at_once(clone: Checkout, both: Path, tmp_path: Path) -> None:
+    first = tree(generate(clone, tmp_path, "a"))
+    joined = tree(generate(clone, tmp_path, "b"))
+    assert joined == tree(both)
+    changed = {name for name, file in first.items() if joined[name] != file}
+    assert {name.partition("/")[0] for name in changed} == {"eddi_monitor", "eddi_monitor_launcher"}
+    clone.eddi("-q", "upgrade", "-w", tmp_path, "-m", clone.example / "two_conserts.xml")
+    assert tree(tmp_path / "src" / "eddi_monitor") == joined, (
+        "an upgrade to the same changes nothing"
+    )
+
+
+@pytest.mark.slow
+def test_plain_copier_joins_the_second_monitor(clone: Checkout, both: Path, tmp_path: Path) -> None:
+    packages = tmp_path / "src" / "eddi_monitor"
+    packages.mkdir(parents=True)
+    for letter in "ab":
+        for file in answers(clone, tmp_path / letter, tmp_path, letter):
+            words = ("--trust", "--quiet", "--defaults", "--overwrite", "--data-file", file)
+            clone.copier("copy", *words, clone.path, file.stem, cwd=packages)
+    assert tree(packages) == tree(both)
+
+
+def test_plain_platform(clone: Checkout, tmp_path: Path) -> None:
+    model = ("-m", clone.example / "two_conserts.xml", "--name", "ConSertB")
+    clone.eddi("-q", "generate", "--platform", "plain", "-o", tmp_path / "ours", *model)
+    file = tmp_path / "answers.yml"
+    clone.eddi("-q", "answers", "--platform", "plain", "-o", file, *model)
+    words = ("--trust", "--quiet", "--data-file", file, clone.path, "consertb")
+    clone.copier("copy", *words, cwd=tmp_path)
+    assert tree(tmp_path / "consertb") == tree(tmp_path / "ours" / "consertb")
