@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from eddi_scaffold.binding import Monitor
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.project import ANSWERS_FILE
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
@@ -34,6 +35,17 @@ class Entry:
             "state": state.state,
             "notes": list(state.notes),
         }
+
+
+def unwritten(root: Path, monitors: Iterable[Monitor]) -> list[str]:
+    """Return where a person must still write how an input is made of its messages."""
+    places = []
+    for monitor in monitors:
+        needed = {f"input:{b.model.id}" for b in monitor.inputs if b.expression is None}
+        for status in list_regions(root / monitor.package) if needed else ():
+            if status.id in needed and status.state == "untouched":
+                places.append(f"{root / monitor.package / status.file}:{status.line}")
+    return places
 
 
 def packages_below(folder: Path) -> list[Path]:

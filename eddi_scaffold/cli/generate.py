@@ -35,6 +35,7 @@ def generate(
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.console import console
     from eddi_scaffold.generation import bring
+    from eddi_scaffold.handwritten import unwritten
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.project import own_template
@@ -56,7 +57,8 @@ def generate(
     outcome = bring(
         root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
     )
-    steps = _next_steps(target.name, place, assembly.monitors)
+    steps = [f"write this input: {where}" for where in unwritten(root, monitors)]
+    steps += _next_steps(target.name, place, assembly.monitors)
     finish(outcome, dry_run=dry_run, next_steps=steps)
 
 
