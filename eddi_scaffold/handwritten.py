@@ -39,13 +39,16 @@ class Entry:
 
 def unwritten(root: Path, monitors: Iterable[Monitor]) -> list[str]:
     """Return where a person must still write how an input is made of its messages."""
-    places = []
-    for monitor in monitors:
-        needed = {f"input:{b.model.id}" for b in monitor.inputs if b.expression is None}
-        for status in list_regions(root / monitor.package) if needed else ():
-            if status.id in needed and status.state == "untouched":
-                places.append(f"{root / monitor.package / status.file}:{status.line}")
-    return places
+    needed = {
+        monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if b.expression is None}
+        for monitor in monitors
+    }
+    return [
+        f"{root / package / status.file}:{status.line}"
+        for package, ids in needed.items()
+        for status in (list_regions(root / package) if ids else ())
+        if status.id in ids and status.state == "untouched"
+    ]
 
 
 def packages_below(folder: Path) -> list[Path]:
