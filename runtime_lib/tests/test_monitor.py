@@ -149,6 +149,13 @@ def test_blocked_lists_unknown_inputs_only():
     assert made.blocked() == {}
 
 
+def test_blocked_lists_an_input_that_only_has_its_default():
+    made = monitor(["a", "b"], guarantees=["G", "H"], edges=["a>G", "b>H"])
+    made.execute_step(give(a=False, b=True))
+    assert made.blocked() == {}
+    assert made.blocked(["a", "b"]) == {"a": ("G",)}
+
+
 def test_message_takes_nothing_but_bools_as_active():
     made = monitor(["e"], guarantees=["G"], edges=["e>G"])
     rows = made.execute_step(give(e=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Protocol, Tuple, Union
+from typing import Any, Callable, Iterable, Mapping, Optional, Protocol, Tuple, Union
 
 from .inputs import InputSpec
 from .model_file import ModelError, ModelFile, read_model
@@ -40,8 +40,13 @@ class Monitor(Protocol):
     def status_message(self) -> Optional[Tree]:
         """Return the facts behind the last step, without a header; ``None`` if there are none."""
 
-    def blocked(self) -> Mapping[str, Tuple[str, ...]]:
-        """Return input id -> outputs that are not given because this input is not known now."""
+    def blocked(self, not_good: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
+        """Return input id -> outputs that are not given because this input is not known now.
+
+        Args:
+            not_good: inputs that count as not known whatever they hold, such as one that still
+                has its default because no message has come.
+        """
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union, overload
+from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
 
 from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile
@@ -174,13 +174,22 @@ class ConSertMonitor:
                 found[self.inputs[k].id] = self._reason(k, value, why)
         return found
 
-    def blocked(self) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> inactive guarantees that depend on it, for inputs not known now.
 
         Not known: missing, stale, NaN, or a value of a wrong type. An input that is well known to
         be FALSE is not listed: nothing is wrong with it.
+
+        Args:
+            not_good: inputs that count as not known even when they hold FALSE, such as one that
+                still has its default because no message has come.
         """
-        unknown = {k for k, (value, _) in enumerate(self._judgements()) if value == UNKNOWN}
+        named = set(not_good)
+        unknown = {
+            k
+            for k, (value, _) in enumerate(self._judgements())
+            if value == UNKNOWN or self.inputs[k].id in named
+        }
         sets = Sets(self._graph, self._leaf_values())
         found: Dict[int, List[str]] = {k: [] for k in sorted(unknown)}
         for name, node in zip(self.guarantee_ids, self._graph.guarantees):

@@ -7,6 +7,7 @@ from .logs import LOG
 from .report import OK, InputFact, NodeFact, Report, level_of, report
 from .subscriptions import Receipt
 
+_GOOD = ("ok", "latched")
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
 _CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
 
@@ -59,7 +60,8 @@ class Health:
         kinds = tuple(state for state, _ in states)
         if self._blocks_wanted or kinds != self._kinds:
             self._blocks_wanted = False
-            self._blocks = dict(self._monitor.blocked())
+            bad = [s.id for s, kind in zip(self._inputs, kinds) if kind not in _GOOD]
+            self._blocks = dict(self._monitor.blocked(bad))
         self._states, self._kinds, self._error = states, kinds, error
         before, self._level = self._level, level_of(kinds, error)
         return self._level != before
