@@ -1,13 +1,14 @@
 """The demonstration of SESAME D7.2 Fig 46: publish evidence, see guarantees become active.
 
-No ROS here: a run is anything with ``states``, ``wait_for`` and ``publish``.
+No ROS here: a run is anything that publishes, waits and tells the states it has seen.
 """
 
 import itertools
 
 SYSTEM_A, SYSTEM_B = "/conserta/guarantees", "/consertb/guarantees"
 GUARANTEES = {SYSTEM_A: ("System_A_G0", "System_A_G1"), SYSTEM_B: ("System_A_G0_c2",)}
-EVIDENCE_A, EVIDENCE_B = "/rte/e0a", "/rte/e0b"
+EVIDENCE_A = "/rte/e0a"
+EVIDENCE_B = {"/rte/e0b": "RtE_A_E0"}  # topic -> input
 PATIENCE_S = 30.0
 
 
@@ -16,22 +17,25 @@ def all_of(topic, active):
     return dict.fromkeys(GUARANTEES[topic], active)
 
 
-def demonstrate(run, evidence_of_b=(EVIDENCE_B,), *, steady=True, patience=PATIENCE_S):
+def demonstrate(run, evidence_of_b=EVIDENCE_B, *, steady=True, patience=PATIENCE_S):
     """Publish the evidence step by step and check every published guarantee.
 
     Args:
         run: launched monitors.
-        evidence_of_b: topics that system B needs, all of them.
+        evidence_of_b: topics that system B needs, all of them, and the inputs they become.
         steady: no guarantee may be lost again; not asked where a limit of age is so short that a
             busy machine passes it.
         patience: seconds for each step.
     """
     for topic in GUARANTEES:
         run.wait_for(topic, all_of(topic, active=False), patience)
-    for topic in evidence_of_b:
-        never_active(run, SYSTEM_A)
-        never_active(run, SYSTEM_B)
+    *parts, (last, _) = evidence_of_b.items()
+    for topic, name in parts:
         run.publish(topic)
+        run.wait_for_input("/consertb", name, patience)
+    never_active(run, SYSTEM_A)
+    never_active(run, SYSTEM_B)
+    run.publish(last)
     run.wait_for(SYSTEM_B, all_of(SYSTEM_B, active=True), patience)
     never_active(run, SYSTEM_A)
     run.publish(EVIDENCE_A)

@@ -8,7 +8,8 @@ _OLD_WIRE = (
     f'target="{_PACKAGE}/@guarantees.0"/>'
 )
 _NEW_WIRES = "".join(
-    f'<guaranteePropagation name="{name}" source="{_PACKAGE}/{source}" target="{_PACKAGE}/{target}"/>'
+    f'<guaranteePropagation name="{name}" source="{_PACKAGE}/{source}" '
+    f'target="{_PACKAGE}/{target}"/>'
     for name, source, target in (
         ("evidence_to_and", "@runtimeEvidence.0", "@consertGates.0"),
         ("operator_to_and", "@runtimeEvidence.1", "@consertGates.0"),

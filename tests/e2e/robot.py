@@ -1,4 +1,4 @@
-"""ROS as a person uses it: roscore, roslaunch, rostopic pub and rostopic echo, each a real process."""
+"""ROS as a person uses it: roscore, roslaunch, rostopic pub and echo, each a real process."""
 
 import contextlib
 import os
@@ -152,10 +152,18 @@ class Run:
         assert self.launch.popen.poll() is None, self.launch_text()
         return state in self.states(topic)[-1:]
 
-    def diagnosed(self):
-        """Return the nodes that have reported on ``/diagnostics``."""
-        arrays = self.messages("/diagnostics")
-        return {status["hardware_id"] for array in arrays for status in array["status"]}
+    def diagnosis(self, node):
+        """Return the newest key and value pairs of a node on ``/diagnostics``."""
+        for array in reversed(self.messages("/diagnostics")):
+            for status in array["status"]:
+                if status["hardware_id"] == node:
+                    return {pair["key"]: pair["value"] for pair in status["values"]}
+        return {}
+
+    def wait_for_input(self, node, name, patience):
+        """Wait until a node says that an input has come."""
+        came = ("ok", "latched")
+        until(lambda: self.diagnosis(node).get(name) in came, patience, f"{node} {name}")
 
     def launch_text(self):
         """Return what roslaunch and the nodes have printed."""
