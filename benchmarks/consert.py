@@ -1,0 +1,233 @@
+"""Time of a ConSert step: ours beside straight-line two-valued Python and a dictionary interpreter.
+
+Ours is three-valued, reads and checks its inputs and returns the active flags as a tuple. The
+straight-line peer is what one would write by hand: it reads the same attributes, trusts their types
+and knows True and False only. The interpreter walks dictionaries by id with three values. Ours and
+the peer are measured in turn; goal: at least 3 times faster than the compiled wheel of conserts-rs.
+
+    python benchmarks/consert.py [--quick] [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import statistics
+import sys
+import time
+import timeit
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
+
+from eddi_runtime import EDDIInputBase  # noqa: E402 - a benchmark runs from the checkout
+from eddi_runtime.consert import build  # noqa: E402
+from eddi_runtime.model_file import ModelFile, check_document, digest_of  # noqa: E402
+
+SIZES = {1: (2, 2), 30: (61, 2), 300: (601, 10)}
+"""Gates -> (inputs, guarantees)."""
+
+WHEEL_NS = {1: 983, 30: 4_743, 300: 78_282}
+"""Gates -> ns per step of the wheel of conserts-rs 0.1.6, measured once (CPython 3.11)."""
+
+Step = Callable[[Any], Any]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter runs")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    runs, seconds = (5, 0.01) if options.quick else (21, 0.05)
+    rows = [row for gates in SIZES for row in rows_of(gates, runs, seconds)]
+    if options.json:
+        print(json.dumps({"rows": rows}, indent=1))
+    else:
+        print_table(rows)
+
+
+def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
+    """Return every row of one size."""
+    document = model_document(gates, *SIZES[gates])
+    model_file = check_document(document)
+    monitor = build(model_file)
+    source = some_inputs(model_file)
+    straight, interpreted = straight_line(model_file), interpreter(model_file)
+    flags = monitor.step(source)
+    assert flags == straight(source) == interpreted(source)
+    name = f"{gates} gate{'s' * (gates > 1)}"
+
+    def beside(case: str, ours: Step, peer: str, its: Step) -> dict[str, object]:
+        return paired(f"{case}, {name}", ours, peer, its, source, runs, seconds)
+
+    def alone(case: str, ours: Step, reason: str) -> dict[str, object]:
+        ours_s = statistics.median(per_call(ours, source, seconds) for _ in range(runs))
+        row = {"case": f"{case}, {name}", "ours_s": ours_s, "peer": None, "peer_s": None}
+        return row | {"ratio": None, "reason": reason}
+
+    wheel = f"conserts-rs cannot be installed; its wheel once took {WHEEL_NS[gates]} ns"
+    return [
+        beside("step", monitor.step, "straight-line, two-valued", straight),
+        beside("step", monitor.step, "dictionary interpreter", interpreted),
+        alone("step", monitor.step, wheel) | {"peer": "conserts-rs 0.1.6"},
+        alone("execute_step (list of dicts)", monitor.execute_step, "D7.2 Fig 9 shape"),
+        alone("explain all", lambda _: monitor.explain(), "no peer explains"),
+        alone("load", lambda _: build(check_document(document)), "check and compile, no file"),
+    ]
+
+
+def paired(
+    case: str, ours: Step, peer: str, its: Step, source: Any, runs: int, seconds: float
+) -> dict[str, object]:
+    """Measure ours and the peer in turn; the ratio is the median of the pairs."""
+    pairs = [(per_call(ours, source, seconds), per_call(its, source, seconds)) for _ in range(runs)]
+    return {
+        "case": case,
+        "ours_s": statistics.median(one for one, _ in pairs),
+        "peer": peer,
+        "peer_s": statistics.median(other for _, other in pairs),
+        "ratio": statistics.median(other / one for one, other in pairs),
+    }
+
+
+def per_call(step: Step, source: Any, seconds: float) -> float:
+    """Return the seconds of one call, of a loop that takes about ``seconds``."""
+    names = {"step": step, "source": source}
+    # Time of this process: others on the machine do not count.
+    timer = timeit.Timer("step(source)", globals=names, timer=time.process_time)
+    number, once = 1, timer.timeit(1)
+    while once < seconds:
+        number = max(2 * number, int(number * seconds / max(once, 1e-6)))
+        once = timer.timeit(number)
+    return once / number
+
+
+def model_document(gates: int, inputs: int, guarantees: int) -> dict[str, Any]:
+    """Return a random ConSert that is the same in every run; most evidence is binary."""
+    rng = random.Random(gates)
+    leaves = [f"evidence_{k}" for k in range(inputs)]
+    edges = []
+    unused, made = list(leaves), []
+    for k in range(gates):
+        count = min(len(unused), -(-(len(unused) + gates - k - 1) // (gates - k)))
+        sources = [unused.pop(0) for _ in range(count)]
+        sources += rng.sample(made[-4:], min(1, len(made)))
+        made.append(f"gate_{k}")
+        edges += [[source, made[-1]] for source in sources]
+    for k in range(guarantees):
+        edges.append([made[-1 - k] if k < len(made) else leaves[0], f"guarantee_{k}"])
+    data: dict[str, Any] = {
+        "format": 1,
+        "kind": "consert",
+        "id": "Benchmark",
+        "requires_runtime": "0.1",
+        "source": {},
+        "inputs": [{"id": one, "attribute": one, "requires": []} for one in leaves],
+        "model": {
+            "evidence": [{"id": one, "dimension": dimension(k)} for k, one in enumerate(leaves)],
+            "demands": [],
+            "gates": [{"id": one, "function": rng.choice(["And", "Or"])} for one in made],
+            "guarantees": [
+                {"id": f"guarantee_{k}", "class_name": f"Guarantee{k}"} for k in range(guarantees)
+            ],
+            "edges": edges,
+            "provided_services": [],
+        },
+        "settings": {},
+    }
+    return data | {"sha256": digest_of(data)}
+
+
+def dimension(k: int) -> dict[str, Any]:
+    if k % 10 == 8:
+        return {"kind": "categorical", "covered": ["low", "medium"]}
+    if k % 10 == 9:
+        return {"kind": "numeric", "covered": [{"start": "0", "end": "5", "inclusive": True}]}
+    return {"kind": "binary"}
+
+
+def some_inputs(model_file: ModelFile) -> EDDIInputBase:
+    """Return values of which three of four are good; the others are bad or None in turn."""
+    values = {"binary": (True, False), "categorical": ("low", "high"), "numeric": (2.5, 7.5)}
+    source = type("EDDIInput", (EDDIInputBase,), {})()
+    for k, item in enumerate(model_file.model["evidence"]):
+        good, bad = values[item["dimension"]["kind"]]
+        setattr(source, item["id"], good if k % 4 else None if k % 8 else bad)
+    return source
+
+
+def straight_line(model_file: ModelFile) -> Step:
+    """Return two-valued code as one would write it by hand; None is not True."""
+    lines, model = ["def step(x):"], model_file.model
+    tests = {
+        "binary": "x.{0} is True",
+        "categorical": "x.{0} in ('low', 'medium')",
+        "numeric": "x.{0} is not None and 0.0 <= x.{0} <= 5.0",
+    }
+    lines += [
+        f"    {item['id']} = {tests[item['dimension']['kind']].format(item['id'])}"
+        for item in model["evidence"]
+    ]
+    lines += [
+        f"    {name} = {f' {function.lower()} '.join(sources)}"
+        for name, (function, sources) in nodes(model_file).items()
+    ]
+    flags = ", ".join(item["id"] for item in model["guarantees"])
+    names: dict[str, Any] = {}
+    exec("\n".join([*lines, f"    return ({flags},)"]), names)
+    step: Step = names["step"]
+    return step
+
+
+def nodes(model_file: ModelFile) -> dict[str, tuple[str, list[str]]]:
+    """Return gate or guarantee -> (function, inputs), inputs first."""
+    functions = {item["id"]: item["function"] for item in model_file.model["gates"]}
+    functions |= {item["id"]: "And" for item in model_file.model["guarantees"]}
+    edges = model_file.model["edges"]
+    sources: dict[str, list[str]] = {name: [] for name in functions}
+    for source, target in edges:
+        sources[target].append(source)
+    return {name: (function, sources[name]) for name, function in functions.items()}
+
+
+def interpreter(model_file: ModelFile) -> Step:
+    """Return a three-valued evaluation that looks everything up by id (FALSE 0, TRUE 2)."""
+    evidence, graph = model_file.model["evidence"], nodes(model_file)
+    guarantees = [item["id"] for item in model_file.model["guarantees"]]
+
+    def judged(kind: str, value: Any) -> int:
+        if value is None:
+            return 1
+        if kind == "numeric":
+            return 2 if 0 <= value <= 5 else 0
+        return 2 if value in (("low", "medium") if kind == "categorical" else (True,)) else 0
+
+    def step(x: Any) -> tuple[bool, ...]:
+        values = {}
+        for item in evidence:
+            values[item["id"]] = judged(item["dimension"]["kind"], getattr(x, item["id"]))
+        for name, (function, sources) in graph.items():
+            found = [values[source] for source in sources]
+            values[name] = min(found) if function == "And" else max(found)
+        return tuple(values[name] == 2 for name in guarantees)
+
+    return step
+
+
+def print_table(rows: list[dict[str, Any]]) -> None:
+    print(f"{'case':<42} {'ours':>12}  {'peer':>12} {'ratio':>6}  which peer")
+    for row in rows:
+        peer = f"{row['peer_s'] * 1e9:>9,.0f} ns" if row["peer_s"] else f"{'-':>12}"
+        ratio = f"{row['ratio']:.2f}" if row["ratio"] else "-"
+        why = row["peer"] or ""
+        reason = f"({row['reason']})" if row.get("reason") else ""
+        ours = f"{row['ours_s'] * 1e9:>9,.0f} ns"
+        print(f"{row['case']:<42} {ours}  {peer} {ratio:>6}  {why} {reason}".rstrip())
+
+
+if __name__ == "__main__":
+    main()
