@@ -11,8 +11,9 @@ from . import compile as compiler
 from .explain import Explanation, Reason, Sets
 from .filters import make_filter
 from .graph import build_graph
+from .messages import output_message, status_message
 from .model import read_consert
-from .values import FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, describe, judge, plain
+from .values import FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, describe, judge
 
 Rows = List[Dict[str, object]]
 
@@ -216,14 +217,8 @@ class ConSertMonitor:
         Only a bool is taken as active: a row that a person's code has spoilt is published as not
         active, and ``output_faults`` says so.
         """
-        faults: List[str] = []
-        rows = output
-        if not isinstance(output, (list, tuple)):
-            faults.append("the output is not a list; nothing is published as active")
-            rows = [{"id": one, "active": False} for one in self.published_ids]
-        guarantees = [tree for tree in (_row_tree(row, faults) for row in rows) if tree is not None]
-        self._output_faults = tuple(faults)
-        return "ConSertOutput", {"guarantees": guarantees}
+        tree, self._output_faults = output_message(output, self.published_ids)
+        return tree
 
     def output_faults(self) -> Tuple[str, ...]:
         """Return what was wrong with the output that ``message`` was given last."""
@@ -235,15 +230,11 @@ class ConSertMonitor:
         if self._missing[0] != leaf_values:  # the sets cost more than a step: only on a change
             self._missing = leaf_values, self._smallest_missing(leaf_values)
         values = self._graph.evaluate(leaf_values)
-        guarantees = [
-            ("GuaranteeStatus", {"id": name, "verdict": values[k], "missing": self._missing[1][k]})
+        rows = [
+            (name, values[k], self._missing[1][k])
             for name, k in zip(self.guarantee_ids, self._graph.guarantees)
         ]
-        return "ConSertStatus", {
-            "model_id": self.model_id,
-            "model_digest": self.digest,
-            "guarantees": guarantees,
-        }
+        return status_message(self.model_id, self.digest, rows)
 
     def reset(self) -> None:
         """Forget former steps: filters begin anew, inputs count as missing."""
@@ -290,18 +281,3 @@ def _state(source: object, input_id: str) -> Optional[Reason]:
         return Reason(str(found.state), str(found.reason))
     except Exception:  # noqa: BLE001 - any object may be given as input
         return None
-
-
-def _row_tree(row: Any, faults: List[str]) -> Union[Tree, None]:
-    try:
-        name, active = plain(row["id"]), plain(row["active"])
-    except Exception:  # noqa: BLE001 - a person's code may have put anything there
-        faults.append("a row of the output has no 'id' or no 'active'; it is left out")
-        return None
-    if not isinstance(name, str):
-        faults.append("the 'id' of a row of the output is not a text; it is left out")
-        return None
-    if not isinstance(active, bool):
-        faults.append(f"'active' of {name!r} is not a bool; published as not active")
-        active = False
-    return "Guarantee", {"id": name, "active": active}
