@@ -21,6 +21,7 @@ from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.project import ANSWERS_FILE, Template, read_answers, render
 from eddi_scaffold.regions.generated import (
     changed_generated,
+    forget_generated,
     recorded_generated,
     save_generated_edits,
 )
@@ -161,6 +162,7 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
     for name in recorded_generated(staged):
         if not (rendered / name).exists():
             (staged / name).unlink(missing_ok=True)
+    forget_generated(staged)
     return notes
 
 

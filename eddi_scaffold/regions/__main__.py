@@ -18,6 +18,7 @@ if not __package__:  # run as a folder: make the template's checkout importable,
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.generated import note_edits
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 
 _USAGE = "usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)\n"
@@ -38,6 +39,8 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
         broken = broken_files(root)
         for refusal in broken:
             sys.stderr.write(f"{refusal.file}:{refusal.line}: error: {refusal.reason}\n")
+        if not broken:
+            note_edits(root)
         return 1 if broken else 0
     sys.stderr.write(_USAGE)
     return 0 if words in (["-h"], ["--help"]) else 2

@@ -18,6 +18,7 @@ from eddi_scaffold.regions.store import (
 
 _LIST = "generated.txt"
 _MANIFEST = "manifest.json"
+_EDITED = "edited.txt"
 
 
 def listed_generated(root: Path) -> list[str]:
@@ -36,13 +37,39 @@ def recorded_generated(root: Path) -> list[str]:
     return sorted(_recorded(root))
 
 
+def note_edits(root: Path) -> None:
+    """Remember, before `copier update`, which generated-only files a person edited.
+
+    Copier merges such edits into the new rendering; without the note they would pass as generated.
+    """
+    note = root / EDDI / _EDITED
+    names = changed_generated(root)
+    if names:
+        write_file(note, ("\n".join(names) + "\n").encode())
+    else:
+        note.unlink(missing_ok=True)
+
+
 def record_generated(root: Path) -> bool:
-    """Store the digests of the generated-only files; returns whether the record changed."""
-    digests = {name: digest for name in listed_generated(root) if (digest := _digest(root / name))}
+    """Store the digests of the generated-only files; returns whether the record changed.
+
+    A file that was noted as edited gets an empty digest: it differs from every rendering.
+    """
+    note = root / EDDI / _EDITED
+    noted = read_text(note)
+    edited = set(noted.split("\n")) if isinstance(noted, str) else set()
+    edited |= {name for name, digest in _recorded(root).items() if not digest}
+    digests = {
+        name: "" if name in edited else digest
+        for name in listed_generated(root)
+        if (digest := _digest(root / name))
+    }
     if not digests:
         return False
     text = json.dumps({"sha256": digests}, indent=1, sort_keys=True) + "\n"
-    return write_file(root / EDDI / _MANIFEST, text.encode())
+    changed = write_file(root / EDDI / _MANIFEST, text.encode())
+    note.unlink(missing_ok=True)
+    return changed
 
 
 def changed_generated(root: Path) -> list[str]:
@@ -52,6 +79,12 @@ def changed_generated(root: Path) -> list[str]:
         for name, digest in sorted(_recorded(root).items())
         if _digest(root / name) not in {digest, None}
     ]
+
+
+def forget_generated(root: Path) -> None:
+    """Drop the record, because every generated-only file is about to be rendered anew."""
+    (root / EDDI / _MANIFEST).unlink(missing_ok=True)
+    (root / EDDI / _EDITED).unlink(missing_ok=True)
 
 
 def save_generated_edits(root: Path, paths: Iterable[str] | None = None) -> list[Path]:
@@ -93,7 +126,9 @@ def _digest(path: Path) -> str | None:
 __all__ = [
     "SENTINEL",
     "changed_generated",
+    "forget_generated",
     "listed_generated",
+    "note_edits",
     "record_generated",
     "recorded_generated",
     "save_generated_edits",
