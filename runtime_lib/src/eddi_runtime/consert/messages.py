@@ -17,7 +17,7 @@ def output_message(output: Any, published: Sequence[str]) -> Tuple[Tree, Tuple[s
     """
     faults: List[str] = []
     rows = output
-    if not isinstance(output, (list, tuple)):
+    if not issubclass(type(output), (list, tuple)):
         faults.append("the output is not a list; nothing is published as active")
         rows = [{"id": one, "active": False} for one in published]
     trees = [_row_tree(row, faults) for row in rows]
