@@ -38,13 +38,29 @@ def folder(ros_here):
 
 
 @pytest.fixture(scope="module")
+def own_git(folder):
+    """Keep the tester's git out: a hook's GIT_DIR, signed commits, another owner's checkout."""
+    settings = folder / "gitconfig"
+    settings.write_text(
+        "[user]\nname = Tester\nemail = tester@localhost\n[safe]\ndirectory = *\n"
+        "[init]\ndefaultBranch = main\n"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        for name in [name for name in os.environ if name.startswith(("GIT_", "COPIER_"))]:
+            patch.delenv(name)
+        patch.setenv("GIT_CONFIG_GLOBAL", str(settings))
+        patch.setenv("GIT_CONFIG_NOSYSTEM", "1")
+        yield
+
+
+@pytest.fixture(scope="module")
 def home(folder):
     (folder / "home").mkdir()
     return folder / "home"
 
 
 @pytest.fixture(scope="module")
-def generator(folder):
+def generator(folder, own_git):
     return Generator(folder / "eddi-scaffold")
 
 
@@ -79,8 +95,6 @@ def edited(joined):
     edits.edit_system_a(workspace.eddi_input("conserta"))
     edits.edit_system_b(workspace.eddi_input("consertb"))
     git(workspace.path, "init", "--quiet")
-    git(workspace.path, "config", "user.name", "Tester")  # copier commits in a copy
-    git(workspace.path, "config", "user.email", "tester@localhost")
     git(workspace.path, "add", "--all")
     git(workspace.path, "commit", "--quiet", "--message", "Generated, with hand edits")
     return workspace

@@ -8,7 +8,6 @@ from pathlib import Path
 HERE = Path(__file__).parents[2]
 # Newer than any release that the clone brings along: copier takes the newest tag.
 FIRST, SECOND = "v900.0.0", "v900.1.0"
-_IDENTITY = ("-c", "user.name=Tester", "-c", "user.email=tester@localhost")
 _SECOND_LOOK = {
     "copier_templates/eddi_input.py.jinja": (
         '"""One attribute for each input of the monitor."""',
@@ -26,9 +25,7 @@ _SECOND_LOOK = {
 
 
 def git(folder, *words):
-    done = subprocess.run(
-        ["git", *_IDENTITY, *words], cwd=folder, check=False, capture_output=True, text=True
-    )
+    done = subprocess.run(["git", *words], cwd=folder, check=False, capture_output=True, text=True)
     assert done.returncode == 0, f"git {' '.join(words)}: {done.stderr}"
     return done.stdout
 
