@@ -34,6 +34,7 @@ from eddi_scaffold.problems import (
     in_order,
     warning,
 )
+from eddi_scaffold.readers.xml_text import looks_like_xml
 from eddi_scaffold.source import Source
 from eddi_scaffold.yaml_nodes import Items, Map, Node, differs_between_versions, read_map, value_11
 
@@ -44,6 +45,18 @@ _ALIASES = {
 }
 _TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
+_TEXTS = {
+    "bool_type": "true or false is expected",
+    "dict_type": "a map is expected",
+    "int_type": "a whole number is expected",
+    "list_type": "a list is expected, such as [first, second]",
+    "model_type": "a map is expected",
+    "string_type": "a text is expected",
+    "too_short": "a text is expected, not nothing",
+}
+"""Our words for pydantic's, which speak to programmers."""
+_KEY = -1
+"""Last part of the path under which the place of a key is noted, not that of its value."""
 _TYPES = {
     "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
     "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
@@ -88,6 +101,24 @@ def _frequency(value: object) -> object:
     return float(value)
 
 
+def _version(text: str) -> str:
+    if re.fullmatch(r"[0-9]+\.[0-9]+\.[0-9]+", text) is None:
+        raise ValueError("three numbers are expected, such as 0.1.0")
+    return text
+
+
+def _maintainer(text: str) -> str:
+    if re.fullmatch(r"[^<>\n]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>", text) is None:
+        raise ValueError("a name and an address are expected: Ada Lovelace <ada@example.org>")
+    return text
+
+
+def _line(text: str) -> str:
+    if not text.strip() or not text.isprintable():
+        raise ValueError("one line of text is expected")
+    return text
+
+
 def _named(value: object) -> object:
     """Accept D7.2's ids that YAML 1.1 reads as numbers."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
@@ -95,6 +126,7 @@ def _named(value: object) -> object:
 
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
 MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
+Line = Annotated[StrictStr, AfterValidator(_line)]
 Topic = Annotated[StrictStr, AfterValidator(_topic)]
 Default = StrictBool | StrictInt | StrictFloat | StrictStr | None
 
@@ -170,12 +202,10 @@ class Output(_Entry):
 class PackageSection(_Section):
     """What stands in the generated package.xml."""
 
-    version: Annotated[StrictStr, Field(pattern=r"^\d+\.\d+\.\d+$")] = "0.1.0"
-    description: Annotated[StrictStr, Field(pattern=r"^[^\n\r]+$")] | None = None
-    maintainer: (
-        Annotated[StrictStr, Field(pattern=r"^[^<>\n]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>$")] | None
-    ) = None
-    license: Annotated[StrictStr, Field(pattern=r"^[^\n\r]+$")] = "Apache-2.0"
+    version: Annotated[StrictStr, AfterValidator(_version)] = "0.1.0"
+    description: Line | None = None
+    maintainer: Annotated[StrictStr, AfterValidator(_maintainer)] | None = None
+    license: Line = "Apache-2.0"
 
 
 class Config(_Section):
@@ -219,6 +249,8 @@ def from_json(text: str, name: str) -> ConfigFile:
 
 def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
     """Read a configuration; the result is ``None`` when a problem is an error."""
+    if looks_like_xml(source.data):
+        return None, [error("E001", "this is XML, not an eddi_config.yml", Place(source.name))]
     document, problems = read_map(source, "E001")
     if document is None:
         return None, problems
@@ -264,6 +296,7 @@ def _plain(
         for key, value in node.entries:
             inner = (*path, key.text)
             result[key.text] = _plain(value, inner, places, problems)
+            places[(*inner, _KEY)] = key.place
             if isinstance(value, Map | Items):
                 places[inner] = key.place
         return result
@@ -291,24 +324,24 @@ def _translated(
             continue
         seen.add(path)
         place = places.get(path, Place(file))
-        where = ".".join(str(part) for part in found["loc"][: len(path) + 1])
+        key = str(found["loc"][-1])
         if found["type"] == "missing":
-            key = found["loc"][-1]
-            yield error(
-                "E003", f"{where.removesuffix(f'.{key}') or 'the file'} has no {key!r}", place
-            )
+            yield error("E003", f"{_named_path(path) or 'the file'} has no {key!r}", place)
         elif found["type"] == "extra_forbidden":
-            key = str(found["loc"][-1])
             known = _known_keys(path[:-1])
-            yield error(
-                "E004",
-                f"unknown key {key!r}",
-                place,
-                did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}",
-            )
+            hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
+            yield error("E004", f"unknown key {key!r}", places.get((*path, _KEY), place), hint)
         else:
-            text = found["msg"].removeprefix("Value error, ")
-            yield error("E005", f"{where}: {text[:1].lower()}{text[1:]}", place)
+            own = _TEXTS.get(found["type"]) or found["msg"].removeprefix("Value error, ")
+            if len(found["loc"]) > len(path):  # one of several types that would do
+                own = "true, false, a number or a text is expected"
+            text = own.replace("Input should be", "must be")
+            yield error("E005", f"{_named_path(path) or 'the file'}: {text}", place)
+
+
+def _named_path(path: Sequence[str | int]) -> str:
+    """Name a value by its keys; which entry of a list it is says the place."""
+    return ".".join(part for part in path if isinstance(part, str))
 
 
 def _known_keys(path: tuple[str | int, ...]) -> set[str]:

@@ -54,6 +54,7 @@ def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
     """
     if not changes:
         return
+    _refuse_early(root / _JOURNAL)
     root.mkdir(parents=True, exist_ok=True)
     staging = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root))
     try:

@@ -48,9 +48,8 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
 
 def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
     if packages:
-        found = [
-            Group(path.resolve().parent, {path.resolve().name: _answers(path)}) for path in packages
-        ]
+        named = [path if path.name not in {"", ".."} else path.resolve() for path in packages]
+        found = [Group(path.parent, {path.name: _answers(path)}) for path in named]
         roots = dict.fromkeys(group.root for group in found)
         return [
             Group(root, {k: v for g in found if g.root == root for k, v in g.present.items()})
@@ -114,7 +113,8 @@ def _answers(package: Path) -> dict[str, Any]:
     answers = read_answers(package)
     if answers is None:
         message = "this folder is no generated package"
-        raise EddiError(error("U003", message, Place(str(package))))
+        hint = "`-w` names a folder that holds packages"
+        raise EddiError(error("U003", message, Place(str(package)), hint))
     return answers
 
 

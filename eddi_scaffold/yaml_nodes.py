@@ -133,7 +133,7 @@ def differs_between_versions(node: Node) -> bool:
     if not isinstance(node, Scalar) or not node.plain:
         return False
     old, new = _scalar_11(node.text), value_12(node)
-    return old != new or type(old) is not type(new)
+    return repr(old) != repr(new)  # by text, since NaN differs from itself
 
 
 class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):

@@ -1,0 +1,81 @@
+"""Run eddi-scaffold in this process, as a user would in some folder."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import io
+import os
+import shutil
+import sys
+import tempfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from unittest.mock import patch
+
+from eddi_scaffold import cli, project
+from eddi_scaffold.console import console
+from eddi_scaffold.unpacking import PATHS
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "two-conserts"
+
+
+@cache
+def template() -> project.Template:
+    """Copy the templates as they lie there: faster than git, no note on uncommitted changes."""
+    folder = Path(tempfile.mkdtemp(prefix="eddi-templates-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    for name in PATHS:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name)
+        else:
+            shutil.copy(ROOT / name, folder / name)
+    return project.Template(str(folder), None)
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a command left behind."""
+
+    status: int
+    out: str
+    err: str
+
+
+def run(*words: object, cwd: Path) -> Result:
+    """Run one command in a folder."""
+    console.quiet, console.verbose, console.colour = False, False, None
+    out, err = io.StringIO(), io.StringIO()
+    before = Path.cwd()
+    os.chdir(cwd)
+    try:
+        with (
+            patch.object(sys, "argv", ["eddi-scaffold", *map(str, words)]),
+            patch.object(project, "own_template", template),
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+        ):
+            cli.main()
+    except SystemExit as end:
+        return Result(int(end.code or 0), out.getvalue(), err.getvalue())
+    finally:
+        os.chdir(before)
+    raise AssertionError("a command ends with an exit status")
+
+
+def example(folder: Path) -> Path:
+    """Put the files of the example into a folder."""
+    for file in (path for path in EXAMPLE.iterdir() if path.is_file()):
+        shutil.copy(file, folder / file.name)
+    return folder
+
+
+def files_below(folder: Path) -> dict[str, bytes]:
+    """Return every file below a folder."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
