@@ -8,7 +8,13 @@ ROS_PACKAGES="python3-rospy python3-roslaunch python3-rostopic python3-rosnode r
   ros-message-generation ros-message-runtime ros-std-msgs libstd-msgs-dev libdiagnostic-msgs-dev
   rosbash catkin-lint"
 
-have_ros() { /usr/bin/python3 -c 'import rospy, std_msgs.msg, diagnostic_msgs.msg' 2>/dev/null && command -v catkin_make >/dev/null; }
+have_ros() {
+  local name
+  for name in roscore roslaunch rostopic rosnode catkin_make catkin catkin_lint cmake g++; do
+    command -v "$name" >/dev/null || return 1
+  done
+  /usr/bin/python3 -c 'import rospy, std_msgs.msg, diagnostic_msgs.msg, numpy' 2>/dev/null
+}
 
 apt_install() { # as root on a Debian system; anything else says so and goes on without
   if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then return 1; fi
