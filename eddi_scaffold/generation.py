@@ -97,7 +97,8 @@ def bring(
         EddiError: a hand-edited file has damaged markers (R010), a result does not compile (R011),
             or the destination cannot be written (F002); nothing was written.
     """
-    transaction.recover(root)
+    if not dry_run:
+        transaction.recover(root)
     work = _Work()
     with (
         tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
@@ -110,7 +111,7 @@ def bring(
             notes = render(package.answers, template, source, rendered)
             _bring_one(root, package, rendered, notes, work)
     if not dry_run:
-        transaction.write(root, work.changes)
+        _write(root, work.changes)
     return Outcome(root, work.changes, work.before, work.notes, work.attention)
 
 
@@ -127,7 +128,9 @@ def _bring_one(
                 error("R012", "the folder exists and was not generated", Place(str(target)), hint)
             )
         shutil.copytree(target, staged, ignore=shutil.ignore_patterns(".git", "__pycache__"))
-        notes += _keep_generated_edits(staged, rendered)
+        saved = _keep_generated_edits(staged, rendered)
+        notes += saved
+        work.attention = work.attention or bool(saved)
     _lay(rendered, staged)
     report = sync_package(staged)
     if report.refused:
@@ -149,6 +152,23 @@ def _bring_one(
     work.notes += [note for note in notes if note not in work.notes]
     work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in report.notes]
     work.attention = work.attention or report.needs_attention
+
+
+def _write(root: Path, changes: Mapping[str, FileState | None]) -> None:
+    """Write in the order of ``sync``: killed in between, a plain Copier run still merges right."""
+    ordered = sorted(changes, key=lambda path: (_turn(path, changes[path]), path))
+    follows = {
+        path: path.replace("/.eddi/base/", "/", 1) for path in ordered if "/.eddi/base/" in path
+    }
+    transaction.write(root, {path: changes[path] for path in ordered}, follows)
+
+
+def _turn(path: str, state: FileState | None) -> int:
+    """Return when a file is written: saved edits, the rest, what came back, the base."""
+    folder = path.partition("/.eddi/")[2].partition("/")[0]
+    if folder in {"orphans", "rejects"}:
+        return 2 if state is None else 0
+    return 3 if folder == "base" else 1
 
 
 def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:

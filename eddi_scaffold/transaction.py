@@ -1,19 +1,21 @@
 """Replace many files as one step: all of them are new, or all of them are old.
 
 The new texts are staged in one folder beside the files, then a journal is written, then each file
-is replaced. Killed before the journal: nothing happened. Killed after it: the next ``recover``
-finishes the replacements.
+is replaced, in the order of the changes. Killed before the journal: nothing happened. Killed after
+it: the next ``recover`` finishes the replacements, but leaves alone what was changed since: a
+person may have gone on writing.
 """
 
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import os
 import shutil
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, Place, error
@@ -46,8 +48,35 @@ def tree_of(
     return found
 
 
-def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
+@dataclass(frozen=True)
+class _Step:
+    """One line of the journal.
+
+    Attributes:
+        path: the file, relative to the root.
+        staged: name of its new text, ``None`` to remove it.
+        old: digest of the text that is replaced, ``None`` when there was no file.
+        follows: file without whose change this one makes no sense.
+    """
+
+    path: str
+    staged: str | None
+    old: str | None
+    follows: str | None
+
+
+def apply(
+    root: Path,
+    changes: Mapping[str, FileState | None],
+    follows: Mapping[str, str] | None = None,
+) -> None:
     """Write, replace or (``None``) remove the files below ``root`` as one step.
+
+    Args:
+        root: folder that the paths are relative to.
+        changes: path -> new state, in the order in which they are made.
+        follows: path -> path of the file without whose change it makes no sense: when a killed
+            run is finished and that file was changed since, both are left alone.
 
     Raises:
         OSError: the disk is full or a folder is not writable; then nothing was changed.
@@ -58,17 +87,15 @@ def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
     root.mkdir(parents=True, exist_ok=True)
     staging = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root))
     try:
-        journal: list[tuple[str, str | None]] = []
-        for number, (path, state) in enumerate(sorted(changes.items())):
+        journal: list[_Step] = []
+        for number, (path, state) in enumerate(changes.items()):
             _refuse_early(root / path)
-            if state is None:
-                journal.append((path, None))
-                continue
-            staged = staging / str(number)
-            _write(staged, state.data)
-            staged.chmod(0o755 if state.executable else 0o644)
-            journal.append((path, str(number)))
-        _write(staging / "journal.new", json.dumps(journal).encode())
+            staged = None if state is None else str(number)
+            if state is not None:
+                _write(staging / str(number), state.data)
+                (staging / str(number)).chmod(0o755 if state.executable else 0o644)
+            journal.append(_Step(path, staged, _digest(root / path), (follows or {}).get(path)))
+        _write(staging / "journal.new", json.dumps([astuple(step) for step in journal]).encode())
         (staging / "journal.new").replace(staging / _JOURNAL)
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
@@ -80,14 +107,18 @@ def apply(root: Path, changes: Mapping[str, FileState | None]) -> None:
         raise
 
 
-def write(root: Path, changes: Mapping[str, FileState | None]) -> None:
+def write(
+    root: Path,
+    changes: Mapping[str, FileState | None],
+    follows: Mapping[str, str] | None = None,
+) -> None:
     """Do the same as ``apply`` for a command.
 
     Raises:
         EddiError: nothing could be written (F002).
     """
     try:
-        apply(root, changes)
+        apply(root, changes, follows)
     except OSError as problem:
         reason = problem.strerror or str(problem)
         named = problem.filename is not None and _PREFIX not in str(problem.filename)
@@ -120,15 +151,25 @@ def _refuse_early(target: Path) -> None:
 
 
 def _finish(root: Path, staging: Path) -> None:
-    for path, staged in json.loads((staging / _JOURNAL).read_bytes()):
-        target = root / path
-        if staged is None:
+    left: set[str] = set()
+    for entry in json.loads((staging / _JOURNAL).read_bytes()):
+        step = _Step(*entry)
+        target = root / step.path
+        if not (target if step.staged is None else staging / step.staged).exists():
+            continue  # done by the run that was killed
+        if _digest(target) != step.old or step.follows in left:
+            left.add(step.path)
+        elif step.staged is None:
             target.unlink(missing_ok=True)
             _remove_empty_folders(target.parent, root)
-        elif (staging / staged).exists():  # not yet moved by the run that was killed
+        else:
             target.parent.mkdir(parents=True, exist_ok=True)
-            (staging / staged).replace(target)
+            (staging / step.staged).replace(target)
     shutil.rmtree(staging, ignore_errors=True)
+
+
+def _digest(path: Path) -> str | None:
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
 
 
 def _remove_empty_folders(folder: Path, root: Path) -> None:

@@ -20,7 +20,9 @@ _ENOUGH = 512 * 2**20
 def fast_folder() -> Iterator[Path]:
     """A folder where fsync costs nothing: Copier and git call it some hundred times per update."""
     fast = os.access(_RAM_DISK, os.W_OK) and shutil.disk_usage(_RAM_DISK).free > _ENOUGH
-    with tempfile.TemporaryDirectory(prefix="eddi-updates-", dir=_RAM_DISK if fast else None) as folder:
+    with tempfile.TemporaryDirectory(
+        prefix="eddi-updates-", dir=_RAM_DISK if fast else None
+    ) as folder:
         yield Path(folder)
 
 

@@ -19,7 +19,12 @@ _DIMENSIONS = {
     "text": "Categorical:\n          type: Mode\n          covered:\n            - manual\n          subset: Guarantee\n",
 }
 _VALUE_TYPES = {"bool": "bool", "pair": "bool", "float": "float", "text": "str"}
-_MESSAGES = {"bool": "std_msgs.Bool", "float": "std_msgs.Float64", "text": "std_msgs.String", "pair": "geometry_msgs.Twist"}
+_MESSAGES = {
+    "bool": "std_msgs.Bool",
+    "float": "std_msgs.Float64",
+    "text": "std_msgs.String",
+    "pair": "geometry_msgs.Twist",
+}
 
 
 @dataclass(frozen=True)
@@ -40,10 +45,27 @@ def elements(*names: str) -> tuple[Element, ...]:
 
 def model_text(inputs: tuple[Element, ...]) -> str:
     """Return a ConSert whose one guarantee needs every input."""
-    lines = ["---", "guarantees:", "  - id: Drive", "    dimensions:", "      - Binary:", "          type: Driving"]
-    lines += ["demands: []", "gates: []", "required_services: []", "provided_services: []", "evidence:"]
+    lines = [
+        "---",
+        "guarantees:",
+        "  - id: Drive",
+        "    dimensions:",
+        "      - Binary:",
+        "          type: Driving",
+    ]
+    lines += [
+        "demands: []",
+        "gates: []",
+        "required_services: []",
+        "provided_services: []",
+        "evidence:",
+    ]
     for item in inputs:
-        lines += [f"  - id: {item.name}", "    dimension:", f"      {_DIMENSIONS[item.type].rstrip()}"]
+        lines += [
+            f"  - id: {item.name}",
+            "    dimension:",
+            f"      {_DIMENSIONS[item.type].rstrip()}",
+        ]
     lines.append("tree_propagations:")
     for item in inputs:
         lines += [f"  - from: {item.name}", "    to: Drive"]
@@ -60,14 +82,20 @@ def config_text(inputs: tuple[Element, ...], name: str = "Rover") -> str:
     lines.append("EDDIInputs:")
     for item in inputs:
         requires = ", ".join(_sources(item))
-        lines += [f"  - id: {item.name}", f"    type: {_VALUE_TYPES[item.type]}", f"    requires: [{requires}]"]
+        lines += [
+            f"  - id: {item.name}",
+            f"    type: {_VALUE_TYPES[item.type]}",
+            f"    requires: [{requires}]",
+        ]
         if item.was:
             lines.append(f"    renamed_from: {item.was}")
     lines += ["EDDIOutputs:", f"  - {{id: {name.lower()}, topic: /{name.lower()}/guarantees}}"]
     return "\n".join(lines) + "\n"
 
 
-def write_inputs(folder: Path, inputs: tuple[Element, ...], name: str = "Rover") -> tuple[Path, Path]:
+def write_inputs(
+    folder: Path, inputs: tuple[Element, ...], name: str = "Rover"
+) -> tuple[Path, Path]:
     """Write model and configuration; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     model, config = folder / f"{name}.yml", folder / "eddi_config.yml"

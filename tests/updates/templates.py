@@ -18,29 +18,54 @@ _PROCESSING = "\n    def processing(self, simulator_outputs):\n"
 _SECOND = {
     _INPUT: (
         ('"""One attribute for each', '"""Second look: one attribute for each'),
-        (_METHOD, _METHOD.replace("):\n", ", *_):\n") + '        """Set `{{ input.attribute }}`."""\n'),
-        ("        {{ input.region_begin }}\n", "        # your code\n        {{ input.region_begin }}\n"),
+        (
+            _METHOD,
+            _METHOD.replace("):\n", ", *_):\n") + '        """Set `{{ input.attribute }}`."""\n',
+        ),
+        (
+            "        {{ input.region_begin }}\n",
+            "        # your code\n        {{ input.region_begin }}\n",
+        ),
         ('        """Call the method of each', '        """Second look: call the method of each'),
     ),
     f"{_MONITOR}/package.xml.jinja": (
-        ("  <exec_depend>rospy</exec_depend>\n", "  <exec_depend>rospy</exec_depend>\n  <doc_depend>doxygen</doc_depend>\n"),
+        (
+            "  <exec_depend>rospy</exec_depend>\n",
+            "  <exec_depend>rospy</exec_depend>\n  <doc_depend>doxygen</doc_depend>\n",
+        ),
     ),
     f"{_MONITOR}/CMakeLists.txt.jinja": (("VERSION 3.10.0", "VERSION 3.16.0"),),
     f"{_MONITOR}/launch/eddi_monitor.launch.jinja": (('default="1" doc', 'default="2" doc'),),
     f"{_MONITOR}/README.md.jinja": (("", "\nSecond look.\n"),),
-    f"{_MONITOR}/scripts/RosNode.py.jinja": (("class RosNode", "SECOND_LOOK = True\n\n\nclass RosNode"),),
+    f"{_MONITOR}/scripts/RosNode.py.jinja": (
+        ("class RosNode", "SECOND_LOOK = True\n\n\nclass RosNode"),
+    ),
 }
 
 # Third look: another import, a new method, lines behind the end marker.
 _THIRD = {
     _INPUT: (
-        ('"""One attribute for each input of the monitor."""', '"""What the monitor reads (third look)."""'),
+        (
+            '"""One attribute for each input of the monitor."""',
+            '"""What the monitor reads (third look)."""',
+        ),
         ("\nfrom {{ runtime_module }}", "\nimport logging\n\nfrom {{ runtime_module }}"),
-        ("        {{ input.region_end }}\n", "        {{ input.region_end }}\n        logging.debug('third look')\n"),
-        (_PROCESSING, '\n    def look(self):\n        """Return the look."""\n        return 3\n' + _PROCESSING),
+        (
+            "        {{ input.region_end }}\n",
+            "        {{ input.region_end }}\n        logging.debug('third look')\n",
+        ),
+        (
+            _PROCESSING,
+            '\n    def look(self):\n        """Return the look."""\n        return 3\n'
+            + _PROCESSING,
+        ),
     ),
-    f"{_MONITOR}/package.xml.jinja": (('<package format="3">', '<package format="3"><!-- third look -->'),),
-    f"{_MONITOR}/CMakeLists.txt.jinja": (("catkin_package()\n", "catkin_package()\n# third look\n"),),
+    f"{_MONITOR}/package.xml.jinja": (
+        ('<package format="3">', '<package format="3"><!-- third look -->'),
+    ),
+    f"{_MONITOR}/CMakeLists.txt.jinja": (
+        ("catkin_package()\n", "catkin_package()\n# third look\n"),
+    ),
     f"{_MONITOR}/README.md.jinja": (("", "\nThird look.\n"),),
 }
 
@@ -60,7 +85,11 @@ class Templates:
 
 def git(folder: Path, *words: str) -> str:
     done = subprocess.run(
-        ["git", "-C", str(folder), *words], check=True, capture_output=True, text=True, stdin=subprocess.DEVNULL
+        ["git", "-C", str(folder), *words],
+        check=True,
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
     )
     return done.stdout
 
@@ -84,7 +113,9 @@ def new_version(path: Path, version: int) -> None:
     for name, changes in _LOOKS[(version - 1) % 3].items():
         text = (path / name).read_text()
         for old, new in changes:
-            assert not old or text.count(old) == 1, f"{name} has no single {old!r} any more: adapt this test's looks"
+            assert not old or text.count(old) == 1, (
+                f"{name} has no single {old!r} any more: adapt this test's looks"
+            )
             text = text.replace(old, new) if old else text + new
         (path / name).write_text(text)
     git(path, "add", "-A", "-f")
@@ -93,7 +124,9 @@ def new_version(path: Path, version: int) -> None:
 
 def _copy(path: Path) -> None:
     path.mkdir(parents=True)
-    ignored = shutil.ignore_patterns("__pycache__", "*.pyc", "*.egg-info", ".hypothesis", "templates.bundle")
+    ignored = shutil.ignore_patterns(
+        "__pycache__", "*.pyc", "*.egg-info", ".hypothesis", "templates.bundle"
+    )
     for part in _PARTS:
         source = CHECKOUT / part
         if source.is_dir():

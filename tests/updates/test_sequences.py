@@ -17,9 +17,7 @@ from tests.updates.templates import VERSIONS, Templates
 from tests.updates.world import World, snapshot
 
 NAMES = ("alpha", "beta", "gamma", "delta", "alpha2", "Rt_E-5")
-PLACES = (
-    "import helper docstring behind init default comment last manifest cmake launch"
-).split()
+PLACES = ("import helper docstring behind init default comment last manifest cmake launch").split()
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 CHANGES = ("add", "remove", "rename", "retype", "reorder", "rename_silently", "template")
 

@@ -32,7 +32,12 @@ from tests.updates.templates import Templates, git
 
 EDITABLE = {
     "plain": ("EDDIInput.py",),
-    "ros1": ("src/rover/EDDIInput.py", "package.xml", "CMakeLists.txt", "launch/eddi_monitor.launch"),
+    "ros1": (
+        "src/rover/EDDIInput.py",
+        "package.xml",
+        "CMakeLists.txt",
+        "launch/eddi_monitor.launch",
+    ),
 }
 DAMAGES = 6
 _WORD = re.compile(r"hand_\d+_line")
@@ -70,7 +75,11 @@ class World:
     """The workspace, the model, the templates of today, and every line written by hand."""
 
     def __init__(
-        self, folder: Path, templates: Templates, platform: str = "plain", inputs: Sequence[Element] = ()
+        self,
+        folder: Path,
+        templates: Templates,
+        platform: str = "plain",
+        inputs: Sequence[Element] = (),
     ) -> None:
         self.folder, self.templates, self.platform = folder, templates, platform
         self.inputs = tuple(inputs)
@@ -94,10 +103,14 @@ class World:
         """Return what `eddi-scaffold answers` writes."""
         model, config = write_inputs(self.folder / "inputs", self.inputs)
         monitors, problems = monitors_of(model, [config])
-        return dict(assemble(monitors, chosen(self.platform), self.root, problems).packages[0].answers)
+        return dict(
+            assemble(monitors, chosen(self.platform), self.root, problems).packages[0].answers
+        )
 
     def copy(self) -> Result:
-        return self._copier(copier.run_copy, str(self.templates.path), self.package, data=self.answers())
+        return self._copier(
+            copier.run_copy, str(self.templates.path), self.package, data=self.answers()
+        )
 
     def recopy(self) -> Result:
         return self._copier(copier.run_recopy, self.package, data=self.answers())
@@ -109,7 +122,9 @@ class World:
     def generate(self) -> Result:
         model, config = write_inputs(self.folder / "inputs", self.inputs)
         place = ["-w", self.workspace] if self.platform == "ros1" else ["-o", self.workspace]
-        return self.command("generate", "--platform", self.platform, *place, "-m", model, "-c", config)
+        return self.command(
+            "generate", "--platform", self.platform, *place, "-m", model, "-c", config
+        )
 
     def upgrade(self) -> Result:
         model, config = write_inputs(self.folder / "inputs", self.inputs)
@@ -160,12 +175,20 @@ class World:
         with contextlib.suppress(ChildProcessError):
             os.waitpid(child, 0)
 
-    def _copier(self, run: Callable[..., object], *where: object, data: dict[str, object]) -> Result:
+    def _copier(
+        self, run: Callable[..., object], *where: object, data: dict[str, object]
+    ) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
                 run(
-                    *where, data=data, vcs_ref=self.tag, defaults=True, overwrite=True, unsafe=True, quiet=True
+                    *where,
+                    data=data,
+                    vcs_ref=self.tag,
+                    defaults=True,
+                    overwrite=True,
+                    unsafe=True,
+                    quiet=True,
                 )
             except (CopierError, subprocess.CalledProcessError) as problem:
                 return Result(1, str(problem))
@@ -201,12 +224,15 @@ class World:
         )
         code = shapes[shape % len(shapes)]
         lines = "".join(f"{region.indent}{line}\n" if line else "\n" for line in code.split("\n"))
-        lines = lines.replace(f"{region.indent}flush", "flush").replace(f"{region.indent}  hand", "  hand")
+        lines = lines.replace(f"{region.indent}flush", "flush").replace(
+            f"{region.indent}  hand", "  hand"
+        )
         if not keep:
             for old in _WORD.findall(region.body):
                 self.lines.pop(old, None)
         self.put(region, (region.body if keep else "") + lines)
         self.lines[token] = Line(token, self.main, {region.id}, region.id)
+        self._allow(self.lines[token])
         return token
 
     def put(self, region: Region, body: str) -> None:
@@ -222,25 +248,39 @@ class World:
         names = [attribute(item.name) for item in self._present()]
         name = names[self.count % len(names)] if names else ""
         if kind == "import":
-            new = re.sub(r"(\nfrom [^\n]*EDDIInputBase[^\n]*\n)", rf"\1import {token}\n", text, count=1)
+            new = re.sub(
+                r"(\nfrom [^\n]*EDDIInputBase[^\n]*\n)", rf"\1import {token}\n", text, count=1
+            )
         elif kind == "helper":
             helper = f"\n    def {token}(self):\n        return 1\n"
             new = text.replace("\n    def processing(", f"{helper}\n    def processing(", 1)
             line.function = token
         elif kind == "docstring":
-            new = re.sub(r'(\nclass [^\n]*\n    """[^\n]*?)"""\n', rf'\1\n\n    {token}\n    """\n', text, count=1)
+            new = re.sub(
+                r'(\nclass [^\n]*\n    """[^\n]*?)"""\n',
+                rf'\1\n\n    {token}\n    """\n',
+                text,
+                count=1,
+            )
         elif kind == "behind":
             end = rf"(edit end-----'''  # region: input:{name}\n)"
             new = re.sub(end, rf"\1        self.{token} = 1\n", text, count=1)
             line.function = f"process_{name}"
         elif kind == "init":
-            new = re.sub(r"(\n        super\(\).__init__\(\)\n)", rf"\1        self.{token} = 1\n", text, count=1)
+            new = re.sub(
+                r"(\n        super\(\).__init__\(\)\n)",
+                rf"\1        self.{token} = 1\n",
+                text,
+                count=1,
+            )
             line.function = "__init__"
         elif kind == "default":
             new = re.sub(rf"(\n        self.{name} = )None\n", rf"\1'{token}'\n", text, count=1)
             line.function = "__init__"
         elif kind == "comment":
-            new = text.replace(f"\n    def process_{name}(", f"\n    # {token}\n    def process_{name}(", 1)
+            new = text.replace(
+                f"\n    def process_{name}(", f"\n    # {token}\n    def process_{name}(", 1
+            )
             line.above = f"process_{name}"
         elif kind == "last":
             new = f"{text}        self.{token}()\n"
@@ -248,12 +288,22 @@ class World:
         elif self.platform == "plain":
             return None
         else:
-            line.path = {"manifest": "package.xml", "cmake": "CMakeLists.txt", "launch": "launch/eddi_monitor.launch"}[kind]
+            line.path = {
+                "manifest": "package.xml",
+                "cmake": "CMakeLists.txt",
+                "launch": "launch/eddi_monitor.launch",
+            }[kind]
             text = self.text(line.path)
             new = {
-                "manifest": text.replace("</package>", f"  <exec_depend>{token}</exec_depend>\n</package>", 1),
-                "cmake": text.replace("catkin_package()\n", f"catkin_package()\nset({token} 1)\n", 1),
-                "launch": text.replace("  <node ", f'  <arg name="{token}" default="1"/>\n  <node ', 1),
+                "manifest": text.replace(
+                    "</package>", f"  <exec_depend>{token}</exec_depend>\n</package>", 1
+                ),
+                "cmake": text.replace(
+                    "catkin_package()\n", f"catkin_package()\nset({token} 1)\n", 1
+                ),
+                "launch": text.replace(
+                    "  <node ", f'  <arg name="{token}" default="1"/>\n  <node ', 1
+                ),
             }[kind]
         if new == text:
             return None
@@ -290,10 +340,11 @@ class World:
     def change(self, *inputs: Element) -> None:
         """Take a new model; a declared rename allows its lines to move."""
         self.inputs = inputs
-        for item in inputs:
-            for line in self.lines.values():
-                if f"input:{item.was}" in line.ids:
-                    line.ids.add(f"input:{item.name}")
+        for line in self.lines.values():
+            self._allow(line)
+
+    def _allow(self, line: Line) -> None:
+        line.ids |= {f"input:{i.name}" for i in self.inputs if f"input:{i.was}" in line.ids}
 
     def settle(self) -> None:
         """Say that an operation has finished: the package is at the present model."""

@@ -1,0 +1,483 @@
+"""The same promise under bad circumstances: git, trust, tags, kills, full disks, edited generated files."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import yaml
+
+from eddi_scaffold import generation, transaction
+from eddi_scaffold.regions.store import load_orphans
+from eddi_scaffold.regions.sync import sync_package
+from tests.updates.inputs import Element, elements, write_inputs
+from tests.updates.templates import CHECKOUT, Templates, git, make_templates, new_version
+from tests.updates.world import World, snapshot
+
+START = elements("alpha", "beta", "gamma")
+CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
+
+
+@pytest.fixture
+def world(templates: Templates, folder: Path) -> World:
+    world = World(folder, templates, "plain", START)
+    assert world.copy().status == 0
+    world.settle()
+    for shape, item in enumerate(START):
+        world.edit(item.name, shape)
+    world.commit()
+    return world
+
+
+def copier(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the real command line of Copier."""
+    return subprocess.run(
+        [sys.executable, "-m", "copier", *map(str, words)],
+        cwd=cwd, check=False, capture_output=True, text=True, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def scaffold(templates: Path, *words: object) -> subprocess.CompletedProcess[str]:
+    """Run eddi-scaffold from a checkout, which is its own template."""
+    environment = {**os.environ, "PYTHONPATH": f"{templates}:{templates}/runtime_lib/src"}
+    return subprocess.run(
+        [sys.executable, "-m", "eddi_scaffold", *map(str, words)],
+        cwd=templates, env=environment, check=False, capture_output=True, text=True, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def data_file(world: World) -> Path:
+    path = world.folder / "answers.yml"
+    path.write_text(yaml.safe_dump(world.answers()))
+    return path
+
+
+def grow(world: World) -> None:
+    world.change(*CHANGED)
+    world.version += 1
+
+
+# trust, tasks, git ----------------------------------------------------------------------------
+@pytest.mark.parametrize("command", ["copy", "update"])
+def test_without_trust_nothing_is_touched(world: World, command: str) -> None:
+    grow(world)
+    before = snapshot(world.workspace)
+    source = [world.templates.path, world.package] if command == "copy" else [world.package]
+    words = ["--defaults", "--data-file", data_file(world), *source]
+    done = copier(command, *words, cwd=world.workspace)
+    assert done.returncode == 4
+    assert "--trust" in done.stderr
+    assert snapshot(world.workspace) == before
+
+
+def test_trust_in_the_settings_is_enough(world: World) -> None:
+    settings = Path.home() / ".config/copier/settings.yml"
+    settings.parent.mkdir(parents=True)
+    settings.write_text(f"trust: ['{world.templates.path}/']\n")
+    grow(world)
+    try:
+        done = copier(
+            "update",
+            "--defaults",
+            "--data-file",
+            data_file(world),
+            "-r",
+            world.tag,
+            cwd=world.package,
+        )
+        settings.write_text(f"trust: ['{world.templates.path}']\n")
+        again = copier(
+            "recopy", "-f", "--data-file", data_file(world), "-r", world.tag, cwd=world.package
+        )
+    finally:
+        shutil.rmtree(settings.parent)
+    assert (done.returncode, again.returncode) in {(4, 0), (0, 0)}, done.stderr + again.stderr
+    world.settle()
+    world.check()
+
+
+def test_skipped_tasks_are_made_up_for(world: World) -> None:
+    """Without its task, `copier copy` leaves the editable files alone; an update's migrations run."""
+    grow(world)
+    mine = world.text()
+    words = [
+        "--trust",
+        "--defaults",
+        "--skip-tasks",
+        "--data-file",
+        data_file(world),
+        "-r",
+        world.tag,
+    ]
+    done = copier("copy", "-f", *words, world.templates.path, world.package, cwd=world.workspace)
+    assert done.returncode == 0, done.stderr
+    assert world.text() == mine
+    world.check(finished=False)
+    world.commit()
+    world.version += 1
+    done = copier("update", *words[:-1], world.tag, cwd=world.package)
+    assert done.returncode == 0, done.stderr
+    world.settle()
+    world.check()
+
+
+def test_first_copy_without_tasks_is_complete(templates: Templates, folder: Path) -> None:
+    world = World(folder, templates, "plain", START)
+    words = [
+        "--trust",
+        "--defaults",
+        "--skip-tasks",
+        "--data-file",
+        data_file(world),
+        "-r",
+        "v0.1.0",
+    ]
+    done = copier("copy", *words, templates.path, world.package, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    world.seen = [START]
+    world.edit("beta")
+    grow(world)
+    assert world.copy().status == 0
+    world.settle()
+    world.check()
+
+
+@pytest.mark.parametrize("operation", ["copy", "recopy", "generate", "upgrade"])
+def test_without_git(world: World, operation: str) -> None:
+    shutil.rmtree(world.workspace / ".git")
+    grow(world)
+    assert getattr(world, operation)().status in {0, 3}
+    world.settle()
+    world.check()
+
+
+def test_update_without_git_touches_nothing(world: World) -> None:
+    grow(world)
+    shutil.rmtree(world.workspace / ".git")
+    before = snapshot(world.workspace)
+    done = copier(
+        "update", "--trust", "--defaults", "--data-file", data_file(world), cwd=world.package
+    )
+    assert done.returncode != 0
+    assert snapshot(world.workspace) == before
+
+
+@pytest.mark.parametrize("operation", ["copy", "recopy", "generate", "upgrade"])
+def test_dirty_git(world: World, operation: str) -> None:
+    world.edit("alpha")
+    world.edit_outside("helper")
+    (world.workspace / "notes.txt").write_text("mine\n")
+    status = git(world.workspace, "diff", "--cached", "--stat")
+    grow(world)
+    assert getattr(world, operation)().status in {0, 3}
+    world.settle()
+    world.check()
+    assert (world.workspace / "notes.txt").read_text() == "mine\n"
+    assert git(world.workspace, "diff", "--cached", "--stat") == status
+
+
+def test_update_of_dirty_package_touches_nothing(world: World) -> None:
+    world.edit("alpha")
+    grow(world)
+    before = snapshot(world.workspace)
+    done = copier(
+        "update", "--trust", "--defaults", "--data-file", data_file(world), cwd=world.package
+    )
+    assert done.returncode != 0
+    assert snapshot(world.workspace) == before
+
+
+# where the template comes from ------------------------------------------------------------------
+def test_update_takes_the_newest_tag_by_itself(world: World) -> None:
+    world.edit_outside("helper")
+    world.commit()
+    done = copier("update", "--trust", "--defaults", cwd=world.package)
+    assert done.returncode == 0, done.stderr
+    assert "_commit: v0.9.0\n" in (world.package / ".copier-answers.yml").read_text()
+    world.settle()
+    world.check()
+
+
+def test_untagged_template(folder: Path, own_home: None) -> None:
+    """Without a tag Copier records the commit, and an update takes the newest commit."""
+    templates = make_templates(folder / "templates", versions=1, tags=False)
+    world = World(folder, templates, "plain", START)
+    words = ["--trust", "--defaults", "--data-file", data_file(world)]
+    assert copier("copy", *words, templates.path, world.package, cwd=folder).returncode == 0
+    world.seen = [START]
+    for item in START:
+        world.edit(item.name)
+    world.commit()
+    new_version(templates.path, 2)
+    world.change(*CHANGED)
+    data_file(world)
+    done = copier("update", *words, "-r", "HEAD", cwd=world.package)
+    assert done.returncode == 0, done.stderr
+    assert "Second look" in world.text()
+    world.settle()
+    world.check()
+
+
+def test_checkout_with_uncommitted_templates(folder: Path, own_home: None) -> None:
+    templates = make_templates(folder / "templates", versions=1)
+    name = templates.path / "copier_templates/eddi_input.py.jinja"
+    name.write_text(name.read_text().replace("One attribute", "Not committed: one attribute"))
+    model, config = write_inputs(folder / "inputs", START)
+    world = World(folder, templates, "plain", START)
+    done = scaffold(
+        templates.path,
+        "generate",
+        "--platform",
+        "plain",
+        "-o",
+        world.workspace,
+        "-m",
+        model,
+        "-c",
+        config,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Not committed" in world.text()
+    world.seen = [START]
+    world.edit("beta")
+    git(templates.path, "commit", "-qam", "now it is")
+    git(templates.path, "tag", "v0.2.0")
+    world.commit()
+    done = copier("update", "--trust", "--defaults", cwd=world.package)
+    assert done.returncode in {0, 1}, done.stderr
+    world.check(finished=done.returncode == 0)
+
+
+def test_own_commands_run_from_the_tagged_checkout(folder: Path, own_home: None) -> None:
+    """`generate` and `upgrade` as a person runs them, then plain `copier update`."""
+    templates = make_templates(folder / "templates", versions=1)
+    world = World(folder, templates, "ros1", START)
+    model, config = write_inputs(folder / "inputs", START)
+    done = scaffold(templates.path, "generate", "-w", world.workspace, "-m", model, "-c", config)
+    assert done.returncode == 0, done.stderr
+    world.seen = [START]
+    for shape, item in enumerate(START):
+        world.edit(item.name, shape)
+    world.commit()
+    new_version(templates.path, 2)
+    git(templates.path, "tag", "v0.2.0")
+    world.change(*CHANGED)
+    model, config = write_inputs(folder / "inputs", CHANGED)
+    siblings = _siblings(world)
+    done = scaffold(templates.path, "upgrade", world.package, "-m", model, "-c", config)
+    assert done.returncode == 3, done.stderr
+    assert "hand edits need a look" in done.stderr
+    assert scaffold(templates.path, "regions", "--check", world.workspace).returncode == 3
+    world.settle()
+    world.check()
+    assert _siblings(world) == siblings
+    world.commit()
+    new_version(templates.path, 3)
+    git(templates.path, "tag", "v0.3.0")
+    done = copier("update", "--trust", "--defaults", cwd=world.package)
+    assert done.returncode == 0, done.stderr
+    world.settle()
+    world.check()
+    assert _siblings(world) == siblings
+
+
+def _siblings(world: World) -> dict[str, bytes]:
+    return {
+        name: data for name, data in snapshot(world.root).items() if not name.startswith("rover/")
+    }
+
+
+# files that nobody should edit -------------------------------------------------------------------
+@pytest.mark.parametrize("operation", ["generate", "upgrade"])
+def test_edit_of_a_generated_file_is_saved(world: World, operation: str) -> None:
+    path = world.package / "EDDIMonitor.py"
+    edited = path.read_text() + "\n# hand-written\n"
+    path.write_text(edited)
+    result = getattr(world, operation)()
+    assert "hand-written" not in path.read_text()
+    assert (world.package / ".eddi/rejects/EDDIMonitor.py.edited").read_text() == edited
+    assert "EDDIMonitor.py" in result.words
+    assert result.status == 3
+
+
+@pytest.mark.parametrize("operation", ["copy", "recopy"])
+def test_plain_copy_replaces_an_edited_generated_file(world: World, operation: str) -> None:
+    path = world.package / "EDDIMonitor.py"
+    generated = path.read_text()
+    path.write_text(generated + "\n# hand-written\n")
+    assert getattr(world, operation)().status == 0
+    assert path.read_text() == generated
+
+
+def test_plain_update_merges_an_edited_generated_file(world: World) -> None:
+    path = world.package / "EDDIMonitor.py"
+    path.write_text(path.read_text() + "\n# hand-written\n")
+    grow(world)
+    assert world.update().status == 0
+    assert "# hand-written" in path.read_text()
+    world.settle()
+    world.check()
+
+
+# kills -----------------------------------------------------------------------------------------
+WRITES = ("replace", "unlink", "rename", "mkdir", "rmdir")
+
+
+class Killed(BaseException):
+    """Raised in the place of a step that a killed process never does."""
+
+
+def _killed_at(step: int, operation: Callable[[], object], patch: pytest.MonkeyPatch) -> bool:
+    """Run an operation and stop it at the n-th change of a folder; tell whether it came so far."""
+    left = step
+
+    def guard(real: Callable[..., object]) -> Callable[..., object]:
+        def one(*arguments: object, **options: object) -> object:
+            nonlocal left
+            left -= 1
+            if left < 0:
+                raise Killed
+            return real(*arguments, **options)
+
+        return one
+
+    with patch.context() as inner:
+        inner.setattr(transaction, "_write", guard(transaction._write))
+        inner.setattr(shutil, "rmtree", lambda *_, **__: None)  # a killed process tidies nothing
+        for name in WRITES:
+            inner.setattr(os, name, guard(getattr(os, name)))
+        try:
+            operation()
+        except Killed:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("between", ["nothing", "edit"])
+@pytest.mark.parametrize("then", ["upgrade", "copy"])
+def test_transaction_is_killed_at_every_step(
+    world: World, monkeypatch: pytest.MonkeyPatch, then: str, between: str
+) -> None:
+    """All new or all old, and what a person writes before the next run is not overwritten."""
+    old = transaction.tree_of(world.package)
+    lines = dict(world.lines)
+    world.change(*CHANGED)
+    result = world.command("upgrade", world.package, "-m", *_model(world), "--dry-run")
+    assert result.status == 3, result
+    world.version += 1
+    new = _bring_elsewhere(world)
+    changes = {f"rover/{p}": new.get(p) for p in sorted({*old, *new}) if old.get(p) != new.get(p)}
+    step = 0
+    while _killed_at(step, lambda: generation._write(world.root, changes), monkeypatch):
+        world.seen = [START, CHANGED]
+        world.check(finished=False)
+        if between == "edit":
+            names = sorted(world.document().regions)
+            world.edit(names[0].removeprefix("input:"))
+            world.edit_outside("helper")
+        assert getattr(world, then)().status in {0, 3}
+        world.settle()
+        world.check()
+        if then == "upgrade":
+            assert not list(world.root.glob(".eddi-transaction-*"))
+        _put_back(world, old)
+        world.lines = dict(lines)
+        for line in world.lines.values():
+            line.home = (
+                line.home
+                and f"input:{next(n for n in ('alpha', 'beta', 'gamma') if f'input:{n}' in line.ids)}"
+            )
+        step += 1
+    assert step > len(changes)
+
+
+def _model(world: World) -> list[object]:
+    model, config = write_inputs(world.folder / "inputs", world.inputs)
+    return [model, "-c", config]
+
+
+def _bring_elsewhere(world: World) -> dict[str, transaction.FileState]:
+    keep = world.folder / "keep"
+    shutil.copytree(world.package, keep)
+    assert world.upgrade().status == 3
+    new = transaction.tree_of(world.package)
+    shutil.rmtree(world.package)
+    keep.rename(world.package)
+    return new
+
+
+def _put_back(world: World, old: dict[str, transaction.FileState]) -> None:
+    shutil.rmtree(world.package)
+    for staging in world.root.glob(".eddi-transaction-*"):
+        shutil.rmtree(staging)
+    transaction.apply(world.root, {f"rover/{path}": state for path, state in old.items()})
+
+
+# disks ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("operation", ["copy", "generate", "upgrade"])
+def test_files_that_cannot_grow(world: World, operation: str) -> None:
+    """A limit on file sizes stands for a full disk: it needs no rights."""
+    if operation == "copy" and not hasattr(os, "fork"):
+        pytest.skip("needs fork")
+    before = world.text()
+    grow(world)
+    child = os.fork()
+    if child == 0:
+        try:
+            import signal
+
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500))
+            getattr(world, operation)()
+        finally:
+            os._exit(0)
+    os.waitpid(child, 0)
+    assert world.text() == before
+    world.seen = [START, CHANGED]
+    world.check(finished=False)
+    assert world.copy().status == 0
+    world.settle()
+    world.check()
+
+
+# a package that gets another name ----------------------------------------------------------------
+def test_package_with_another_name_takes_its_code_along(templates: Templates, folder: Path) -> None:
+    world = World(folder, templates, "ros1", START)
+    assert world.copy().status == 0
+    world.settle()
+    tokens = [world.edit(item.name) for item in START]
+    world.commit()
+    answers = {**world.answers(), "package": "explorer"}
+    assert world._copier(*_update(world), data=answers).status == 0
+    text = (world.package / "src/explorer/EDDIInput.py").read_text()
+    saved = "".join(orphan.body for orphan in load_orphans(world.package).values())
+    for token in tokens:
+        assert (text + saved).count(token) == 1
+        assert token in text
+    assert not (world.package / "src/rover/EDDIInput.py").exists()
+    assert sync_package(world.package).touched == ()
+
+
+def _update(world: World) -> tuple[Callable[..., object], Path]:
+    import copier as library
+
+    return library.run_update, world.package
+
+
+def test_looks_still_fit_the_templates(templates: Templates) -> None:
+    """The tests above would test nothing if all versions looked alike."""
+    looks = {
+        git(
+            templates.path, "show", f"{templates.tag(version)}:copier_templates/eddi_input.py.jinja"
+        )
+        for version in (1, 2, 3)
+    }
+    assert len(looks) == 3
+    assert re.search(r"^_skip_if_exists:", (CHECKOUT / "copier.yml").read_text(), re.MULTILINE)

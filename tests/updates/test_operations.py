@@ -1,0 +1,241 @@
+"""Scripted updates: each change of template, model and hand edits, with each of the operations."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.regions.store import load_orphans
+from eddi_scaffold.regions.sync import sync_package
+from tests.updates.inputs import Element, elements
+from tests.updates.templates import Templates, git, make_templates, new_version
+from tests.updates.world import DAMAGES, EDITABLE, Result, World, snapshot
+
+OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
+START = (*elements("alpha", "beta"), Element("gamma", "float"), Element("delta", "pair"))
+ALPHA, BETA, GAMMA, DELTA = START
+OUTSIDE = (
+    "import",
+    "helper",
+    "docstring",
+    "behind",
+    "init",
+    "comment",
+    "manifest",
+    "cmake",
+    "launch",
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What changes between two operations.
+
+    Attributes:
+        inputs: the new model.
+        looks: steps of the template's version.
+        outside: also edits outside of the regions.
+        moved: input -> where its hand-written body must be, ``None``: saved.
+        status: exit status of our own commands.
+    """
+
+    inputs: tuple[Element, ...] = START
+    looks: int = 0
+    outside: bool = False
+    moved: tuple[tuple[str, str | None], ...] = ()
+    status: int = 0
+
+
+NEW = elements("first", "middle", "last")
+MIXED = (DELTA, *NEW, BETA.renamed("bravo"), ALPHA)
+CASES = {
+    "template": Case(looks=1),
+    "template_twice": Case(looks=2),
+    "add_first_middle_last": Case((NEW[0], ALPHA, BETA, NEW[1], GAMMA, DELTA, NEW[2])),
+    "retype": Case(
+        (ALPHA, replace(BETA, type="text"), GAMMA, replace(DELTA, type="float")), status=3
+    ),
+    "rename": Case(
+        (ALPHA, BETA.renamed("bravo"), GAMMA, DELTA), moved=(("beta", "bravo"),), status=3
+    ),
+    "rename_silently": Case(
+        (ALPHA, BETA.renamed("bravo", declared=False), GAMMA, DELTA),
+        moved=(("beta", None),),
+        status=3,
+    ),
+    "remove_first": Case((BETA, GAMMA, DELTA), moved=(("alpha", None),), status=3),
+    "reorder": Case((DELTA, GAMMA, BETA, ALPHA)),
+    "swap_names": Case((BETA, ALPHA, DELTA, GAMMA)),
+    "remove_and_add": Case(
+        (NEW[0], BETA, NEW[1], DELTA), moved=(("alpha", None), ("gamma", None)), status=3
+    ),
+    "outside": Case(outside=True),
+    "template_and_outside": Case(looks=1, outside=True, status=3),
+    "everything": Case(
+        MIXED, 1, outside=True, moved=(("beta", "bravo"), ("gamma", None)), status=3
+    ),
+}
+
+
+@pytest.fixture(scope="session")
+def start(templates: Templates, fast_folder: Path) -> dict[str, World]:
+    """A generated and committed package for each platform."""
+    worlds = {}
+    for platform in EDITABLE:
+        place = fast_folder / f"start_{platform}"
+        place.mkdir()
+        worlds[platform] = world = World(place, templates, platform, START)
+        assert world.copy().status == 0
+        world.settle()
+        world.commit()
+    return worlds
+
+
+@pytest.fixture
+def world(start: dict[str, World], folder: Path) -> World:
+    return _copied(start["ros1"], folder)
+
+
+@pytest.fixture
+def plain(start: dict[str, World], folder: Path) -> World:
+    return _copied(start["plain"], folder)
+
+
+def _copied(old: World, folder: Path) -> World:
+    shutil.copytree(old.workspace, folder / "one/workspace", symlinks=True)
+    (folder / "two").mkdir()
+    new = World(folder / "two", old.templates, old.platform, START)
+    shutil.rmtree(new.workspace)
+    (folder / "one/workspace").rename(new.workspace)
+    new.seen = [START]
+    return new
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("case", CASES)
+def test_edits_survive(world: World, case: str, operation: str) -> None:
+    change = CASES[case]
+    tokens = {item.name: world.edit(item.name, shape) for shape, item in enumerate(START)}
+    if change.outside:
+        for kind in OUTSIDE:
+            assert world.edit_outside(kind), kind
+    world.commit()
+    world.version += change.looks
+    world.change(*change.inputs)
+    result: Result = getattr(world, operation)()
+    if operation in {"generate", "upgrade"}:
+        assert result.status == change.status, result
+    assert result.status in {0, 3}, result
+    world.settle()
+    world.check()
+    _check_places(world, tokens, dict(change.moved))
+    before = snapshot(world.package)
+    assert sync_package(world.package).touched == ()
+    assert snapshot(world.package) == before
+
+
+def _check_places(world: World, tokens: dict[str, str], moved: dict[str, str | None]) -> None:
+    regions = world.document().regions
+    saved = {orphan.id: orphan.body for orphan in load_orphans(world.package).values()}
+    for name, token in tokens.items():
+        now = moved.get(name, name)
+        assert token in (regions[f"input:{now}"].body if now else saved[f"input:{name}"])
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_removed_body_comes_back_two_updates_later(plain: World, operation: str) -> None:
+    token = plain.edit("beta")
+    plain.commit()
+    run = _run(plain, operation)
+    plain.change(ALPHA, GAMMA, DELTA)
+    run()
+    plain.version += 1
+    run()
+    plain.change(DELTA, BETA, ALPHA, GAMMA)
+    run()
+    assert token in plain.document().regions["input:beta"].body
+    assert not load_orphans(plain.package)
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_crlf_files_stay_crlf(plain: World, operation: str) -> None:
+    for shape, item in enumerate(START):
+        plain.edit(item.name, shape)
+    path = plain.package / plain.main
+    path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+    plain.edit_outside("helper")
+    plain.version += 1
+    plain.change(DELTA, *NEW, BETA.renamed("bravo"), GAMMA)
+    _run(plain, operation)()
+    data = path.read_bytes()
+    assert data.count(b"\n") == data.count(b"\r\n")
+
+
+@pytest.mark.parametrize(
+    ("operation", "kind"),
+    [
+        *((operation, 0) for operation in OPERATIONS),
+        *((OPERATIONS[k % 5], k) for k in range(1, DAMAGES)),
+    ],
+)
+def test_broken_markers_are_left_alone(plain: World, operation: str, kind: int) -> None:
+    plain.edit("beta")
+    whole = plain.damage(DAMAGES + kind)
+    plain.commit()
+    plain.version += 1
+    plain.change(BETA, ALPHA)
+    before = snapshot(plain.workspace)
+    result: Result = getattr(plain, operation)()
+    after = snapshot(plain.workspace)
+    if operation in {"generate", "upgrade"}:
+        assert result.status == 2
+        assert "EDDIInput.py:" in result.words
+        assert "[R010]" in result.words
+    if operation in {"update", "generate", "upgrade"}:
+        assert after == before
+    assert after["rover/EDDIInput.py"] == before["rover/EDDIInput.py"]
+    plain.write(whole)
+    plain.seen = [START, plain.inputs]
+    _run(plain, operation)()
+
+
+def test_broken_markers_are_told_by_plain_copier(
+    plain: World, capfd: pytest.CaptureFixture[str]
+) -> None:
+    plain.damage(0)
+    line = next(
+        n for n, text in enumerate(plain.text().split("\n"), 1) if "---Manual edit begin" in text
+    )
+    assert plain.copy().status == 0
+    assert f"EDDIInput.py:{line}: error: the region has no end marker" in capfd.readouterr().err
+    assert plain.update().status == 1
+    assert f"EDDIInput.py:{line}: error: the region has no end marker" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_code_that_does_not_compile(plain: World, operation: str) -> None:
+    region = plain.document().regions["input:beta"]
+    plain.put(region, "        if so\n")
+    plain.commit()
+    before = snapshot(plain.workspace)
+    plain.version += 1
+    result: Result = getattr(plain, operation)()
+    if operation in {"generate", "upgrade"}:
+        assert result.status == 2
+        assert "[R011]" in result.words
+        assert snapshot(plain.workspace) == before
+    assert plain.document().regions["input:beta"].body == "        if so\n"
+
+
+def _run(world: World, operation: str) -> Callable[[], None]:
+    def run() -> None:
+        result: Result = getattr(world, operation)()
+        assert result.status in {0, 3}, result
+        world.settle()
+        world.check()
+
+    return run
