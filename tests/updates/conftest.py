@@ -33,7 +33,8 @@ def own_home(fast_folder: Path) -> Iterator[None]:
     home.mkdir()
     (home / ".gitconfig").write_text(
         "[user]\nname = Tester\nemail = tester@localhost\n[init]\ndefaultBranch = main\n"
-        "[core]\nfsync = none\n[gc]\nauto = 0\n[safe]\ndirectory = *\n[advice]\ndetachedHead = false\n"
+        "[core]\nfsync = none\n[gc]\nauto = 0\n"
+        "[safe]\ndirectory = *\n[advice]\ndetachedHead = false\n"
     )
     with pytest.MonkeyPatch.context() as patch:
         for name in [name for name in os.environ if name.startswith(("GIT_", "COPIER_", "XDG_"))]:

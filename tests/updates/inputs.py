@@ -1,4 +1,4 @@
-"""ConSerts and configurations for the tests: a list of inputs that changes in the ways of real models."""
+"""ConSerts and configurations: a list of inputs that changes in the ways of real models."""
 
 from __future__ import annotations
 
@@ -14,9 +14,13 @@ _DIMENSIONS = {
     "pair": "Binary:\n          type: Healthy\n",
     "float": (
         "Numeric:\n          type: Clearance\n          covered:\n            - Inclusive:\n"
-        "                start: 1\n                end: 2\n          subset: Guarantee\n          uom: m\n"
+        "                start: 1\n                end: 2\n"
+        "          subset: Guarantee\n          uom: m\n"
     ),
-    "text": "Categorical:\n          type: Mode\n          covered:\n            - manual\n          subset: Guarantee\n",
+    "text": (
+        "Categorical:\n          type: Mode\n          covered:\n            - manual\n"
+        "          subset: Guarantee\n"
+    ),
 }
 _VALUE_TYPES = {"bool": "bool", "pair": "bool", "float": "float", "text": "str"}
 _MESSAGES = {

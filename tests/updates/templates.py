@@ -1,4 +1,4 @@
-"""A template repository with version tags, made from this checkout; each version looks different."""
+"""A template repository with version tags, made from this checkout; no version looks alike."""
 
 from __future__ import annotations
 
@@ -11,10 +11,14 @@ CHECKOUT = Path(__file__).parents[2]
 _PARTS = ("copier.yml", "copier_templates", "eddi_scaffold", "runtime_lib", "pyproject.toml")
 _INPUT = "copier_templates/eddi_input.py.jinja"
 _MONITOR = "copier_templates/ros1_monitor"
-_METHOD = "    def process_{{ input.attribute }}(self{% for name in input.arguments %}, {{ name }}{% endfor %}):\n"
+_METHOD = (
+    "    def process_{{ input.attribute }}"
+    "(self{% for name in input.arguments %}, {{ name }}{% endfor %}):\n"
+)
 _PROCESSING = "\n    def processing(self, simulator_outputs):\n"
 
-# An empty text is the end of the file. Second look: signature lines, docstrings and the lines round the markers change.
+# An empty text is the end of the file.
+# Second look: signature lines, docstrings and the lines round the markers change.
 _SECOND = {
     _INPUT: (
         ('"""One attribute for each', '"""Second look: one attribute for each'),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 import tempfile
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,15 +13,17 @@ from hypothesis import strategies as st
 
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import VERSIONS, Templates
-from tests.updates.world import World, snapshot
+from tests.updates.world import LONG, World, snapshot
 
 NAMES = ("alpha", "beta", "gamma", "delta", "alpha2", "Rt_E-5")
-PLACES = ("import helper docstring behind init default comment last manifest cmake launch").split()
+PLACES = (
+    "import", "helper", "docstring", "behind", "init", "default", "comment", "last",
+    "manifest", "cmake", "launch",
+)  # fmt: skip
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 CHANGES = ("add", "remove", "rename", "retype", "reorder", "rename_silently", "template")
 
 DONE: Counter[str] = Counter()
-LONG = settings().max_examples >= 1000
 
 
 class Life:
@@ -159,7 +160,8 @@ class Life:
 
 WORDS = (
     *OPERATIONS, *OPERATIONS, *CHANGES, *CHANGES,
-    "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside", "line_ends", "kill", "broken",
+    "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside",
+    "line_ends", "kill", "broken",
 )  # fmt: skip
 
 

@@ -16,10 +16,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from unittest.mock import patch
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import copier
 from copier.errors import CopierError
+from hypothesis import settings
 
 from eddi_scaffold import cli, project
 from eddi_scaffold.assembly import assemble, monitors_of
@@ -40,6 +41,7 @@ EDITABLE = {
     ),
 }
 DAMAGES = 6
+LONG = settings().max_examples >= 1000  # the long profile
 _WORD = re.compile(r"hand_\d+_line")
 
 
@@ -154,7 +156,7 @@ class World:
         git(self.workspace, "commit", "-q", "--allow-empty", "-m", "work")
 
     def killed(self, operation: Callable[[], Result], delay: float) -> None:
-        """Run an operation in a process of its own and kill it, and all it started, after a while."""
+        """Run an operation in a process of its own, and kill that and all it started."""
         child = os.fork()
         if child == 0:  # pragma: no cover - ends by SIGKILL
             os.setsid()
@@ -420,7 +422,7 @@ def _check_valid(path: str, text: str) -> None:
             warnings.simplefilter("ignore")
             compile(text, path, "exec", dont_inherit=True)
     if path.endswith((".xml", ".launch")):
-        ElementTree.fromstring(text)
+        ET.fromstring(text)
 
 
 def _function_of(text: str, token: str) -> str:
