@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -121,16 +120,14 @@ def stored(folder: str, answers: Mapping[str, Any]) -> PackageAnswers:
 
 
 def rejoined(
-    answers: Mapping[str, Any], models: Sequence[Model], config: ConfigFile | None, folder: str
+    answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
 ) -> tuple[Monitor, list[Problem]]:
     """Join a newer model with the configuration that a package remembers, or with a newer one.
 
     Raises:
-        EddiError: the model is not there any more, or no longer fits.
+        EddiError: the model no longer fits.
     """
-    name = json.loads(answers["model_json"])["id"]
     kind = kinds()[answers["kind"]]
-    model = select(models, name, kind)[0]
     if config is None and answers.get("config_json"):
         config = from_json(answers["config_json"], f"the configuration that {folder} remembers")
     marks = answers.get("default_guarantees") or ()

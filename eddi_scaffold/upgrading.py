@@ -12,10 +12,10 @@ from eddi_scaffold.assembly import rejoined, stored, support
 from eddi_scaffold.config import ConfigFile, from_json, read_config
 from eddi_scaffold.generation import existing
 from eddi_scaffold.identifiers import package_name
-from eddi_scaffold.kinds import kinds
-from eddi_scaffold.models import checked_models
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.models import checked_models, read_models
 from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
-from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.project import ANSWERS_FILE, read_answers
 from eddi_scaffold.source import read_source
 
@@ -84,19 +84,17 @@ def targets(
         message = f"no package here is called {name!r}"
         hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
         raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
-    models = checked_models(model_file).models if model_file is not None else ()
+    models, problems = _newer_models(group, model_file)
     packages: list[PackageAnswers] = []
-    problems: list[Problem] = []
     monitors: dict[str, Platform] = {}
     for folder, answers in group.present.items():
-        platform = _platform(answers)
         if "model_json" not in answers:
             continue
-        monitors[folder] = platform
-        if model_file is None:
+        platform = monitors[folder] = _platform(answers)
+        if folder not in models:
             packages.append(stored(folder, answers))
             continue
-        monitor, found = rejoined(answers, models, configs.get(folder), folder)
+        monitor, found = rejoined(answers, models[folder], configs.get(folder), folder)
         package, more = platform.monitor(monitor)
         packages.append(package)
         problems += [*found, *more]
@@ -107,6 +105,34 @@ def targets(
     if has_errors(problems):
         raise EddiError(*problems)
     return packages, problems
+
+
+def _newer_models(group: Group, model_file: Path | None) -> tuple[dict[str, Model], list[Problem]]:
+    """Return the newer model of each package that has one in the file, read with its marks."""
+    if model_file is None:
+        return {}, []
+    source = read_source(model_file)
+    made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "model_json" in a}
+    first = read_models(source)
+    names = {(model.kind, model.name) for model in first.models}
+    folders = [folder for folder, made in made_of.items() if made in names]
+    if not folders:
+        if has_errors(first.problems):
+            raise EddiError(*first.problems)
+        known = ", ".join(sorted({name for _, name in made_of.values()})) or "none"
+        message = "no package here was made of a model in this file"
+        hint = f"the packages here were made of: {known}"
+        raise EddiError(error("U006", message, Place(source.name), hint))
+    marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
+    reading = checked_models(model_file, tuple(marks))
+    found = {(model.kind, model.name): model for model in reading.models}
+    problems = list(reading.problems)
+    for folder, made in made_of.items():
+        if folder not in folders and group.present[folder]["model_file"] == source.file_name:
+            message = f"there is no model {made[1]!r} any more: the package {folder} stays as it is"
+            hint = f"remove the folder {folder} if the monitor is not wanted any more"
+            problems.append(warning("U007", message, Place(source.name), hint))
+    return {folder: found[made_of[folder]] for folder in folders}, problems
 
 
 def _answers(package: Path) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +14,10 @@ from eddi_scaffold.problems import Problem
 
 
 def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
-    return PackageAnswers(monitor.package, shared_answers(monitor, "plain_monitor")), []
+    answers = shared_answers(monitor, "plain_monitor")
+    # printable characters only: then a JSON text is a TOML text as well
+    answers["description_literal"] = json.dumps(answers["description"], ensure_ascii=False)
+    return PackageAnswers(monitor.package, answers), []
 
 
 def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:
