@@ -23,6 +23,7 @@ from eddi_scaffold.yaml_nodes import dump_11, read_document, value_11
 
 ANSWERS_FILE = ".copier-answers.yml"
 _BUNDLE = "templates.bundle"
+_BUNDLE_VERSION = "templates.version"
 
 
 @dataclass(frozen=True)
@@ -59,18 +60,36 @@ def _installed_bundle(bundle: Path) -> str:
     shelf = Path(os.environ.get("XDG_DATA_HOME") or home / ".local" / "share") / "eddi-scaffold"
     target = shelf / _BUNDLE
     try:
-        data = bundle.read_bytes()
-        if not target.is_file() or target.read_bytes() != data:
+        if not _is_newer(shelf / _BUNDLE_VERSION):  # a newer bundle holds this version as well
             shelf.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=shelf, delete=False) as file:
-                file.write(data)
-            Path(file.name).replace(target)
+            _replace(target, bundle.read_bytes())
+            _replace(shelf / _BUNDLE_VERSION, __version__.encode())
     except OSError as problem:
         message = f"cannot put the templates at {target}: {problem.strerror}"
         raise EddiError(
             error("T002", message, hint="set XDG_DATA_HOME to a folder you can write")
         ) from None
     return f"~/{target.relative_to(home)}" if target.is_relative_to(home) else str(target)
+
+
+def _is_newer(version_file: Path) -> bool:
+    """Tell whether the bundle on the shelf came with a later release than this one."""
+    try:
+        return _release(version_file.read_text("utf-8")) > _release(__version__)
+    except (OSError, ValueError):
+        return False
+
+
+def _release(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in version.strip().split("."))
+
+
+def _replace(target: Path, data: bytes) -> None:
+    if target.is_file() and target.read_bytes() == data:
+        return
+    with tempfile.NamedTemporaryFile(dir=target.parent, delete=False) as file:
+        file.write(data)
+    Path(file.name).replace(target)
 
 
 def read_answers(package: Path) -> dict[str, Any] | None:
