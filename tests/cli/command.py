@@ -79,3 +79,15 @@ def files_below(folder: Path) -> dict[str, bytes]:
         for path in sorted(folder.rglob("*"))
         if path.is_file()
     }
+
+
+XML_HEAD = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n'
+    '<integration_:DDIPackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"'
+    ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
+    ' xmlns:consert_="http://www.deis-project.eu/ode/consert"'
+    ' xmlns:integration_="http://www.deis-project.eu/ode/integration" name="Small">\n'
+    '<odeProductPackages xsi:type="consert_:ConSertPackage" name="ConSerts">\n'
+)
+"""An EDDI up to where its ConSerts stand."""
+XML_TAIL = "\n</odeProductPackages></integration_:DDIPackage>\n"

@@ -1,0 +1,197 @@
+"""Damaged models and configurations: always an answer, never a traceback, never a changed file.
+
+``pytest tests/fuzz --hypothesis-profile=long`` does thousands of mutations of each file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.platforms import platforms
+from eddi_scaffold.problems import EddiError
+from tests.cli.command import EXAMPLE, ROOT, Result, files_below, run
+from tests.fuzz.mutations import mutations
+
+XML = (EXAMPLE / "two_conserts.xml").read_bytes()
+CONFIG = (EXAMPLE / "consert_a_config.yml").read_bytes()
+RECORDING = (EXAMPLE / "recording.csv").read_bytes()
+FEW = max(10, settings.default.max_examples // 50)
+"""Examples of the tests that render packages or start processes."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the example, ConSertA as YAML and one generated package."""
+    place = tmp_path_factory.mktemp("fuzz")
+    assert run("example", "two-conserts", ".", cwd=place).status == 0
+    assert run("export", "two_conserts.xml", "-o", ".", cwd=place).status == 0
+    made = run(*GENERATE, "ConSertA.yml", "-c", "consert_a_config.yml", cwd=place)
+    assert made.status == 0, made.err
+    return place
+
+
+GENERATE = ("generate", "--platform", "plain", "-o", "packages", "-m")
+YAML = b"""---
+guarantees:
+  - id: Near
+    description: closer than 50 m
+    dimensions:
+      - Numeric:
+          type: Distance
+          covered:
+            - Inclusive: {start: 0, end: 50}
+          subset: Demand
+          uom: m
+    ranking: 1
+  - id: Always
+    dimensions:
+      - Binary: {type: Safe}
+    default: true
+demands:
+  - id: Map
+    dimensions:
+      - Categorical: {type: MapAge, covered: [new, "1e3"], subset: Guarantee}
+evidence:
+  - id: Clearance
+    dimension:
+      Numeric:
+        type: Distance
+        covered:
+          - Exclusive: {start: -1e3, end: .inf}
+        subset: Demand
+        uom: km
+gates:
+  - {id: Both, function: And}
+tree_propagations:
+  - {from: Clearance, to: Both}
+  - {from: Map, to: Both}
+  - {from: Both, to: Near}
+required_services:
+  - {id: Maps, functional_service_type: MapService, demands: [Map]}
+provided_services:
+  - {id: Drive, functional_service_type: Motion, guarantees: [Near, Always]}
+"""
+
+
+def answered(result: Result, *statuses: int) -> None:
+    assert result.status in statuses, result.err
+    assert "Traceback" not in result.err
+    assert "this is a bug" not in result.err
+
+
+def assembled(folder: Path, model: str, config: str | None, platform: str) -> None:
+    """Do all that `generate` does before it renders."""
+    configs = [folder / config] if config else []
+    with contextlib.suppress(EddiError):
+        monitors, problems = monitors_of(folder / model, configs)
+        assemble(monitors, platforms()[platform], folder / "packages", problems)
+
+
+@given(data=mutations(XML))
+def test_damaged_xml(folder: Path, data: bytes) -> None:
+    (folder / "damaged.xml").write_bytes(data)
+    answered(run("check", "damaged.xml", "consert_a_config.yml", "-v", cwd=folder), 0, 1)
+    answered(run("show", "damaged.xml", cwd=folder), 0, 1, 2)
+    assembled(folder, "damaged.xml", None, "plain")
+
+
+@given(data=st.one_of(mutations(YAML), mutations(YAML[: YAML.index(b"evidence")])))
+def test_damaged_consert_yaml(folder: Path, data: bytes) -> None:
+    (folder / "damaged.yml").write_bytes(data)
+    answered(run("check", "damaged.yml", "-v", cwd=folder), 0, 1)
+    answered(run("show", "damaged.yml", cwd=folder), 0, 1, 2)
+    answered(run("compose", "a=damaged.yml", "ConSertB.yml", cwd=folder), 0, 1, 2)
+    assembled(folder, "damaged.yml", None, "plain")
+
+
+@given(data=mutations(CONFIG))
+def test_damaged_config(folder: Path, data: bytes) -> None:
+    (folder / "damaged_config.yml").write_bytes(data)
+    answered(run("check", "damaged_config.yml", "two_conserts.xml", "-v", cwd=folder), 0, 1)
+    assembled(folder, "two_conserts.xml", "damaged_config.yml", "ros1")
+
+
+@given(data=mutations(RECORDING))
+def test_damaged_recording(folder: Path, data: bytes) -> None:
+    (folder / "damaged.csv").write_bytes(data)
+    command = ("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "damaged.csv")
+    answered(run(*command, cwd=folder), 0, 2)
+
+
+@given(data=mutations(XML), config=st.one_of(st.just(CONFIG), mutations(CONFIG)))
+def test_a_failure_is_one_json_object(folder: Path, data: bytes, config: bytes) -> None:
+    (folder / "damaged.xml").write_bytes(data)
+    (folder / "damaged_config.yml").write_bytes(config)
+    for command in (["check", "damaged_config.yml"], ["show"], ["compose"]):
+        result = run(*command, "damaged.xml", "--json", cwd=folder)
+        answered(result, 0, 1, 2)
+        found = json.loads(result.out)
+        if result.status == 2:
+            assert list(found) == ["problems"]
+            assert any(problem["level"] == "error" for problem in found["problems"])
+
+
+@settings(max_examples=FEW)
+@given(
+    model=st.one_of(mutations(YAML), st.just(YAML)),
+    config=st.one_of(st.none(), mutations(CONFIG)),
+)
+def test_a_refused_generation_changes_no_file(
+    folder: Path, model: bytes, config: bytes | None
+) -> None:
+    (folder / "damaged_model.yml").write_bytes(model)
+    (folder / "damaged_config.yml").write_bytes(config or CONFIG)
+    files = ("two_conserts.xml", "-c", "damaged_config.yml") if config else ("damaged_model.yml",)
+    before = files_below(folder)
+    result = run(*GENERATE, *files, cwd=folder)
+    answered(result, 0, 2, 3)
+    if result.status == 2:
+        assert files_below(folder) == before
+
+
+@settings(max_examples=FEW)
+@given(data=st.data())
+def test_damaged_packages_change_no_file(folder: Path, data: st.DataObject) -> None:
+    """A merge or a slip of the hand damages a package: what is refused is left as it is."""
+    package = folder / "packages" / "conserta"
+    assert run(*GENERATE, "ConSertA.yml", "-c", "consert_a_config.yml", cwd=folder).status != 2
+    name = data.draw(st.sampled_from([".copier-answers.yml", "EDDIInput.py", "config/model.json"]))
+    path = next(path for path in (package / name, package / Path(name).name) if path.exists())
+    sound = path.read_bytes()
+    path.write_bytes(data.draw(mutations(sound)))
+    before = files_below(package)
+    try:
+        answered(run("status", package, cwd=folder), 0, 1, 2)
+        answered(run("regions", package, cwd=folder), 0, 2)
+        assert files_below(package) == before
+        result = run("upgrade", package, cwd=folder)
+        answered(result, 0, 2, 3)
+        if result.status == 2:
+            assert files_below(package) == before
+    finally:
+        path.write_bytes(sound)
+
+
+@settings(max_examples=min(FEW, 30))
+@given(data=st.one_of(mutations(XML), mutations(YAML), mutations(CONFIG)))
+def test_the_real_command(folder: Path, data: bytes) -> None:
+    (folder / "damaged").write_bytes(data)
+    done = subprocess.run(
+        [sys.executable, "-m", "eddi_scaffold", "check", "damaged", "two_conserts.xml"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode in {0, 1}, done.stderr
+    assert b"Traceback" not in done.stderr

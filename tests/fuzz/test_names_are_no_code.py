@@ -1,0 +1,266 @@
+"""Text of a model or configuration never becomes code, whatever it says.
+
+Packages are generated from arbitrary texts. Each must have the syntax tree of a package that was
+generated from plain words, when string constants and identifiers are left out of the comparison.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+from pathlib import Path
+from xml.etree import ElementTree as ET
+from xml.sax.saxutils import quoteattr
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.generation import bring
+from eddi_scaffold.platforms import platforms
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.yaml_text import dump_plain
+from tests.cli.command import XML_HEAD, XML_TAIL, template
+
+FEW = max(8, settings.default.max_examples // 25)
+WORDS = ["model", "first", "second", "text", "mm", "category", "topic", "source", "file"]
+HOSTILE = [
+    "'''\nimport os\n'''",
+    '"""',
+    "a'b",
+    'a"b',
+    "a\\",
+    "a\n    import os",
+    "a\r\nimport os",
+    "# region: x",
+    "'''-----Manual edit end-----'''",
+    "{{ 7*7 }}",
+    "{% raw %}{% include 'x' %}",
+    "{# x",
+    "import",
+    "__class__",
+    "self",
+    "bind",
+    "states",
+    "process_E",
+    "1a",
+    "-->",
+    "]]>",
+    "<x/>",
+    "&amp;",
+    "$(arg x)",
+    "$ENV{HOME}",
+    "${x}",
+    ")\nmessage(FATAL_ERROR x",
+    "../../x",
+    "\u2028x",
+    "\x85x",
+    "\x00",
+    "\ud800",
+    "ä",
+    "ﬁ",
+    "\u202ex",
+    " ",
+    "%s",
+    "*/",
+    "x" * 300,
+]
+TEXT = st.one_of(
+    st.sampled_from(HOSTILE),
+    st.text(max_size=12),
+    st.builds("{}{}".format, st.sampled_from(HOSTILE), st.text(max_size=4)),
+)
+
+
+def some(size: int) -> st.SearchStrategy[list[str]]:
+    """Return plain words, up to three of them replaced by texts that want to be code."""
+    places = st.sampled_from([place for place in range(size) if WORDS[place] != "mm"])
+    replaced = st.dictionaries(places, TEXT.filter(bool), min_size=1, max_size=3)
+    return replaced.map(lambda new: [new.get(n, word) for n, word in enumerate(WORDS[:size])])
+
+
+def model_yaml(texts: list[str]) -> str:
+    _, first, second, text, unit, category, *_ = texts
+    return dump_plain(
+        {
+            "guarantees": [
+                {
+                    "id": "G",
+                    "description": text,
+                    "dimensions": [{"Binary": {"type": category or "Safe"}}],
+                }
+            ],
+            "demands": [],
+            "evidence": [
+                {
+                    "id": first,
+                    "description": text,
+                    "dimension": {
+                        "Numeric": {
+                            "type": "Length",
+                            "covered": [{"Inclusive": {"start": 0, "end": 1}}],
+                            "subset": "Demand",
+                            "uom": unit,
+                        }
+                    },
+                },
+                {
+                    "id": second,
+                    "description": text,
+                    "dimension": {
+                        "Categorical": {
+                            "type": "Kind",
+                            "covered": [category, "b"],
+                            "subset": "Demand",
+                        }
+                    },
+                },
+            ],
+            "gates": [{"id": "Both", "function": "And"}],
+            "tree_propagations": [
+                {"from": first, "to": "Both"},
+                {"from": second, "to": "Both"},
+                {"from": "Both", "to": "G"},
+            ],
+            "required_services": [],
+            "provided_services": [],
+        }
+    )
+
+
+def config_yaml(texts: list[str]) -> str:
+    model, first, second, text, unit, category, topic, source, _ = texts
+    return dump_plain(
+        {
+            "Model": {"id": model, "type": "ConSert"},
+            "SimulatorOutputs": [
+                {"id": source, "type": "std_msgs.Float32", "topic": "/a"},
+                {"id": f"{source}2", "type": "std_msgs.String", "topic": "/b"},
+                {"id": "list", "type": "my_msgs.List", "topic": "/c"},
+            ],
+            "EDDIInputs": [
+                {"id": first, "requires": [source], "unit": unit, "max_age": 1},
+                {"id": second, "requires": ["list"], "field": f"items[{category}].data"},
+            ],
+            "EDDIOutputs": [{"id": topic, "topic": "/out"}],
+            "Package": {"description": text, "license": text},
+        }
+    )
+
+
+def packages(
+    folder: Path, platform: str, model: str, config: str | None
+) -> dict[str, bytes] | None:
+    """Generate a monitor package in memory; ``None`` when the texts were refused."""
+    configs = [folder / config] if config else []
+    try:
+        monitors, problems = monitors_of(folder / model, configs)
+        assembly = assemble(monitors, platforms()[platform], folder / "out", problems)
+    except EddiError:
+        return None
+    try:
+        outcome = bring(folder / "out", assembly.packages[:1], template(), dry_run=True)
+    except EddiError as refused:
+        if "Manual edit" in str(assembly.packages[0].answers["inputs"]):
+            return None  # an id that looks like one of our markers
+        raise AssertionError(f"accepted, but not generated: {refused}") from refused
+    return {path: state.data for path, state in outcome.changes.items() if state is not None}
+
+
+def shapes(files: dict[str, bytes]) -> dict[str, str]:
+    """Return the syntax trees of the Python files of our own, without names and texts."""
+    return {
+        path.rpartition("/")[2]: shape(data)
+        for path, data in files.items()
+        if path.endswith(("EDDIInput.py", "EDDIMonitor.py", "RosNode.py", "setup.py"))
+        and "/.eddi/" not in path
+    }
+
+
+def shape(data: bytes) -> str:
+    code = data.decode("utf-8")
+    compile(code, "generated.py", "exec")
+    assert code.isascii() or all(char.isprintable() or char == "\n" for char in code)
+    tree = ast.parse(code)
+    for node in ast.walk(tree):
+        for field in ("id", "attr", "arg", "name", "module"):
+            if isinstance(getattr(node, field, None), str):
+                setattr(node, field, "x")
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            node.value = "text"
+    return ast.dump(tree)
+
+
+def check(folder: Path, files: dict[str, bytes], sound: dict[str, bytes]) -> None:
+    assert shapes(files) == shapes(sound)
+    for path, data in files.items():
+        if path.endswith((".xml", ".launch")):
+            ET.fromstring(data)
+        if path.endswith(("model.json", "manifest.json")):
+            json.loads(data)
+        assert ".." not in Path(path).parts
+    assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize("platform", ["plain", "ros1"])
+@settings(max_examples=FEW)
+@given(texts=some(9))
+@example(texts=["a.b", "a'b", 'c"d', "-->", "mm", "{{ x }}", "t\nimport os", "a-b", "file"])
+def test_yaml_and_configuration(
+    tmp_path_factory: pytest.TempPathFactory, platform: str, texts: list[str]
+) -> None:
+    folder = tmp_path_factory.mktemp("names")
+    files = from_yaml(folder, platform, texts)
+    if files is not None:
+        check(folder, files, sound_from_yaml(folder, platform))
+
+
+def from_yaml(folder: Path, platform: str, texts: list[str]) -> dict[str, bytes] | None:
+    (folder / "model.yml").write_text(model_yaml(texts), encoding="utf-8")
+    (folder / "config.yml").write_text(config_yaml(texts), encoding="utf-8")
+    return packages(folder, platform, "model.yml", "config.yml")
+
+
+SOUND: dict[str, dict[str, bytes]] = {}
+
+
+def sound_from_yaml(folder: Path, platform: str) -> dict[str, bytes]:
+    if platform not in SOUND:
+        SOUND[platform] = from_yaml(folder, platform, WORDS) or {}
+        assert SOUND[platform]
+    return SOUND[platform]
+
+
+@settings(max_examples=FEW)
+@given(texts=some(3))
+@example(texts=["'''\nimport os\n'''", 'a"b', "import"])
+def test_xml(tmp_path_factory: pytest.TempPathFactory, texts: list[str]) -> None:
+    folder = tmp_path_factory.mktemp("names")
+    files = from_xml(folder, texts)
+    if "xml" not in SOUND:
+        SOUND["xml"] = from_xml(folder, WORDS) or {}
+        assert SOUND["xml"]
+    if files is not None:
+        check(folder, files, SOUND["xml"])
+
+
+DIMENSION = (
+    '<dependabilityProperty><dimension xsi:type="consert_:BinaryDimension">'
+    '<dimensionType name="IsTrue"/></dimension></dependabilityProperty>'
+)
+
+
+def from_xml(folder: Path, texts: list[str]) -> dict[str, bytes] | None:
+    name, evidence, text = (quoteattr(value.replace("\n", " ")) for value in texts[:3])
+    inner = (
+        f"<conSerts name={name} description={text}>"
+        '<guaranteePropagation source="//@odeProductPackages.0/@conSerts.0/@runtimeEvidence.0"'
+        ' target="//@odeProductPackages.0/@conSerts.0/@guarantees.0"/>'
+        f'<guarantees name="G" description={text}>{DIMENSION}</guarantees>'
+        f"<runtimeEvidence name={evidence} description={text}>{DIMENSION}</runtimeEvidence>"
+        "</conSerts>"
+    )
+    data = f"{XML_HEAD}{inner}{XML_TAIL}".encode("utf-8", "surrogatepass")
+    (folder / "model.xml").write_bytes(data)
+    return packages(folder, "plain", "model.xml", None)
