@@ -196,8 +196,9 @@ class References:
         return "/" if len(self._roots) == 1 else f"/{self._root_index[root]}"
 
     def _step(self, parent: Element, segment: str) -> Element | None:
-        name, _, digits = segment.partition(".")
-        index = int(digits or 0)
+        # from behind: an element that EMF did not write may have points in its name
+        name, point, digits = segment.rpartition(".")
+        name, index = (name, int(digits)) if point and digits.isdecimal() else (segment, 0)
         children = self._children(parent)
         exact = children.by_name.get(name, ())
         if index < len(exact):

@@ -86,6 +86,14 @@ def test_a_suggestion_only_when_there_is_exactly_one() -> None:
     assert one.references.explain(Fragment(0, "/@b.0")) == '/ has no "b", it has "a" (2)'
 
 
+def test_names_with_points_are_told_from_indices() -> None:
+    doc = document("<r><a.b><c/></a.b><a.0/></r>")
+    assert doc.references.path(doc.roots[0][0][0]) == "//@a.b.0/@c.0"
+    assert doc.references.explain(Fragment(0, "/@c.0")) == (
+        '/ has no "c", it has "a.b" (1) and "a.0" (1); did you mean //@a.b.0/@c.0?'
+    )
+
+
 NAMES = st.sampled_from(["a", "b", "c_", "D", "consert"])
 Tree = tuple[str, list[Any]]
 TREES: st.SearchStrategy[Tree] = st.recursive(
