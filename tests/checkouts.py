@@ -13,6 +13,7 @@ from pathlib import Path
 HERE = Path(__file__).parents[1]
 PRIVATE = ("_commit:", "_src_path:")
 _PARTS = (
+    ".gitignore",
     "copier.yml",
     "copier_templates",
     "eddi_scaffold",
