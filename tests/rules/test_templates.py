@@ -1,0 +1,130 @@
+"""Templates put answers in place and loop; they hold no logic and see nothing but the answers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import yaml
+from jinja2 import Environment, meta, nodes
+
+from tests.checkouts import HERE
+
+TEMPLATES = HERE / "copier_templates"
+FILES = sorted(path for path in TEMPLATES.rglob("*.jinja") if path.is_file())
+NAMES = sorted({part for path in TEMPLATES.rglob("*") for part in path.parts if "{" in part})
+TAGS = {"for", "endfor", "if", "else", "endif", "include", "raw", "endraw"}
+FILTERS = {"e", "indent", "join"}
+LOGIC = (
+    nodes.Assign,
+    nodes.AssignBlock,
+    nodes.BinExpr,
+    nodes.Call,
+    nodes.CallBlock,
+    nodes.Concat,
+    nodes.CondExpr,
+    nodes.Dict,
+    nodes.FilterBlock,
+    nodes.List,
+    nodes.Macro,
+    nodes.Test,
+)
+ANSWERS_FILE = "{{_copier_conf.answers_file}}.jinja"
+ids = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(TEMPLATES)))
+
+
+@cache
+def questions() -> frozenset[str]:
+    data = yaml.safe_load((TEMPLATES / "questions.yml").read_text("utf-8"))
+    return frozenset(data) | {"_copier_conf", "_copier_answers"}
+
+
+@cache
+def environment() -> Environment:
+    settings = (HERE / "copier.yml").read_text("utf-8").partition("\n---\n")[0]
+    env = Environment(**yaml.safe_load(settings)["_envops"])
+    env.filters["to_nice_yaml"] = str
+    return env
+
+
+def tags_of(text: str) -> Iterator[str]:
+    tokens = [token for token in environment().lex(text) if token[1] != "whitespace"]
+    for (_, kind, _), (_, _, value) in pairwise(tokens):
+        if kind == "block_begin":
+            yield value
+
+
+@ids
+def test_tags_and_filters(path: Path) -> None:
+    text = path.read_text("utf-8")
+    assert set(tags_of(text)) <= TAGS
+    parsed = environment().parse(text)
+    allowed = FILTERS | ({"to_nice_yaml"} if path.name == ANSWERS_FILE else set())
+    assert {node.name for node in parsed.find_all(nodes.Filter)} <= allowed
+    logic = [type(node).__name__ for node in parsed.find_all(LOGIC)]
+    assert not logic, "derive it in Python: an answer is text that is ready to be put in place"
+
+
+@ids
+def test_only_answers_are_seen(path: Path) -> None:
+    parsed = environment().parse(path.read_text("utf-8"))
+    of_the_name = {"item"} if "yield item" in path.name else set()
+    assert meta.find_undeclared_variables(parsed) <= questions() | of_the_name
+    if path.name != ANSWERS_FILE:
+        assert "_copier_answers" not in meta.find_undeclared_variables(parsed)
+
+
+@ids
+def test_a_condition_is_a_flag(path: Path) -> None:
+    """A name, the end of a loop, or which template it is."""
+    for node in environment().parse(path.read_text("utf-8")).find_all(nodes.If):
+        test = node.test.node if isinstance(node.test, nodes.Not) else node.test
+        if isinstance(test, nodes.Compare):
+            assert test.expr == nodes.Name("template", "load")
+            assert isinstance(test.ops[0].expr, nodes.Const)
+        elif isinstance(test, nodes.Getattr):
+            assert test == nodes.Getattr(nodes.Name("loop", "load"), "last", "load")
+        else:
+            assert isinstance(test, nodes.Name)
+
+
+@ids
+def test_what_is_included_is_there(path: Path) -> None:
+    for name in meta.find_referenced_templates(environment().parse(path.read_text("utf-8"))):
+        assert name is not None, "a constant"
+        assert (HERE / name).is_file(), name
+
+
+@ids
+def test_only_xml_needs_the_filter_e(path: Path) -> None:
+    """Quoting for every other language is done in Python, where it is tested."""
+    text = path.read_text("utf-8")
+    if "| e " in text:
+        assert path.name == "package.xml.jinja"
+
+
+def test_names_of_files() -> None:
+    for name in NAMES:
+        parts = re.findall(r"{{.*?}}|{%.*?%}", name)
+        for part in parts:
+            variable = re.fullmatch(
+                r"{{ ?(?:_copier_conf\.answers_file|package|item\.name) ?}}", part
+            )
+            loop = re.fullmatch(r"{% (?:yield item from messages|endyield) %}", part)
+            assert variable or loop, part
+
+
+def test_every_editable_file_has_its_pristine_copy() -> None:
+    """The merge needs what the template says, without what a person wrote."""
+    for pristine in TEMPLATES.glob("*/.eddi/pristine/**/*.jinja"):
+        template = Path(*pristine.relative_to(TEMPLATES).parts[:1])
+        inner = Path(*pristine.relative_to(TEMPLATES).parts[3:])
+        included = meta.find_referenced_templates(environment().parse(pristine.read_text("utf-8")))
+        shown = environment().parse((TEMPLATES / template / inner).read_text("utf-8"))
+        same = {f"copier_templates/{template / inner}", *meta.find_referenced_templates(shown)}
+        assert set(included) <= same, pristine
+        assert pristine.read_text("utf-8").splitlines()[-1].count("eddi-scaffold: end of rendering")
