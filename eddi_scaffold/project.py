@@ -11,7 +11,7 @@ import re
 import tempfile
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +103,8 @@ def read_answers(package: Path) -> dict[str, Any] | None:
         return None
     node, problems = read_document(read_source(path), "T005")
     if node is None:
-        raise EddiError(*problems)
+        hint = "put it back: git checkout -- FILE, or copy the package again with plain copier copy"
+        raise EddiError(*(replace(problem, hint=hint) for problem in problems))
     data = value_11(node)
     known = isinstance(data, dict) and "template" in data and "generator_version" in data
     return data if known else None

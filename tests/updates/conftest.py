@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.updates.templates import Templates, make_templates
+from tests.updates.world import DONE
 
 _RAM_DISK = Path("/dev/shm")
 _ENOUGH = 512 * 2**20
@@ -55,3 +56,10 @@ def templates(fast_folder: Path, own_home: None) -> Templates:
 def folder(fast_folder: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(dir=fast_folder) as name:
         yield Path(name)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say how much the random lives did (in one process, without pytest-xdist)."""
+    if DONE:
+        done = ", ".join(f"{count} {word}" for word, count in sorted(DONE.items()))
+        terminalreporter.write_line(f"random lives: {done}")

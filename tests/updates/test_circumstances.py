@@ -20,7 +20,7 @@ from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements, write_inputs
 from tests.updates.templates import CHECKOUT, Templates, git, make_templates, new_version
-from tests.updates.world import LONG, World, snapshot
+from tests.updates.world import LONG, World, killed_at, snapshot
 
 START = elements("alpha", "beta", "gamma")
 CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
@@ -318,39 +318,6 @@ def test_plain_update_merges_an_edited_generated_file(world: World) -> None:
 
 
 # kills -----------------------------------------------------------------------------------------
-WRITES = ("replace", "unlink", "rename", "mkdir", "rmdir")
-
-
-class Killed(BaseException):
-    """Raised in the place of a step that a killed process never does."""
-
-
-def _killed_at(step: int, operation: Callable[[], object], patch: pytest.MonkeyPatch) -> bool:
-    """Run an operation and stop it at the n-th change of a folder; tell whether it came so far."""
-    left = step
-
-    def guard(real: Callable[..., object]) -> Callable[..., object]:
-        def one(*arguments: object, **options: object) -> object:
-            nonlocal left
-            left -= 1
-            if left < 0:
-                raise Killed
-            return real(*arguments, **options)
-
-        return one
-
-    with patch.context() as inner:
-        inner.setattr(transaction, "_write", guard(transaction._write))
-        inner.setattr(shutil, "rmtree", lambda *_, **__: None)  # a killed process tidies nothing
-        for name in WRITES:
-            inner.setattr(os, name, guard(getattr(os, name)))
-        try:
-            operation()
-        except Killed:
-            return True
-    return False
-
-
 @pytest.mark.parametrize("between", ["nothing", "edit"])
 @pytest.mark.parametrize("then", ["upgrade", "copy"])
 def test_transaction_is_killed_at_every_step(
@@ -366,7 +333,7 @@ def test_transaction_is_killed_at_every_step(
     new = _bring_elsewhere(world)
     changes = {f"rover/{p}": new.get(p) for p in sorted({*old, *new}) if old.get(p) != new.get(p)}
     step = 0
-    while _killed_at(step, lambda: generation._write(world.root, changes), monkeypatch):
+    while killed_at(step, lambda: generation._write(world.root, changes), monkeypatch):
         world.seen = [START, CHANGED]
         world.check(finished=False)
         if between == "edit":
@@ -404,6 +371,17 @@ def _put_back(world: World, old: dict[str, transaction.FileState]) -> None:
     for staging in world.root.glob(".eddi-transaction-*"):
         shutil.rmtree(staging)
     transaction.apply(world.root, {f"rover/{path}": state for path, state in old.items()})
+
+
+@pytest.mark.parametrize("operation", ["generate", "upgrade"])
+def test_answers_that_a_killed_copier_cut_are_told(world: World, operation: str) -> None:
+    (world.package / ".copier-answers.yml").write_bytes(b"")
+    before = snapshot(world.workspace)
+    result = getattr(world, operation)()
+    assert result.status == 2
+    assert ".copier-answers.yml" in result.words
+    assert "git checkout -- " in result.words
+    assert snapshot(world.workspace) == before
 
 
 # disks ------------------------------------------------------------------------------------------

@@ -7,11 +7,13 @@ import contextlib
 import io
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,10 +21,11 @@ from unittest.mock import patch
 from xml.etree import ElementTree as ET
 
 import copier
+import pytest
 from copier.errors import CopierError
 from hypothesis import settings
 
-from eddi_scaffold import cli, project
+from eddi_scaffold import cli, project, transaction
 from eddi_scaffold.assembly import assemble, monitors_of
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.platforms import chosen
@@ -41,6 +44,7 @@ EDITABLE = {
     ),
 }
 DAMAGES = 6
+DONE: Counter[str] = Counter()  # what was run, for the summary
 LONG = settings().max_examples >= 1000  # the long profile
 _WORD = re.compile(r"hand_\d+_line")
 
@@ -405,6 +409,44 @@ class World:
                 assert not re.search(r"^(<<<<<<<|>>>>>>>)", text, re.MULTILINE), path
                 if ".eddi/" not in path.as_posix():
                     _check_valid(path.name, text)
+
+
+class Killed(BaseException):
+    """Raised in the place of a step that a killed process never does."""
+
+
+def killed_at(step: int, operation: Callable[[], object], context: pytest.MonkeyPatch) -> bool:
+    """Run an operation and stop it at the n-th change of a folder; tell whether it came so far."""
+    left, tidying = step, False
+    remove = shutil.rmtree
+
+    def guard(real: Callable[..., object]) -> Callable[..., object]:
+        def one(*arguments: object, **options: object) -> object:
+            nonlocal left
+            left -= not tidying
+            if left < 0 and not tidying:
+                raise Killed
+            return real(*arguments, **options)
+
+        return one
+
+    def tidy(path: object, *arguments: object, **options: object) -> None:
+        nonlocal tidying
+        if ".eddi-transaction-" not in str(path):  # a killed process leaves its journal there
+            tidying = True
+            remove(path, *arguments, **options)
+            tidying = False
+
+    with context.context() as inner:
+        inner.setattr(transaction, "_write", guard(transaction._write))
+        inner.setattr(shutil, "rmtree", tidy)
+        for name in ("replace", "unlink", "rename", "mkdir", "rmdir"):
+            inner.setattr(os, name, guard(getattr(os, name)))
+        try:
+            operation()
+        except Killed:
+            return True
+    return False
 
 
 def snapshot(folder: Path) -> dict[str, bytes]:
