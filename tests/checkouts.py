@@ -75,12 +75,15 @@ class Checkout:
     def example(self) -> Path:
         return self.path / "examples" / "two-conserts"
 
-    def eddi(self, *words: object, cwd: Path | None = None, umask: int = -1) -> str:
+    def eddi(
+        self, *words: object, cwd: Path | None = None, umask: int = -1, status: int = 0
+    ) -> str:
         """Run ``eddi-scaffold`` of this checkout and return its words."""
         sources = os.pathsep.join([str(self.path), str(self.path / "runtime_lib" / "src")])
         command = [sys.executable, "-m", "eddi_scaffold", *map(str, words)]
         variables = {**self.env, "PYTHONPATH": sources}
-        return run(command, cwd or self.path.parent, variables, umask=umask).stderr
+        done = run(command, cwd or self.path.parent, variables, status=status, umask=umask)
+        return done.stderr
 
     def copier(self, *words: object, cwd: Path) -> None:
         """Run the plain ``copier`` command; from here Python finds nothing of ours."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ if (
     and shutil.disk_usage(_MEMORY).free > 4 * 2**30
 ):  # git, Copier and our own transactions flush a lot: several times faster in memory
     os.environ["TMPDIR"] = str(_MEMORY)
+    tempfile.tempdir = None  # asked before, by pytest itself
 
 settings.register_profile(
     "quick",

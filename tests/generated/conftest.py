@@ -21,7 +21,7 @@ def both(clone: Checkout, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return generate(clone, tmp_path_factory.mktemp("both"), "a", "b")
 
 
-def generate(clone: Checkout, workspace: Path, *letters: str) -> Path:
+def generate(clone: Checkout, workspace: Path, *letters: str, status: int = 0) -> Path:
     """Generate monitors of the example and return the folder of their packages."""
     (workspace / "src").mkdir(exist_ok=True)
     configs = [
@@ -29,7 +29,6 @@ def generate(clone: Checkout, workspace: Path, *letters: str) -> Path:
         for letter in letters
         for word in ("-c", clone.example / f"consert_{letter}_config.yml")
     ]
-    clone.eddi(
-        "-q", "generate", "-w", workspace, "-m", clone.example / "two_conserts.xml", *configs
-    )
+    model = clone.example / "two_conserts.xml"
+    clone.eddi("-q", "generate", "-w", workspace, "-m", model, *configs, status=status)
     return workspace / "src" / "eddi_monitor"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,22 @@ def test_one_after_the_other_is_both_at_once(clone: Checkout, both: Path, tmp_pa
     assert tree(tmp_path / "src" / "eddi_monitor") == joined, (
         "an upgrade to the same changes nothing"
     )
+
+
+def test_own_files_stay_and_edits_of_generated_ones_are_kept(
+    clone: Checkout, both: Path, tmp_path: Path
+) -> None:
+    packages = tmp_path / "src" / "eddi_monitor"
+    shutil.copytree(both, packages)
+    own = packages / "eddi_messages" / "msg" / "Own.msg"
+    own.write_text("bool mine\n")
+    ignored = packages / "conserta" / ".gitignore"
+    ignored.write_text("*.bag\n")
+    generate(clone, tmp_path, "a", status=3)
+    generate(clone, tmp_path, "a")
+    assert own.read_text() == "bool mine\n"
+    kept = packages / "conserta" / ".eddi" / "rejects" / ".gitignore.edited"
+    assert kept.read_text() == "*.bag\n"
 
 
 @pytest.mark.slow
