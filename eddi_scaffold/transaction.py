@@ -103,7 +103,7 @@ def apply(
     try:
         _finish(root, staging)
     except KeyboardInterrupt:
-        _finish(root, staging)  # all is decided: half of it would be worse than a moment more
+        recover(root)  # all is decided: half of it would be worse than a moment more
         raise
 
 

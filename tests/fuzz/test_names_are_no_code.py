@@ -141,7 +141,7 @@ def config_yaml(texts: list[str]) -> str:
             ],
             "EDDIInputs": [
                 {"id": first, "requires": [source], "unit": unit, "max_age": 1},
-                {"id": second, "requires": ["list"], "field": f"items[{category}].data"},
+                {"id": second, "requires": ["list"], "field": f"items[k{category}].data"},
             ],
             "EDDIOutputs": [{"id": topic, "topic": "/out"}],
             "Package": {"description": text, "license": text},

@@ -1,0 +1,412 @@
+"""Every command as a user meets it: exit status, what goes where, JSON, colours, lost readers."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold import __version__, cli
+from eddi_scaffold.cli import hoisted
+from tests.cli.command import ROOT, Result, example, files_below, run
+
+COMMANDS = [
+    *("example", "check", "show", "run", "generate", "upgrade", "status", "regions", "compose"),
+    *("export", "answers"),
+]
+MODEL = "two_conserts.xml"
+CONFIG = "consert_a_config.yml"
+PLAIN = ("generate", "--platform", "plain", "-o", "out", "-m", MODEL, "--name", "ConSertB")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return example(tmp_path)
+
+
+@pytest.fixture
+def package(folder: Path) -> Path:
+    assert run(*PLAIN, cwd=folder).status == 0
+    return folder / "out" / "consertb"
+
+
+def started(*words: object, cwd: Path, **options: object) -> subprocess.Popen[bytes]:
+    """Start the real program."""
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"}
+    environment |= options.pop("env", {})
+    return subprocess.Popen(
+        [sys.executable, "-m", "eddi_scaffold", *map(str, words)],
+        cwd=cwd,
+        env=environment,
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options},
+    )
+
+
+def finished(*words: object, cwd: Path, **options: object) -> Result:
+    process = started(*words, cwd=cwd, **options)
+    out, err = process.communicate(timeout=60)
+    return Result(process.returncode, (out or b"").decode(), (err or b"").decode())
+
+
+# help, version, usage
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_of_a_command_has_an_example(command: str, tmp_path: Path) -> None:
+    short, long = (run(command, flag, cwd=tmp_path) for flag in ("-h", "--help"))
+    assert short == long
+    assert (short.status, short.err) == (0, "")
+    assert f"Example: eddi-scaffold {command} " in short.out
+
+
+def test_help_lists_the_commands_in_the_order_of_the_work(tmp_path: Path) -> None:
+    result = run("--help", cwd=tmp_path)
+    assert (result.status, result.err) == (0, "")
+    listed = result.out.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    assert [line.split()[0] for line in listed if line[2] != " "] == COMMANDS
+    assert "eddi-scaffold example two-conserts demo" in " ".join(result.out.split())
+
+
+def test_version(tmp_path: Path) -> None:
+    assert run("--version", cwd=tmp_path) == Result(0, f"eddi-scaffold {__version__}\n", "")
+
+
+def test_nothing_to_do_is_wrong_usage_with_help(tmp_path: Path) -> None:
+    result = run(cwd=tmp_path)
+    assert (result.status, result.out) == (2, "")
+    assert "Commands:" in result.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["chek"], "No such command 'chek'. Did you mean 'check'?"),
+        (["check"], "Missing argument"),
+        (["check", "--frob"], "No such option: --frob"),
+        (["generate", "-m"], "-m"),
+        (["export", "x.xml"], "-o"),
+    ],
+)
+def test_wrong_usage(words: list[str], said: str, tmp_path: Path) -> None:
+    result = run(*words, cwd=tmp_path)
+    assert (result.status, result.out) == (2, "")
+    assert said in result.err
+    assert "Traceback" not in result.err
+
+
+# data, words, JSON
+
+
+def test_an_example_is_a_place_to_start_from(tmp_path: Path) -> None:
+    result = run("example", "two-conserts", "demo", cwd=tmp_path)
+    assert result.status == 0
+    assert result.out.splitlines() == [f"demo/{name}" for name in files_below(tmp_path / "demo")]
+    assert result.err == "next: read demo/README.md\n"
+    assert run("example", "list", cwd=tmp_path).out == "two-conserts\n"
+
+
+def test_the_example_is_sound(folder: Path) -> None:
+    result = run("check", MODEL, CONFIG, "consert_b_config.yml", cwd=folder)
+    assert (result.status, result.out) == (0, "")
+    assert result.err.startswith(f"no problems in {MODEL}, {CONFIG}, consert_b_config.yml")
+
+
+def test_show_is_a_tree_under_the_name_of_each_model(folder: Path) -> None:
+    result = run("show", MODEL, "--name", "consertb", cwd=folder)
+    assert result == Result(
+        0,
+        "ConSert ConSertB\n"
+        "  guarantee System_A_G0_c2: IsTrue2\n"
+        "    evidence RtE_A_E0: SensorHealthy\n"
+        "  provides ServiceB (ServiceBType): System_A_G0_c2\n",
+        "",
+    )
+
+
+def test_show_json(folder: Path) -> None:
+    found = json.loads(run("show", MODEL, "--json", cwd=folder).out)
+    assert {"models", "elements", "references"} <= set(found)
+    assert [model["name"] for model in found["models"]] == ["ConSertA", "ConSertB"]
+    assert list(found["models"][0]) == ["kind", "name", "path", "line", "counts"]
+    assert found["references"]["unresolved"] == 0
+    one = json.loads(run("show", MODEL, "--json", "--name", "ConSertB", cwd=folder).out)
+    assert [model["name"] for model in one["models"]] == ["ConSertB"]
+    assert one["elements"] == found["elements"]
+
+
+def test_show_says_with_its_status_that_a_model_is_not_whole(folder: Path) -> None:
+    text = (folder / MODEL).read_text()
+    broken = text.replace('target="//@odeProductPackages.0/@conSerts.1/@guarantees.0"', "", 1)
+    (folder / MODEL).write_text(broken)
+    result = run("show", MODEL, cwd=folder)
+    assert result.status == 1
+    assert "ConSert ConSertA" in result.out
+    assert "error" in result.err
+    assert run("show", MODEL, "--json", cwd=folder).status == 1
+
+
+def test_check_json_is_one_object(folder: Path) -> None:
+    (folder / CONFIG).write_text((folder / CONFIG).read_text().replace("/rte/e0a", "rte e0a"))
+    result = run("check", MODEL, CONFIG, "--json", cwd=folder)
+    assert (result.status, result.err) == (1, "")
+    problems = json.loads(result.out)["problems"]
+    (problem,) = (problem for problem in problems if problem["level"] == "error")
+    assert list(problem) == ["level", "code", "message", "hint", "file", "line", "col"]
+    assert (problem["code"], problem["file"], problem["line"]) == ("E005", CONFIG, 12)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["show", "nothere.xml"],
+        ["compose", "nothere.xml"],
+        ["status"],
+        ["regions", "."],
+        ["run", MODEL, "--inputs", "nothere.csv"],
+        ["show"],
+        ["frob"],
+    ],
+)
+def test_every_failure_can_be_json(words: list[str], folder: Path) -> None:
+    result = run(*words, "--json", cwd=folder)
+    assert (result.status, result.err) == (2, "")
+    found = json.loads(result.out)
+    assert list(found) == ["problems"]
+    assert {problem["level"] for problem in found["problems"]} == {"error"}
+
+
+def test_json_is_ascii_so_that_every_terminal_can_hold_it(folder: Path) -> None:
+    result = finished(
+        "check", "nöthere.xml", "--json", cwd=folder, env={"PYTHONIOENCODING": "ascii"}
+    )
+    assert json.loads(result.out)["problems"][0]["file"] == "nöthere.xml"
+
+
+def test_compose(folder: Path) -> None:
+    good = run("compose", MODEL, "--json", cwd=folder)
+    assert (good.status, json.loads(good.out)["composable"]) == (0, True)
+    assert run("export", MODEL, "-o", ".", cwd=folder).out == "ConSertA.yml\nConSertB.yml\n"
+    bad = run("compose", "ConSertA.yml", "--json", cwd=folder)
+    found = json.loads(bad.out)
+    assert (bad.status, found["composable"], found["unmatched_demands"]) == (1, False, ["RtE_A_D0"])
+    assert found["reasons"]
+    assert run("compose", "ConSertA.yml", "other=ConSertB.yml", cwd=folder).status == 0
+
+
+def test_export_keeps_to_the_named_model(folder: Path) -> None:
+    assert run("export", MODEL, "-o", "one", "--name", "ConSertB", cwd=folder).status == 0
+    assert list(files_below(folder / "one")) == ["ConSertB.yml"]
+    assert run("check", "one/ConSertB.yml", cwd=folder).status == 0
+
+
+def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
+    result = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "a b.yml", cwd=folder)
+    assert (result.status, result.out) == (0, "")
+    assert "--data-file 'a b.yml'" in result.err
+    assert result.err.endswith(" src/eddi_monitor/conserta\n")
+    many = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "all", "--all", cwd=folder)
+    assert many.err.count("copier copy") == len(files_below(folder / "all")) == 5
+
+
+# packages
+
+
+def test_generate_says_what_was_written_and_what_to_do(folder: Path) -> None:
+    (folder / "my ws" / "src").mkdir(parents=True)
+    command = ("generate", "-w", "my ws", "-c", CONFIG, "-m", MODEL)
+    first = run(*command, cwd=folder)
+    assert (first.status, first.out) == (0, "")
+    assert "    + scripts/RosNode.py\n" in first.err
+    assert "  cd 'my ws' && catkin_make" in first.err
+    before = files_below(folder)
+    again = run(*command, cwd=folder)
+    assert again.status == 0
+    assert "nothing to change" in again.err
+    assert files_below(folder) == before
+
+
+def test_a_dry_run_prints_a_difference_and_writes_nothing(folder: Path) -> None:
+    before = files_below(folder)
+    result = run(*PLAIN, "--dry-run", cwd=folder)
+    assert result.status == 0
+    assert result.out.startswith("--- /dev/null\n+++ b/consertb/")
+    assert "files would change below out" in result.err
+    assert files_below(folder) == before
+
+
+def test_status_and_regions_of_a_fresh_package(package: Path, folder: Path) -> None:
+    status = run("status", package, "--json", cwd=folder)
+    assert status.status == 0
+    (found,) = json.loads(status.out)["packages"]
+    assert (found["package"], found["drifted"], found["regions"]) == (
+        "consertb",
+        False,
+        {"untouched": 1},
+    )
+    by_default = run("regions", "--json", cwd=package)
+    assert by_default.status == 0
+    (region,) = json.loads(by_default.out)["regions"]
+    assert (region["id"], region["file"], region["state"]) == (
+        "input:RtE_A_E0",
+        "EDDIInput.py",
+        "untouched",
+    )
+    assert run("status", ".", cwd=package) == Result(
+        0, "consertb: up to date (regions: 1 untouched)\n", ""
+    )
+
+
+def test_drift_is_a_no(package: Path, folder: Path) -> None:
+    with (package / "EDDIMonitor.py").open("a") as file:
+        file.write("# by hand\n")
+    result = run("status", "-w", "out", cwd=folder)
+    assert result.status == 1
+    assert "edited, but generated: EDDIMonitor.py" in result.out
+
+
+def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
+    path = package / "EDDIInput.py"
+    path.write_text(path.read_text().replace("= RtE_A_E0", "= bool(RtE_A_E0)"))
+    text = (folder / MODEL).read_text().replace('"RtE_A_E0"', '"RtE_A_E9"')
+    (folder / "v2.xml").write_text(text)
+    result = run("upgrade", package, "-m", "v2.xml", cwd=folder)
+    assert result.status == 3, result.err
+    assert "hand edits need a look" in result.err
+    assert run("regions", package, "--check", cwd=folder).status == 3
+    assert "bool(RtE_A_E0)" in "".join(
+        data.decode() for name, data in files_below(package).items() if "orphans" in name
+    )
+
+
+def test_upgrade_of_nothing_new(package: Path, folder: Path) -> None:
+    result = run("upgrade", "out/consertb/", cwd=folder)
+    assert (result.status, result.out) == (0, "")
+    assert "nothing to change below out" in result.err
+
+
+# global options
+
+
+def test_global_options_may_stand_behind_the_command() -> None:
+    assert hoisted(["check", "-q", "f", "--color"]) == ["-q", "--color", "check", "f"]
+    assert hoisted(["check", "--", "-q"]) == ["check", "--", "-q"]
+
+
+def test_quiet_and_verbose(folder: Path) -> None:
+    assert run("check", "-q", MODEL, cwd=folder) == Result(0, "", "")
+    assert run("-q", "check", "nothere", cwd=folder).err.count("\n") == 1
+    assert "[S007]" in run("check", MODEL, "--verbose", cwd=folder).err
+    normal = run("check", MODEL, cwd=folder)
+    assert normal.err == f"no problems in {MODEL} (-v shows 3 infos)\n"
+
+
+@pytest.mark.parametrize(
+    ("flags", "environment", "coloured"),
+    [
+        ([], {}, False),
+        ([], {"FORCE_COLOR": "1"}, True),
+        ([], {"FORCE_COLOR": "1", "NO_COLOR": "1"}, False),
+        (["--color"], {"NO_COLOR": "1"}, True),
+        (["--no-color"], {"FORCE_COLOR": "1"}, False),
+    ],
+)
+def test_colour(
+    flags: list[str],
+    environment: dict[str, str],
+    coloured: bool,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name in ("NO_COLOR", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    result = run("check", "nothere", *flags, cwd=tmp_path)
+    assert ("\x1b[" in result.err) is coloured
+    assert "error:" in result.err
+
+
+def test_text_of_a_file_cannot_steer_the_terminal(tmp_path: Path) -> None:
+    (tmp_path / "c.yml").write_text('Model: {id: A, type: "\\e[2J\\a\\n"}\n')
+    (tmp_path / "m.yml").write_text("\x1b[2J: 1\n")
+    name = "a\nb\x1b[2J.xml"
+    result = run("check", "c.yml", "m.yml", name, cwd=example(tmp_path))
+    assert "\x1b" not in result.err
+    assert "\x07" not in result.err
+    assert "a b\\x1b[2J.xml: error:" in result.err
+
+
+# what can happen to a process
+
+
+def test_a_reader_that_has_gone_does_not_change_the_answer(folder: Path) -> None:
+    for words, status in ((["show", MODEL], 0), (["compose", "ConSertA.yml"], 1)):
+        run("export", MODEL, "-o", ".", cwd=folder)
+        read, write = os.pipe()
+        os.close(read)
+        result = finished(*words, cwd=folder, stdout=write)
+        os.close(write)
+        assert (result.status, result.err) == (status, "")
+
+
+def test_a_closed_output_is_no_bug(folder: Path) -> None:
+    for stream in (1, 2):
+        process = started("check", "nothere", cwd=folder, preexec_fn=lambda fd=stream: os.close(fd))
+        _, err = process.communicate(timeout=60)
+        assert (process.returncode, b"bug" in err) == (1, False)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_data_that_cannot_be_written_is_an_error(folder: Path) -> None:
+    with Path("/dev/full").open("wb") as full:
+        result = finished("show", MODEL, cwd=folder, stdout=full)
+    assert result.status == 2
+    assert result.err == (
+        "error: cannot write to the standard output: No space left on device [F007]\n1 error\n"
+    )
+
+
+def test_ctrl_c(folder: Path) -> None:
+    """Interrupt the real program while it waits for a model that does not come."""
+    os.mkfifo(folder / "pipe.xml")
+    for delay in (0.05, 1.0):  # while it loads, and while it reads
+        process = started("show", "pipe.xml", cwd=folder)
+        time.sleep(delay)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        assert process.returncode in {130, -signal.SIGINT}
+        if delay == 1.0:
+            assert (process.returncode, out) == (130, b"")
+            assert err == b"interrupted, nothing is half-written\n"
+
+
+def test_what_the_system_refuses_is_no_bug(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied", "somewhere")
+
+    monkeypatch.setattr("eddi_scaffold.checking.check_files", refuse)
+    result = run("check", MODEL, cwd=folder)
+    assert result.status == 2
+    assert result.err == (
+        "somewhere: error: the system refused: Permission denied [F006]\n1 error\n"
+    )
+
+
+def test_a_bug_is_one_line_unless_more_is_asked(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError("so that")
+
+    monkeypatch.setattr("eddi_scaffold.checking.check_files", fail)
+    result = run("check", "-q", MODEL, cwd=folder)
+    assert (result.status, result.out) == (cli.EXIT_OUR_BUG, "")
+    assert f"this is a bug in eddi-scaffold {__version__}: ZeroDivisionError: so that" in result.err
+    assert "Traceback" not in result.err
+    assert "Traceback" in run("check", MODEL, "--traceback", cwd=folder).err

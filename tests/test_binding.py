@@ -1,0 +1,159 @@
+"""A model joined with its configuration, where no file of the diagnostics can show it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.binding import Monitor, monitor_of
+from eddi_scaffold.config import read_config
+from eddi_scaffold.kinds import ModelInput, kinds
+from eddi_scaffold.models import read_models
+from eddi_scaffold.platforms.ros1.messages import known_messages
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source
+from tests.cli.command import EXAMPLE
+
+KIND = kinds()["consert"]
+SPEED = """---
+guarantees:
+  - {id: Drives, dimensions: [{Binary: {type: Driving}}]}
+demands: []
+evidence:
+  - id: Clearance
+    dimension:
+      Numeric:
+        type: Distance
+        covered: [{Inclusive: {start: 2, end: .inf}}]
+        subset: Demand
+        uom: m
+gates: []
+tree_propagations: [{from: Clearance, to: Drives}]
+required_services: []
+provided_services: []
+"""
+
+
+def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None, list[Problem]]:
+    """Join SPEED with a configuration that has one input."""
+    text = (
+        f"Model: {{id: speed, type: ConSert{top}}}\n"
+        "SimulatorOutputs:\n"
+        "  - {id: lidar, type: std_msgs/msg/Float32, topic: /lidar, max_age: 2}\n"
+        "  - {id: other, type: my_msgs.Other, topic: /other, max_age: 1.5}\n"
+        f"{sources}"
+        f"EDDIInputs:\n  - {{id: Clearance, {entry}}}\n"
+        "EDDIOutputs: [{id: out, topic: /speed}]\n"
+    )
+    config, problems = read_config(Source("c.yml", text.encode()))
+    assert config is not None, problems
+    (model,) = read_models(Source("speed.yml", SPEED.encode())).models
+    return monitor_of(model, KIND, config, known_messages(kinds().values()))
+
+
+def sound(entry: str, **more: str) -> Monitor:
+    monitor, problems = joined(entry, **more)
+    assert monitor is not None, problems
+    return monitor
+
+
+def test_the_only_field_of_a_message_is_taken_where_its_type_fits() -> None:
+    (binding,) = sound("requires: [lidar]").inputs
+    assert binding.expression == "lidar.data"
+    text = "  - {id: text, type: std_msgs.String, topic: /text}\n"
+    (binding,) = sound("requires: [text], max_age: none", sources=text).inputs
+    assert binding.expression is None
+    whole = "  - {id: whole, type: std_msgs.Int32, topic: /whole}\n"
+    (binding,) = sound("requires: [whole], max_age: none", sources=whole).inputs
+    assert binding.expression == "whole.data"
+
+
+def test_an_unknown_message_is_left_to_a_person_unless_a_field_is_named() -> None:
+    assert sound("requires: [other]").inputs[0].expression is None
+    assert sound("requires: [other], field: range").inputs[0].expression == "other.range"
+    assert sound("requires: [lidar, other]").inputs[0].expression is None
+
+
+def test_the_shortest_age_of_what_is_required_counts_unless_the_input_says_one() -> None:
+    assert sound("requires: [lidar, other]").inputs[0].max_age == 1.5
+    assert sound("requires: [lidar], max_age: 0.25").inputs[0].max_age == 0.25
+    assert sound("requires: [lidar], max_age: none").inputs[0].max_age == "none"
+    never = "  - {id: never, type: std_msgs.Float32, topic: /n, max_age: none}\n"
+    assert sound("requires: [never]", sources=never).inputs[0].max_age == "none"
+    assert sound("requires: [never, lidar]", sources=never).inputs[0].max_age == 2.0
+
+
+def test_a_unit_becomes_an_exact_factor() -> None:
+    assert sound("requires: [lidar], unit: km").inputs[0].factor == (1000, 1)
+    assert sound("requires: [lidar], unit: mm").inputs[0].factor == (1, 1000)
+    assert sound("requires: [lidar], unit: m").inputs[0].factor is None
+    assert sound("requires: [lidar], unit: meter").inputs[0].factor is None
+
+
+@pytest.mark.parametrize(
+    ("default", "codes"),
+    [
+        ("1", []),
+        ("1.9", []),
+        ("-5", []),
+        ("2", ["E024"]),
+        ("2, allow_unsafe_default: true", []),
+        ("2000, unit: mm", ["E024"]),
+        ("1999, unit: mm", []),
+        ("true", ["E023"]),
+        ("near", ["E023"]),
+        (".inf", ["E023"]),
+    ],
+)
+def test_a_default_must_fit_and_must_not_count_as_evidence(default: str, codes: list[str]) -> None:
+    problems = joined(f"requires: [lidar], default: {default}")[1]
+    assert [problem.code for problem in problems if problem.level == "error"] == codes
+
+
+def test_the_settings_travel_in_the_model_document() -> None:
+    monitor = sound("requires: [lidar]", top=", debounce: 3, guarantee_ids: class")
+    document = json.loads(monitor.model_json)
+    assert document["settings"] == {
+        "guarantee_ids": "class",
+        "filter": {"kind": "debounce", "regain_after": 3},
+    }
+    (item,) = document["inputs"]
+    assert (item["id"], item["requires"], item["max_age"]) == ("Clearance", ["lidar"], 2.0)
+
+
+def test_without_a_configuration_a_value_of_its_own_id_is_taken() -> None:
+    (model,) = read_models(Source("speed.yml", SPEED.encode())).models
+    monitor, problems = monitor_of(model, KIND, None, {})
+    assert monitor is not None
+    assert problems == []
+    (binding,) = monitor.inputs
+    assert (binding.requires[0].id, binding.expression) == ("Clearance", "Clearance")
+
+
+def test_two_inputs_with_one_attribute_are_e025() -> None:
+    """Kinds that do not check this themselves get it checked here."""
+    (model,) = read_models(Source("speed.yml", SPEED.encode())).models
+    two = (ModelInput("a-b", "bool"), ModelInput("a.b", "bool"), ModelInput("c", "bool"))
+    kind = dataclasses.replace(KIND, inputs=lambda _: two)
+    monitor, problems = monitor_of(model, kind, None, {})
+    assert monitor is None
+    assert [(p.code, p.message) for p in problems] == [
+        ("E025", "the inputs 'a-b' and 'a.b' give the same name 'a_b'")
+    ]
+
+
+def test_the_example_needs_no_hand_written_line() -> None:
+    for letter in ("a", "b"):
+        path = EXAMPLE / f"consert_{letter}_config.yml"
+        config, problems = read_config(Source(str(path), Path(path).read_bytes()))
+        assert problems == []
+        assert config is not None
+        models = read_models(Source("m.xml", (EXAMPLE / "two_conserts.xml").read_bytes())).models
+        model = models["ab".index(letter)]
+        monitor, found = monitor_of(model, KIND, config, known_messages(kinds().values()))
+        assert found == []
+        assert monitor is not None
+        assert all(binding.expression for binding in monitor.inputs)
