@@ -21,7 +21,7 @@ from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors
 from eddi_scaffold.source import read_source
 
-_IDENTITY = ("package_version", "maintainer_name", "maintainer_email", "license")
+_IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from eddi_scaffold import __version__
 from eddi_scaffold.answers import identity_answers, one_line, shared_answers
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import Config, ConfigFile, SimulatorOutput
@@ -13,6 +14,8 @@ from eddi_scaffold.platforms.ros1.messages import packages_of
 from eddi_scaffold.problems import Problem, error
 
 MESSAGE_PACKAGE = "eddi_messages"
+_RELEASE = ".".join(__version__.split(".")[:3])
+"""Version of the packages that all monitors share: they come with the generator."""
 
 
 def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
@@ -65,6 +68,7 @@ def support_answers(monitors: Sequence[str], config: Config | None) -> list[Pack
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
         answers = {"template": template, **identity_answers(name, description, None), **more}
+        answers["package_version"] = _RELEASE
         if config is not None and config.Package.maintainer is not None:
             answers |= {
                 key: identity_answers(name, description, config)[key]

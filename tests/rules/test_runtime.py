@@ -1,0 +1,85 @@
+"""The runtime and the generated packages run on the robot's Python, and agree on a version."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import eddi_runtime
+import pytest
+
+import eddi_scaffold
+from tests.checkouts import HERE, run
+
+RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
+EXPECTED = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
+ON_THE_ROBOT = sorted(
+    path
+    for folder in (RUNTIME, EXPECTED, HERE / "tests" / "golden" / "plain")
+    for path in folder.rglob("*.py")
+)
+SINCE = "3.8"
+
+
+@pytest.mark.parametrize("path", ON_THE_ROBOT, ids=lambda path: str(path.relative_to(HERE)))
+def test_syntax_of_python_3_8(path: Path) -> None:
+    ast.parse(path.read_text("utf-8"), feature_version=(3, 8))
+
+
+def test_library_of_python_3_8() -> None:
+    """Vermin knows since when each call of the standard library exists."""
+    vermin = Path(sys.executable).with_name("vermin")
+    if not vermin.exists():
+        pytest.skip("vermin is not installed")
+    options = ["--no-tips", f"--target={SINCE}-", "--violations"]
+    folders = [RUNTIME, EXPECTED, HERE / "tests" / "golden" / "plain"]
+    run([str(vermin), *options, *map(str, folders)], HERE)
+
+
+def old_python() -> str:
+    """Find a Python 3.8."""
+    pyenv = sorted(Path("~/.pyenv/versions").expanduser().glob(f"{SINCE}.*/bin/python"))
+    named = shutil.which(f"python{SINCE}")
+    for found in [*([named] if named else []), *map(str, pyenv)]:
+        asked = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
+        if asked.stdout.startswith(f"Python {SINCE}."):
+            return found
+    return pytest.skip(f"there is no Python {SINCE} on this machine")
+
+
+@pytest.fixture(scope="session")
+def old_pytest() -> Path:
+    """Return a Python 3.8 with pytest, kept in the checkout's `.cache`; installed once."""
+    python = old_python()
+    home = HERE / ".cache" / f"python{SINCE}"
+    ready = home / "ready"
+    if not ready.exists():
+        shutil.rmtree(home, ignore_errors=True)
+        wanted = ["pytest==8.3.*", "hypothesis==6.113.*"]
+        pip = [str(home / "bin" / "python"), "-m", "pip", "install", "--quiet", *wanted]
+        for command in ([python, "-m", "venv", str(home)], pip):
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            if done.returncode:
+                reason = done.stderr.strip().splitlines()[-1:] or ["no reason given"]
+                pytest.skip(f"Python {SINCE} is here, pytest for it cannot be had: {reason[0]}")
+        ready.touch()
+    return home / "bin" / "python"
+
+
+@pytest.mark.slow
+def test_runtime_tests_pass_on_python_3_8(old_pytest: Path) -> None:
+    options = ["-q", "-p", "no:cacheprovider", "-c", str(HERE / "pyproject.toml")]
+    command = [str(old_pytest), "-m", "pytest", *options, str(HERE / "runtime_lib" / "tests")]
+    done = run(command, HERE, {"PYTHONDONTWRITEBYTECODE": "1", "PYTEST_ADDOPTS": ""})
+    assert re.search(r"^\d+ passed", done.stdout, re.MULTILINE), done.stdout
+
+
+def test_one_version() -> None:
+    version = eddi_scaffold.__version__
+    assert eddi_runtime.__version__ == version
+    manifest = (EXPECTED / "eddi_runtime" / "package.xml").read_text("utf-8")
+    assert f"<version>{version}</version>" in manifest
