@@ -14,6 +14,7 @@ import pytest
 
 import eddi_scaffold
 from tests.checkouts import HERE, run
+from tests.interpreters import SINCE, old_python
 
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 EXPECTED = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
@@ -22,7 +23,6 @@ ON_THE_ROBOT = sorted(
     for folder in (RUNTIME, EXPECTED, HERE / "tests" / "golden" / "plain")
     for path in folder.rglob("*.py")
 )
-SINCE = "3.8"
 
 
 @pytest.mark.parametrize("path", ON_THE_ROBOT, ids=lambda path: str(path.relative_to(HERE)))
@@ -38,17 +38,6 @@ def test_library_of_python_3_8() -> None:
     options = ["--no-tips", f"--target={SINCE}-", "--violations"]
     folders = [RUNTIME, EXPECTED, HERE / "tests" / "golden" / "plain"]
     run([str(vermin), *options, *map(str, folders)], HERE)
-
-
-def old_python() -> str:
-    """Find a Python 3.8."""
-    pyenv = sorted(Path("~/.pyenv/versions").expanduser().glob(f"{SINCE}.*/bin/python"))
-    named = shutil.which(f"python{SINCE}")
-    for found in [*([named] if named else []), *map(str, pyenv)]:
-        asked = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
-        if asked.stdout.startswith(f"Python {SINCE}."):
-            return found
-    return pytest.skip(f"there is no Python {SINCE} on this machine")
 
 
 @pytest.fixture(scope="session")

@@ -16,6 +16,7 @@ class EDDIInput(EDDIInputBase):
         self.Distance = None
         self._2nd_sensor_ok = None
         self.class_ = None
+        self.Mode = None
 
     def process_MapKnown(self, MapKnown):
         # bool, good when MapAge in {new, no}
@@ -42,9 +43,16 @@ class EDDIInput(EDDIInputBase):
         self.class_ = class_
         '''-----Manual edit end-----'''  # region: input:class
 
+    def process_Mode(self, Mode):
+        # str, good when DriveMode in {crawl, no}
+        '''-----Manual edit begin-----'''  # region: input:Mode sig: fde9c308
+        self.Mode = Mode
+        '''-----Manual edit end-----'''  # region: input:Mode
+
     def processing(self, simulator_outputs):
         """Call the method of each input whose messages are there (`simulator_outputs`: by id)."""
         self.update('MapKnown', self.process_MapKnown, simulator_outputs, ('MapKnown',))
         self.update('Distance', self.process_Distance, simulator_outputs, ('Distance',))
         self.update('2nd sensor-ok', self.process__2nd_sensor_ok, simulator_outputs, ('2nd sensor-ok',))
         self.update('class', self.process_class_, simulator_outputs, ('class',))
+        self.update('Mode', self.process_Mode, simulator_outputs, ('Mode',))
