@@ -20,7 +20,7 @@ from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements, write_inputs
 from tests.updates.templates import CHECKOUT, Templates, git, make_templates, new_version
-from tests.updates.world import LONG, World, killed_at, snapshot
+from tests.updates.world import World, killed_at, long_profile, snapshot
 
 START = elements("alpha", "beta", "gamma")
 CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
@@ -347,7 +347,7 @@ def test_transaction_is_killed_at_every_step(
             assert not list(world.root.glob(".eddi-transaction-*"))
         _put_back(world, old)
         world.lines = copy.deepcopy(lines)
-        step += 1 if LONG or (then, between) == ("upgrade", "edit") else 4
+        step += 1 if long_profile() or (then, between) == ("upgrade", "edit") else 4
     assert step > len(changes)
 
 

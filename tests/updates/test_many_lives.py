@@ -27,7 +27,7 @@ from eddi_scaffold.unpacking import Unpacked
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates, git
 from tests.updates.test_sequences import CHANGES, OPERATIONS, WORDS, Life
-from tests.updates.world import DONE, LONG, Result, World, killed_at
+from tests.updates.world import DONE, Result, World, killed_at, long_profile
 
 LOOKS = 3
 START = elements("alpha", "beta", "gamma")
@@ -43,13 +43,15 @@ class Renderings:
             git(folder, "clone", "-q", "-b", templates.tag(look), str(templates.path), str(path))
             shutil.rmtree(path / ".git")
         self.pool = [START]
+        self.next: dict[tuple[Element, ...], list[tuple[Element, ...]]] = {}
         seed = folder / "seed"
         seed.mkdir()
         life = Life(World(seed, templates, "plain", START), 1)
         while len(self.pool) < size:
-            life.world.inputs = life.chance.choice(self.pool)
+            before = life.world.inputs = life.chance.choice(self.pool)
             life.model_change()
             self.pool.append(life.world.inputs)
+            self.next.setdefault(before, []).append(life.world.inputs)
         self._answers: dict[object, dict[str, object]] = {}
 
     def answers(self, world: World) -> dict[str, object]:
@@ -121,7 +123,9 @@ class QuickLife(Life):
 
     def jump(self) -> None:
         assert isinstance(self.world, QuickWorld)
-        self.world.change(*self.chance.choice(self.world.renderings.pool))
+        known = self.world.renderings
+        near = known.next.get(self.world.inputs) if self.chance.random() < 0.7 else None
+        self.world.change(*self.chance.choice(near or known.pool))
 
     def template(self) -> None:
         self.world.version = self.chance.randint(1, LOOKS)
@@ -151,16 +155,16 @@ class QuickLife(Life):
 @pytest.fixture(scope="session")
 def renderings(templates: Templates, fast_folder: Path) -> Iterator[Renderings]:
     with tempfile.TemporaryDirectory(dir=fast_folder) as folder:
-        yield Renderings(Path(folder), templates, 60 if LONG else 12)
+        yield Renderings(Path(folder), templates, 60 if long_profile() else 12)
 
 
 @settings(
     deadline=None,
-    max_examples=5000 if LONG else 60,
+    max_examples=5000 if long_profile() else 60,
     suppress_health_check=list(HealthCheck),
     phases=(Phase.explicit, Phase.generate),
 )
-@given(words=st.lists(st.sampled_from(WORDS), min_size=8, max_size=40), seed=st.integers(0, 10**9))
+@given(words=st.lists(st.sampled_from(WORDS), min_size=12, max_size=40), seed=st.integers(0, 10**9))
 def test_many_lives(
     templates: Templates, renderings: Renderings, fast_folder: Path, words: list[str], seed: int
 ) -> None:

@@ -14,7 +14,7 @@ from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates
-from tests.updates.world import DAMAGES, EDITABLE, LONG, Result, World, snapshot
+from tests.updates.world import DAMAGES, EDITABLE, Result, World, long_profile, snapshot
 
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 START = (*elements("alpha", "beta"), Element("gamma", "float"), Element("delta", "pair"))
@@ -114,8 +114,13 @@ def _copied(old: World, folder: Path) -> World:
 @pytest.mark.parametrize("operation", OPERATIONS)
 @pytest.mark.parametrize(
     ("case", "platform"),
-    # `generate` for ROS renders six packages: in the quick profile only where it has most to lose
-    [(c, p) for c in CASES for p in EDITABLE if LONG or (p == "ros1") == CASES[c].outside],
+    # `generate` for ROS renders six packages: in the quick profile only where most can be lost
+    [
+        (c, p)
+        for c in CASES
+        for p in EDITABLE
+        if long_profile() or (p == "ros1") == CASES[c].outside
+    ],
 )
 def test_edits_survive(
     start: dict[str, World], folder: Path, case: str, platform: str, operation: str

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import VERSIONS, Templates, git
-from tests.updates.world import DONE, LONG, World, snapshot
+from tests.updates.world import DONE, World, long_profile, snapshot
 
 NAMES = ("alpha", "beta", "gamma", "delta", "alpha2", "Rt_E-5")
 PLACES = (
@@ -168,7 +168,7 @@ WORDS = (
 
 @settings(
     deadline=None,
-    max_examples=400 if LONG else 6,
+    max_examples=400 if long_profile() else 6,
     suppress_health_check=list(HealthCheck),
     phases=(Phase.explicit, Phase.generate),  # a life takes seconds: shrinking would take hours
 )

@@ -45,8 +45,12 @@ EDITABLE = {
 }
 DAMAGES = 6
 DONE: Counter[str] = Counter()  # what was run, for the summary
-LONG = settings().max_examples >= 1000  # the long profile
 _WORD = re.compile(r"hand_\d+_line")
+
+
+def long_profile() -> bool:
+    """Tell whether ``--hypothesis-profile=long`` is on; known when tests are collected."""
+    return settings().max_examples >= 1000
 
 
 @dataclass
@@ -59,6 +63,8 @@ class Line:
         home: region in which it must stand now; ``None``: it may also be saved.
         function: innermost function of a line outside.
         above: method that follows a comment outside.
+        anchored: it stands outside where no change of the model disturbs it.
+        stands: it stood in its file when last looked at.
     """
 
     token: str
@@ -67,6 +73,8 @@ class Line:
     home: str | None = None
     function: str = ""
     above: str | None = None
+    anchored: bool = False
+    stands: bool = True
 
 
 @dataclass(frozen=True)
@@ -97,6 +105,8 @@ class World:
         self.lines: dict[str, Line] = {}
         self.count = 0
         self.seen: list[tuple[Element, ...]] = []  # models that the package may be at
+        self.look = 0  # of the last finished operation
+        self.steady = False  # the last operation finished, and so did the one before, at one look
         self.workspace.mkdir()
         git(self.workspace, "init", "-q")
 
@@ -314,6 +324,7 @@ class World:
         if new == text:
             return None
         self.write(new, line.path)
+        line.anchored = kind in {"import", "helper", "docstring", "manifest", "cmake", "launch"}
         self.lines[token] = line
         return token
 
@@ -366,7 +377,9 @@ class World:
                 simple = len(self.seen) == 1 and always and name not in names and len(heirs) == 1
                 moves = simple and heirs[0].name not in before
                 line.home = f"input:{heirs[0].name}" if moves else None
-        self.seen = [self.inputs]
+        look = (self.version - 1) % 3
+        self.steady = len(self.seen) == 1 and look == self.look
+        self.seen, self.look = [self.inputs], look
 
     def check(self, *, finished: bool = True) -> None:
         """Hold the promise against every line; ``finished``: no operation was killed."""
@@ -383,11 +396,16 @@ class World:
         for line in self.lines.values():
             count = sum(text.count(line.token) for text in texts.values())
             assert count <= 1, f"{line} stands {count} times"
+            if finished and self.steady and line.anchored and line.stands:
+                assert count == 1, f"{line} was moved away without need"
+            line.stands = count == 1
+            DONE["lines checked"] += 1
             if line.ids:
                 homes = [r.id for r in document.regions.values() if line.token in r.body]
                 saved = [o.id for o in orphans if line.token in o.body]
                 assert len(homes) == count, f"{line} left its region"
                 assert homes or saved, f"{line} is lost"
+                DONE["lines saved as orphans"] += not homes
                 assert set(homes + saved) <= line.ids, f"{line} is in {homes}, saved in {saved}"
                 if finished:
                     assert not (homes and saved), f"{line} is in {homes} and saved in {saved}"
@@ -395,6 +413,7 @@ class World:
             elif count == 0:
                 patches = [p.read_text() for p in rejects.glob(f"{line.path}*.patch")]
                 assert any(line.token in text for text in patches), f"{line} is lost"
+                DONE["lines saved as rejects"] += 1
             elif line.path == self.main:
                 assert _function_of(texts[line.path], line.token) == line.function, line
                 if line.above is not None:
