@@ -347,7 +347,7 @@ def test_transaction_is_killed_at_every_step(
             assert not list(world.root.glob(".eddi-transaction-*"))
         _put_back(world, old)
         world.lines = copy.deepcopy(lines)
-        step += 1 if long_profile() or (then, between) == ("upgrade", "edit") else 4
+        step += 1 if long_profile() else 3 if (then, between) == ("upgrade", "edit") else 6
     assert step > len(changes)
 
 
