@@ -45,13 +45,23 @@ class TemplateBundle(BuildHookInterface):  # type: ignore[type-arg]
         )
         if self.target_name == "sdist":
             build_data["force_include"][str(bundle)] = BUNDLE
+            if (root / "copier_templates/plain_monitor/eddi_runtime").is_symlink():
+                # hatchling follows the link first, and then takes the folder itself as known
+                build_data["force_include"][str(root / "runtime_lib")] = "runtime_lib"
         else:
             build_data["force_include"][str(bundle)] = f"eddi_scaffold/{BUNDLE}"
-            build_data["force_include"][str(root / "examples")] = "eddi_scaffold/_examples"
+            build_data["force_include"] |= _examples(root / "examples")
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
         """Remove the scratch folder."""
         shutil.rmtree(getattr(self, "_scratch", ""), ignore_errors=True)
+
+
+def _examples(folder: Path) -> dict[str, str]:
+    """Return where each file of the examples goes; expected packages are for our own tests."""
+    names = sorted(path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    shown = [name for name in names if name.parts[1] != "expected"]
+    return {str(folder / name): f"eddi_scaffold/_examples/{name}" for name in shown}
 
 
 def make_bundle(root: Path, scratch: Path, version: str) -> Path:
