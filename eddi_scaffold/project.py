@@ -46,10 +46,15 @@ def own_template() -> Template:
         EddiError: neither a checkout nor a bundle is there (T001).
     """
     package = Path(__file__).resolve().parent
-    if (package.parent / "copier.yml").is_file():
-        return Template(str(package.parent), "HEAD" if (package.parent / ".git").exists() else None)
-    if (package / _BUNDLE).is_file():
-        return Template(_installed_bundle(package / _BUNDLE), f"v{__version__}")
+    root = package.parent
+    in_sources = (root / "copier.yml").is_file()
+    if in_sources and (root / ".git").exists():
+        return Template(str(root), "HEAD")
+    for bundle in (package / _BUNDLE, root / _BUNDLE):  # installed; an unpacked sdist
+        if bundle.is_file():
+            return Template(_installed_bundle(bundle), f"v{__version__}")
+    if in_sources:
+        return Template(str(root), None)
     hint = "install eddi-scaffold again, or run it from a git checkout"
     raise EddiError(error("T001", "the templates of eddi-scaffold are missing", hint=hint))
 

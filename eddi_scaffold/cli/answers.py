@@ -65,8 +65,10 @@ def answers(
         for package in packages
     }
     write(output if every else output.parent, files)
-    source = own_template().location
+    template = own_template()
+    version = f" --vcs-ref {template.ref}" if template.ref else ""
+    command = f"copier copy --trust --defaults{version}"
     for package, file in zip(packages, files, strict=True):
         path = quote(str(output / file if every else output))
         folder = "/".join(part for part in (target.root, package.folder) if part)
-        console.say(f"copier copy --trust --defaults --data-file {path} {quote(source)} {folder}")
+        console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")
