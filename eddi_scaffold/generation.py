@@ -25,7 +25,7 @@ from eddi_scaffold.regions.generated import (
     recorded_generated,
     save_generated_edits,
 )
-from eddi_scaffold.regions.sync import sync_package
+from eddi_scaffold.regions.sync import next_base, sync_package
 from eddi_scaffold.transaction import FileState
 from eddi_scaffold.unpacking import unpacked
 
@@ -160,7 +160,12 @@ def _write(root: Path, changes: Mapping[str, FileState | None]) -> None:
     follows = {
         path: path.replace("/.eddi/base/", "/", 1) for path in ordered if "/.eddi/base/" in path
     }
-    transaction.write(root, {path: changes[path] for path in ordered}, follows)
+    meanwhile = {
+        base.replace("/.eddi/base/", "/.eddi/next/", 1): FileState(next_base(text.data, new.data))
+        for base, file in follows.items()
+        if (text := changes.get(file)) is not None and (new := changes[base]) is not None
+    }
+    transaction.write(root, {path: changes[path] for path in ordered}, follows, meanwhile)
 
 
 def _turn(path: str, state: FileState | None) -> int:

@@ -69,6 +69,7 @@ def apply(
     root: Path,
     changes: Mapping[str, FileState | None],
     follows: Mapping[str, str] | None = None,
+    meanwhile: Mapping[str, FileState] | None = None,
 ) -> None:
     """Write, replace or (``None``) remove the files below ``root`` as one step.
 
@@ -77,6 +78,7 @@ def apply(
         changes: path -> new state, in the order in which they are made.
         follows: path -> path of the file without whose change it makes no sense: when a killed
             run is finished and that file was changed since, both are left alone.
+        meanwhile: new files that are there only from the first change to the last one.
 
     Raises:
         OSError: the disk is full or a folder is not writable; then nothing was changed.
@@ -88,13 +90,17 @@ def apply(
     staging = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root))
     try:
         journal: list[_Step] = []
-        for number, (path, state) in enumerate(changes.items()):
+        guards = meanwhile or {}
+        ends = [(path, None) for path in guards]
+        for number, (path, state) in enumerate([*guards.items(), *changes.items(), *ends]):
             _refuse_early(root / path)
             staged = None if state is None else str(number)
             if state is not None:
                 _write(staging / str(number), state.data)
                 (staging / str(number)).chmod(0o755 if state.executable else 0o644)
-            journal.append(_Step(path, staged, _digest(root / path), (follows or {}).get(path)))
+            guard = guards[path].data if path in guards and state is None else None
+            old = _digest(root / path) if guard is None else hashlib.sha256(guard).hexdigest()
+            journal.append(_Step(path, staged, old, (follows or {}).get(path)))
         _write(staging / "journal.new", json.dumps([astuple(step) for step in journal]).encode())
         (staging / "journal.new").replace(staging / _JOURNAL)
     except BaseException:
@@ -111,6 +117,7 @@ def write(
     root: Path,
     changes: Mapping[str, FileState | None],
     follows: Mapping[str, str] | None = None,
+    meanwhile: Mapping[str, FileState] | None = None,
 ) -> None:
     """Do the same as ``apply`` for a command.
 
@@ -118,7 +125,7 @@ def write(
         EddiError: nothing could be written (F002).
     """
     try:
-        apply(root, changes, follows)
+        apply(root, changes, follows, meanwhile)
     except OSError as problem:
         reason = problem.strerror or str(problem)
         named = problem.filename is not None and _PREFIX not in str(problem.filename)

@@ -202,8 +202,13 @@ def _write_next(root: Path, planned: _Planned) -> None:
     texts, text = planned.texts, planned.merged.text
     if text is None or texts.theirs is None or texts.base in {None, texts.theirs}:
         return
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    write_file(root / EDDI / "next" / texts.path, f"{digest}\n{texts.theirs}".encode())
+    data = next_base(text.encode(), texts.theirs.encode())
+    write_file(root / EDDI / "next" / texts.path, data)
+
+
+def next_base(text: bytes, base: bytes) -> bytes:
+    """Return the content of ``.eddi/next/F``: when F holds ``text``, its base is ``base``."""
+    return hashlib.sha256(text).hexdigest().encode() + b"\n" + base
 
 
 def _commit(root: Path, path: str, theirs: str | None) -> None:

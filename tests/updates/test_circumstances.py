@@ -318,7 +318,7 @@ def test_plain_update_merges_an_edited_generated_file(world: World) -> None:
 
 
 # kills -----------------------------------------------------------------------------------------
-@pytest.mark.parametrize("between", ["nothing", "edit"])
+@pytest.mark.parametrize("between", ["nothing", "edit", "model"])
 @pytest.mark.parametrize("then", ["upgrade", "copy"])
 def test_transaction_is_killed_at_every_step(
     world: World, monkeypatch: pytest.MonkeyPatch, then: str, between: str
@@ -332,7 +332,7 @@ def test_transaction_is_killed_at_every_step(
     world.version += 1
     new = _bring_elsewhere(world)
     changes = {f"rover/{p}": new.get(p) for p in sorted({*old, *new}) if old.get(p) != new.get(p)}
-    step = 0
+    step, thorough = 0, {("upgrade", "edit"), ("copy", "model")}
     while killed_at(step, lambda: generation._write(world.root, changes), monkeypatch):
         world.seen = [START, CHANGED]
         world.check(finished=False)
@@ -340,14 +340,17 @@ def test_transaction_is_killed_at_every_step(
             names = sorted(world.document().regions)
             world.edit(names[0].removeprefix("input:"))
             world.edit_outside("helper")
+        if between == "model":
+            world.change(*START)
         assert getattr(world, then)().status in {0, 3}
         world.settle()
         world.check()
+        world.change(*CHANGED)
         if then == "upgrade":
             assert not list(world.root.glob(".eddi-transaction-*"))
         _put_back(world, old)
         world.lines = copy.deepcopy(lines)
-        step += 1 if long_profile() else 3 if (then, between) == ("upgrade", "edit") else 6
+        step += 1 if long_profile() else 3 if (then, between) in thorough else 6
     assert step > len(changes)
 
 
