@@ -77,7 +77,7 @@ def assemble(
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
     """
     found = list(problems)
-    found += _name_problems(monitors, platform)
+    found += _name_problems(monitors, platform, root)
     packages = []
     for monitor in monitors:
         if monitor.config is None and platform.needs_config:
@@ -162,8 +162,10 @@ def _join(
     monitors += [monitor] if monitor is not None else []
 
 
-def _name_problems(monitors: Sequence[Monitor], platform: Platform) -> Iterable[Problem]:
-    taken = platform.taken_names()
+def _name_problems(
+    monitors: Sequence[Monitor], platform: Platform, root: Path
+) -> Iterable[Problem]:
+    taken = platform.taken_names(root)
     first: dict[str, Monitor] = {}
     for monitor in monitors:
         shown = monitor.config.config.Model.id if monitor.config else monitor.model.name

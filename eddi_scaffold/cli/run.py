@@ -48,7 +48,7 @@ def run(
     console.problems([*problems, *found])
     if as_json:
         for t, output in steps(monitors[0], recording):
-            console.data(json.dumps({"t": t, "outputs": output}, ensure_ascii=False))
+            console.data(json.dumps({"t": t, "outputs": output}))
     else:
         for line in changes(monitors[0], recording):
             console.data(line)

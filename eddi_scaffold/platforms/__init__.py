@@ -11,6 +11,7 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import EddiError, error
@@ -46,7 +47,7 @@ class Platform:
         monitor: answers of the package of one monitor, and problems.
         support: answers of the packages that all monitors share; gets the names of every monitor
             package of the workspace, sorted, and who maintains them.
-        taken_names: package names that would break the platform -> why.
+        taken_names: folder of all packages -> names that would break the platform -> why.
     """
 
     name: str
@@ -54,7 +55,7 @@ class Platform:
     needs_config: bool
     monitor: Callable[[Monitor], tuple[PackageAnswers, list[Problem]]]
     support: Callable[[Sequence[str], Config | None], list[PackageAnswers]]
-    taken_names: Callable[[], Mapping[str, str]]
+    taken_names: Callable[[Path], Mapping[str, str]]
 
 
 @cache

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from eddi_scaffold.answers import shared_answers
 from eddi_scaffold.binding import Monitor
@@ -24,7 +25,7 @@ def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAn
     return []
 
 
-def _taken_names() -> Mapping[str, str]:
+def _taken_names(_root: Path) -> Mapping[str, str]:
     reason = "it would hide a module of Python's standard library"
     return {**dict.fromkeys(sys.stdlib_module_names, reason), "numpy": "it would hide numpy"}
 

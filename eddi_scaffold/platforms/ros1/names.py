@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from pathlib import Path
+
+import rospkg
 
 OWN = ("eddi_monitor", "eddi_messages", "eddi_monitor_launcher", "eddi_runtime")
 _IMPORTED_BY_ROSPY = (
@@ -17,9 +20,20 @@ _IMPORTED_BY_ROSPY = (
 )  # fmt: skip
 
 
-def taken_names() -> Mapping[str, str]:
-    """Return package names that must not be used, with the reason."""
-    taken = dict.fromkeys(
+def taken_names(root: Path) -> Mapping[str, str]:
+    """Return package names that must not be used, with the reason.
+
+    Packages of the ROS environment (``ROS_PACKAGE_PATH``) count, those below ``root`` do not: they
+    are our own.
+    """
+    found = rospkg.RosPack()
+    places = {name: Path(found.get_path(name)).resolve() for name in found.list()}
+    taken = {
+        name: f"the ROS package {name} is in {place}"
+        for name, place in places.items()
+        if not place.is_relative_to(root.resolve())
+    }
+    taken |= dict.fromkeys(
         sys.stdlib_module_names, "it would hide a module of Python's standard library"
     )
     taken.update(
