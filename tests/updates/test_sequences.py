@@ -128,6 +128,10 @@ class Life:
         if not answers.read_bytes().endswith(b"\n"):  # Copier writes it in two steps
             DONE["answers cut"] += 1
             git(self.world.workspace, "checkout", "--", str(answers))
+        if again == "update":  # committed half-way, the rest looks like a person's edit to Copier
+            assert self.world.update().status == 0
+            self.world.check(finished=False)
+            again = self.chance.choice([word for word in OPERATIONS if word != "update"])
         self.run(again)
 
     def broken(self) -> None:
