@@ -14,10 +14,10 @@ from eddi_scaffold.config import Config, ConfigFile, from_json, read_config
 from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import checked_models, select
 from eddi_scaffold.neighbours import check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors
 from eddi_scaffold.source import read_source
 

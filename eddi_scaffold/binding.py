@@ -13,6 +13,7 @@ from eddi_scaffold import fields
 from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput
 from eddi_scaffold.identifiers import attribute, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput, Settings
+from eddi_scaffold.message_types import FieldsOf
 from eddi_scaffold.model_document import model_document
 from eddi_scaffold.problems import (
     EddiError,
@@ -23,9 +24,6 @@ from eddi_scaffold.problems import (
     has_errors,
     warning,
 )
-
-FieldsOf = Mapping[str, Mapping[str, str]]
-"""ROS message type -> field -> ``bool``, ``int``, ``float``, ``str`` or another message type."""
 
 _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "bool": bool,

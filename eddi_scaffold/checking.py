@@ -9,9 +9,9 @@ from eddi_scaffold.binding import monitor_of
 from eddi_scaffold.config import ConfigFile, read_config
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
+from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import is_config, read_models
 from eddi_scaffold.neighbours import check_neighbours
-from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import EddiError, Problem, error
 from eddi_scaffold.source import Source, read_source
 

@@ -11,8 +11,8 @@ import pytest
 from eddi_scaffold.binding import Monitor, monitor_of
 from eddi_scaffold.config import read_config
 from eddi_scaffold.kinds import ModelInput, kinds
+from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import read_models
-from eddi_scaffold.platforms.ros1.messages import known_messages
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.source import Source
 from tests.cli.command import EXAMPLE

@@ -9,8 +9,8 @@ from eddi_scaffold.answers import identity_answers, one_line, shared_answers
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import Config, ConfigFile, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, kinds
+from eddi_scaffold.message_types import packages_of
 from eddi_scaffold.platforms import PackageAnswers
-from eddi_scaffold.platforms.ros1.messages import packages_of
 from eddi_scaffold.problems import Problem, error
 
 MESSAGE_PACKAGE = "eddi_messages"

@@ -1,4 +1,4 @@
-"""ROS 1 message types that are known without ROS: fields and their Python types.
+"""Message types of a configuration that are known without ROS: fields and their Python types.
 
 The table is part of eddi-scaffold, so that the same configuration gives the same package on a
 machine with ROS and on one without.
@@ -9,8 +9,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from eddi_scaffold.binding import FieldsOf
 from eddi_scaffold.kinds import Kind
+
+FieldsOf = Mapping[str, Mapping[str, str]]
+"""Message type -> field -> ``bool``, ``int``, ``float``, ``str`` or another message type."""
 
 _PYTHON_TYPES = {
     "bool": "bool", "string": "str", "float32": "float", "float64": "float", "int8": "int",
