@@ -81,7 +81,7 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "id": ascii(item.id),
         "title": title,
         "attribute": binding.attribute,
-        "type": item.type,
+        "type": f"{item.type} in {table_cell(binding.unit)}" if binding.unit else item.type,
         "default": ascii(binding.default),
         "arguments": list(binding.arguments),
         "requires": tuple_literal(source.id for source in binding.requires),
@@ -101,7 +101,9 @@ def _comments(binding: InputBinding) -> list[str]:
     lines = []
     if item.description:
         lines.append(comment_text(item.description))
-    unit = f" in {item.unit}" if item.unit else ""
+    unit = f" in {comment_text(binding.unit)}" if binding.unit else ""
+    if binding.factor is not None:
+        unit += f" (converted to {comment_text(item.unit or 'a ratio')})"
     good = f", good when {comment_text(item.covered)}" if item.covered else ""
     lines.append(f"{item.type}{unit}{good}")
     return lines
@@ -124,7 +126,7 @@ def _body(binding: InputBinding) -> list[str]:
 
 def _signature(binding: InputBinding) -> str:
     """Hash what the body may use: a changed one asks for a look at a hand-written body."""
-    uses = [binding.attribute, binding.model.type, binding.model.unit]
+    uses = [binding.attribute, binding.model.type, binding.unit]
     uses += [
         f"{name}: {source.type}"
         for name, source in zip(binding.arguments, binding.requires, strict=True)

@@ -47,6 +47,7 @@ class InputBinding:
         max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
         default: value before the first message.
         factor: exact factor from the configured unit to the model's, or ``None``.
+        unit: unit in which the value is given.
         renamed_from: former id.
         known_fields: argument -> its fields, for the messages that are known.
     """
@@ -59,6 +60,7 @@ class InputBinding:
     max_age: float | str | None = None
     default: bool | int | float | str | None = None
     factor: tuple[int, int] | None = None
+    unit: str | None = None
     renamed_from: str | None = None
     known_fields: Mapping[str, Sequence[str]] | None = None
 
@@ -150,6 +152,9 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
     if section.id != model.name and package_name(section.id) == package_name(model.name):
         message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
         yield warning("E012", message, config.place("Model", "id"))
+    elif package_name(section.id) != package_name(model.name):
+        message = f"Model id {section.id!r} names the package, the model is called {model.name!r}"
+        yield warning("E012", message, config.place("Model", "id"))
 
 
 def _bind(
@@ -178,7 +183,7 @@ def _bind(
         )
         hint = f"add `- id: {item.id}` with `requires:`"
         problems.append(warning("E014", message, config.place("EDDIInputs"), hint))
-        bindings.append(InputBinding(item, attribute(item.id)))
+        bindings.append(InputBinding(item, attribute(item.id), unit=item.unit))
     return bindings, problems
 
 
@@ -186,7 +191,7 @@ def _unconfigured(item: ModelInput) -> InputBinding:
     """Bind an input to a value of its own id: what a plain program passes in."""
     name = attribute(item.id)
     source = SimulatorOutput.model_construct(id=item.id, type="", topic="", max_age=None)
-    return InputBinding(item, name, (source,), (name,), name)
+    return InputBinding(item, name, (source,), (name,), name, unit=item.unit)
 
 
 def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
@@ -233,6 +238,7 @@ class _Binder:
             self._max_age(),
             self.entry.default,
             factor,
+            self.entry.unit if factor is not None else self.item.unit,
             self.entry.renamed_from,
             {name: tuple(of) for name, of in self.fields.items()},
         )

@@ -52,10 +52,11 @@ class Outcome:
     attention: bool
 
     def diff(self) -> str:
-        """Return the change as a unified diff, paths relative to ``root``."""
+        """Return the change as a unified diff, paths relative to ``root``, without our records."""
         return "".join(
             _diff(path, self.before.get(path), state)
             for path, state in sorted(self.changes.items())
+            if "/.eddi/" not in path and not path.endswith(f"/{ANSWERS_FILE}")
         )
 
 
@@ -127,6 +128,8 @@ def _bring_one(
             raise EddiError(
                 error("R012", "the folder exists and was not generated", Place(str(target)), hint)
             )
+        # outside edits are merged per definition, which text that is not Python does not have
+        _check_python({p: s for p, s in before.items() if f".eddi/pristine/{p}" in before}, target)
         shutil.copytree(target, staged, ignore=shutil.ignore_patterns(".git", "__pycache__"))
         saved = _keep_generated_edits(staged, rendered)
         notes += saved

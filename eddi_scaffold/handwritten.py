@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.project import ANSWERS_FILE
+from eddi_scaffold.project import ANSWERS_FILE, read_answers
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
 
 
@@ -59,11 +59,10 @@ def packages_below(folder: Path) -> list[Path]:
     """
     found = []
     for root, folders, files in os.walk(folder):
-        folders[:] = sorted(
-            name for name in folders if name not in {".git", "build", "devel", "install", ".eddi"}
-        )
-        if ANSWERS_FILE in files and (Path(root) / ".eddi").is_dir():
+        if ANSWERS_FILE in files and (".eddi" in folders or read_answers(Path(root))):
             found.append(Path(root))
+        skipped = {".git", "build", "devel", "install", ".eddi"}
+        folders[:] = sorted(name for name in folders if name not in skipped)
     if not found:
         hint = "name a workspace, or the folder of a package"
         raise EddiError(

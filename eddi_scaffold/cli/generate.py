@@ -50,6 +50,9 @@ def generate(
     if target.root and not place.is_dir():
         hint = f"mkdir -p {place}/src"
         raise EddiError(error("G007", "there is no such catkin workspace", Place(str(place)), hint))
+    if target.root and place.resolve().name == "src" and not (place / "src").exists():
+        hint = f"name the folder above: -w {place.parent}"
+        raise EddiError(error("G007", "this is the `src` of a workspace", Place(str(place)), hint))
     root = place / target.root
     monitors, problems = monitors_of(model, config or [], name, default_guarantee or ())
     assembly = assemble(monitors, target, root, problems)

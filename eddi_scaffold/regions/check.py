@@ -50,6 +50,9 @@ class RegionStatus:
 def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     """Return everything that ``eddi-scaffold regions`` shows about a package, by file and line."""
     found: list[RegionStatus] = []
+    if not (root / EDDI / "pristine").is_dir():
+        note = "without this folder hand edits cannot be told from generated text; generate again"
+        found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
     for name in files_below(root / EDDI / "pristine"):
         found.extend(_of_file(root, name))
     for path, orphan in load_orphans(root).items():

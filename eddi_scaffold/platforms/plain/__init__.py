@@ -10,6 +10,7 @@ from pathlib import Path
 from eddi_scaffold.answers import shared_answers
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import Config
+from eddi_scaffold.identifiers import RESERVED
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import Problem
 
@@ -27,7 +28,9 @@ def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAn
 
 def _taken_names(_root: Path) -> Mapping[str, str]:
     reason = "it would hide a module of Python's standard library"
-    return {**dict.fromkeys(sys.stdlib_module_names, reason), "numpy": "it would hide numpy"}
+    words = dict.fromkeys(RESERVED, "it is a word of Python")
+    modules = dict.fromkeys(sys.stdlib_module_names, reason)
+    return {**modules, **words, "numpy": "it would hide numpy"}
 
 
 PLATFORM = Platform(

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import rospkg
 
+from eddi_scaffold.identifiers import RESERVED
+
 OWN = ("eddi_monitor", "eddi_messages", "eddi_monitor_launcher", "eddi_runtime")
 _IMPORTED_BY_ROSPY = (
     "catkin", "catkin_pkg", "defusedxml", "diagnostic_msgs", "genmsg", "genpy", "numpy", "rosclean",
@@ -39,5 +41,6 @@ def taken_names(root: Path) -> Mapping[str, str]:
     taken.update(
         dict.fromkeys(_IMPORTED_BY_ROSPY, "it would hide a module that every ROS node imports")
     )
+    taken.update(dict.fromkeys(RESERVED, "it is a word of Python"))
     taken.update(dict.fromkeys(OWN, "eddi-scaffold generates a package of this name itself"))
     return taken
