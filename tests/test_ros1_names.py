@@ -28,6 +28,14 @@ def test_packages_of_the_ros_environment_are_taken_but_not_our_own(
     assert "conserta" not in taken
 
 
-@pytest.mark.parametrize("name", ["json", "rospy", "eddi_runtime"])
+def test_a_package_elsewhere_in_the_workspace_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    package(tmp_path / "src" / "rover")
+    assert "rover" in taken_names(tmp_path / "src" / "eddi_monitor")
+
+
+@pytest.mark.parametrize("name", ["json", "rospy", "eddi_runtime", "class"])
 def test_modules_and_own_packages_are_taken(name: str, tmp_path: Path) -> None:
     assert name in taken_names(tmp_path)

@@ -25,10 +25,10 @@ _IMPORTED_BY_ROSPY = (
 def taken_names(root: Path) -> Mapping[str, str]:
     """Return package names that must not be used, with the reason.
 
-    Packages of the ROS environment (``ROS_PACKAGE_PATH``) count, those below ``root`` do not: they
-    are our own.
+    Packages of the ROS environment (``ROS_PACKAGE_PATH``) and of the workspace count, those below
+    ``root`` do not: they are our own.
     """
-    found = rospkg.RosPack()
+    found = rospkg.RosPack([*rospkg.get_ros_paths(), str(root.parent)])
     places = {name: Path(found.get_path(name)).resolve() for name in found.list()}
     taken = {
         name: f"the ROS package {name} is in {place}"
