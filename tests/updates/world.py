@@ -291,7 +291,9 @@ class World:
             )
             line.function = "__init__"
         elif kind == "default":
-            new = re.sub(rf"(\n        self.{name} = )None\n", rf"\1'{token}'\n", text, count=1)
+            head, method, rest = text.partition("\n    def process_")
+            head = re.sub(rf"(\n        self.{name} = )None\n", rf"\1'{token}'\n", head)
+            new = head + method + rest
             line.function = "__init__"
         elif kind == "comment":
             new = text.replace(
