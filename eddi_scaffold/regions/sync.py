@@ -7,6 +7,7 @@ next run arrives at the same result.
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -229,10 +230,23 @@ def _finish_interrupted(root: Path) -> None:
         text, mine = read_text(root / EDDI / "next" / path), read_text(root / path)
         if isinstance(text, str) and isinstance(mine, str):
             digest, _, theirs = text.partition("\n")
-            if digest == hashlib.sha256(mine.encode()).hexdigest():
+            base = read_text(root / EDDI / "base" / path)
+            replaced = digest == hashlib.sha256(mine.encode()).hexdigest()
+            # a person may have edited the file between the kill and now
+            if replaced or (isinstance(base, str) and _nearer(mine, theirs, base)):
                 _commit(root, path, theirs)
                 continue
         remove_file(root / EDDI / "next" / path)
+
+
+def _nearer(mine: str, theirs: str, base: str) -> bool:
+    """Tell whether a text was made of ``theirs`` rather than of ``base``."""
+    lines = mine.splitlines()
+    alike = [
+        difflib.SequenceMatcher(None, text.splitlines(), lines, autojunk=False).ratio()
+        for text in (theirs, base)
+    ]
+    return alike[0] > alike[1]
 
 
 def _relative(root: Path, name: object) -> str:

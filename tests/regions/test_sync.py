@@ -139,7 +139,10 @@ def test_killed_at_any_instant(
         pytest.fail("more steps than expected")
 
 
-def test_killed_and_rendered_again(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("edited", [False, True])
+def test_killed_and_rendered_again(
+    package: Path, monkeypatch: pytest.MonkeyPatch, edited: bool
+) -> None:
     render(package, Package((A, B, C), 2))
     real = os.replace
 
@@ -152,9 +155,12 @@ def test_killed_and_rendered_again(package: Path, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(Killed):
         sync_package(package)
     monkeypatch.undo()
+    if edited:
+        write_hand(package, "input:a", "self.a = 'by hand'")
     render(package, Package((A, B), 3))
-    assert not sync_package(package).needs_attention
+    sync_package(package)
     assert "process_c" not in (package / INPUT).read_text()
+    assert ("by hand" in body(package, "input:a")) is edited
 
 
 @pytest.mark.parametrize("place", range(8))
