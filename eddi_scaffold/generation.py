@@ -19,13 +19,14 @@ from eddi_scaffold import transaction
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.project import ANSWERS_FILE, Template, read_answers, render
+from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.generated import (
     changed_generated,
     forget_generated,
     recorded_generated,
     save_generated_edits,
 )
-from eddi_scaffold.regions.sync import next_base, sync_package
+from eddi_scaffold.regions.sync import Refusal, next_base, sync_package
 from eddi_scaffold.transaction import FileState
 from eddi_scaffold.unpacking import unpacked
 
@@ -128,6 +129,7 @@ def _bring_one(
             raise EddiError(
                 error("R012", "the folder exists and was not generated", Place(str(target)), hint)
             )
+        _refuse(broken_files(target), target)
         # outside edits are merged per definition, which text that is not Python does not have
         _check_python({p: s for p, s in before.items() if f".eddi/pristine/{p}" in before}, target)
         shutil.copytree(target, staged, ignore=shutil.ignore_patterns(".git", "__pycache__"))
@@ -136,13 +138,7 @@ def _bring_one(
         work.attention = work.attention or bool(saved)
     _lay(rendered, staged)
     report = sync_package(staged)
-    if report.refused:
-        raise EddiError(
-            *(
-                error("R010", refusal.reason, Place(str(target / refusal.file), refusal.line))
-                for refusal in report.refused
-            )
-        )
+    _refuse(report.refused, target)
     after = transaction.tree_of(staged)
     _check_python(after, target)
     changed = {
@@ -212,6 +208,16 @@ def _lay(rendered: Path, staged: Path) -> None:
 
 def _files(folder: Path) -> Iterable[Path]:
     return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def _refuse(refusals: Sequence[Refusal], target: Path) -> None:
+    if refusals:
+        raise EddiError(
+            *(
+                error("R010", refusal.reason, Place(str(target / refusal.file), refusal.line))
+                for refusal in refusals
+            )
+        )
 
 
 def _check_python(after: Mapping[str, FileState], target: Path) -> None:
