@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import tempfile
 from pathlib import Path
 
@@ -24,6 +25,9 @@ if (
 ):  # git, Copier and our own transactions flush a lot: several times faster in memory
     os.environ["TMPDIR"] = str(_MEMORY)
     tempfile.tempdir = None  # asked before, by pytest itself
+
+# A shell starts background jobs with SIGINT ignored, and every child of ours would inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile(
     "quick",
