@@ -145,16 +145,16 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
         message = f"the model is a {kind.title}, the configuration says {section.type!r}"
-        yield error("E010", message, config.place("Model", "type"))
+        yield error("K010", message, config.place("Model", "type"))
     if section.debounce is not None and section.filter is not None:
         place = config.place("Model", "filter")
-        yield error("E011", "debounce and filter exclude each other", place, "keep one of them")
+        yield error("K011", "debounce and filter exclude each other", place, "keep one of them")
     if section.id != model.name and package_name(section.id) == package_name(model.name):
         message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
-        yield warning("E012", message, config.place("Model", "id"))
+        yield warning("K012", message, config.place("Model", "id"))
     elif package_name(section.id) != package_name(model.name):
         message = f"Model id {section.id!r} names the package, the model is called {model.name!r}"
-        yield warning("E012", message, config.place("Model", "id"))
+        yield warning("K012", message, config.place("Model", "id"))
 
 
 def _bind(
@@ -171,7 +171,7 @@ def _bind(
             names = [other.id for other in inputs]
             hint = did_you_mean(entry.id, names) or f"the inputs are: {', '.join(names)}"
             place = config.place("EDDIInputs", index, "id")
-            problems.append(error("E013", f"the model has no input {entry.id!r}", place, hint))
+            problems.append(error("K013", f"the model has no input {entry.id!r}", place, hint))
             continue
         binding, found = _Binder(item, entry, index, config, known).bind()
         bindings.append(binding)
@@ -182,7 +182,7 @@ def _bind(
             "that needs it becomes active"
         )
         hint = f"add `- id: {item.id}` with `requires:`"
-        problems.append(warning("E014", message, config.place("EDDIInputs"), hint))
+        problems.append(warning("K014", message, config.place("EDDIInputs"), hint))
         bindings.append(InputBinding(item, attribute(item.id), unit=item.unit))
     return bindings, problems
 
@@ -203,7 +203,7 @@ def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
                 f"the inputs {other!r} and {binding.model.id!r} give the same name "
                 f"{binding.attribute!r}"
             )
-            yield error("E025", message, hint="rename one of them in the model")
+            yield error("K025", message, hint="rename one of them in the model")
 
 
 class _Binder:
@@ -254,13 +254,13 @@ class _Binder:
         if len(set(self.arguments)) != len(self.arguments):
             names = ", ".join(self.arguments)
             message = f"the ids that {self.entry.id!r} requires give the same Python name: {names}"
-            self._error("E015", message, "requires", "rename one")
+            self._error("K015", message, "requires", "rename one")
 
     def _check_type(self) -> None:
         given, wanted = self.entry.type, self.item.type
         if given is not None and given != wanted and not {given, wanted} <= {"int", "float"}:
             message = f"input {self.entry.id!r} is a {wanted} in the model, not a {given}"
-            self._error("E016", message, "type")
+            self._error("K016", message, "type")
 
     def _max_age(self) -> float | str | None:
         max_age = self.entry.max_age if self.entry.max_age is not None else _shortest(self.requires)
@@ -274,7 +274,7 @@ class _Binder:
                 "write `max_age:` in seconds, about 2.5 periods of the publisher, "
                 "or `max_age: none`"
             )
-            self.problems.append(warning("E017", message, self._place(), hint))
+            self.problems.append(warning("K017", message, self._place(), hint))
         return max_age
 
     def _expression(self) -> str | None:
@@ -287,7 +287,7 @@ class _Binder:
                     f"not {len(self.requires)}"
                 )
                 hint = "write the region in EDDIInput.py by hand instead"
-                self._error("E018", message, "field", hint)
+                self._error("K018", message, "field", hint)
             return None
         argument = self.arguments[0]
         of_type = self.fields.get(argument)
@@ -296,7 +296,7 @@ class _Binder:
         try:
             path = fields.parse_field(entry.field)
         except ValueError as problem:
-            self._error("E019", str(problem), "field")
+            self._error("K019", str(problem), "field")
             return None
         first = path[0]
         if (
@@ -306,7 +306,7 @@ class _Binder:
         ):
             hint = did_you_mean(first.name, of_type) or f"its fields: {', '.join(of_type)}"
             message = f"{self.requires[0].type} has no field {first.name!r}"
-            self._error("E020", message, "field", hint)
+            self._error("K020", message, "field", hint)
         return fields.expression(argument, path)
 
     def _factor(self) -> tuple[int, int] | None:
@@ -314,13 +314,13 @@ class _Binder:
         if given is None or given == (wanted or ""):
             return None
         if self.item.type not in {"float", "int"}:
-            self._error("E021", f"input {self.entry.id!r} is no number and has no unit", "unit")
+            self._error("K021", f"input {self.entry.id!r} is no number and has no unit", "unit")
             return None
         factor = (self.item.units or {}).get(given)
         if factor is None:
             fitting = ", ".join(unit or '""' for unit in self.item.units or {})
             message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
-            self._error("E022", message, "unit", f"units that can: {fitting}")
+            self._error("K022", message, "unit", f"units that can: {fitting}")
             return None
         return None if factor[0] == factor[1] else factor
 
@@ -332,7 +332,7 @@ class _Binder:
         fits = finite and isinstance(value, _PYTHON_TYPES[item.type])
         if not fits or (item.type != "bool" and isinstance(value, bool)):
             message = f"the default of {item.id!r} is {value!r}, a {item.type} is expected"
-            self._error("E023", message, "default")
+            self._error("K023", message, "default")
             return
         if factor is not None and isinstance(value, int | float):
             value = value * factor[0] / factor[1]
@@ -343,7 +343,7 @@ class _Binder:
             "any message has come"
         )
         hint = "leave it out, or write `allow_unsafe_default: true` beside it"
-        self._error("E024", message, "default", hint)
+        self._error("K024", message, "default", hint)
 
 
 def _shortest(requires: Sequence[SimulatorOutput]) -> float | str | None:

@@ -41,7 +41,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
     """Find the model that a configuration is about.
 
     Raises:
-        EddiError: there is none of its type and id (E026).
+        EddiError: there is none of its type and id (K026).
     """
     section = config.config.Model
     of_type = {
@@ -53,7 +53,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
         message = f"there is no monitor kind {section.type!r}"
         raise EddiError(
-            error("E027", message, config.place("Model", "type"), f"known types: {known}")
+            error("K027", message, config.place("Model", "type"), f"known types: {known}")
         )
     fitting = [model for model in models if model.kind in of_type]
     wanted = package_name(section.id)
@@ -65,7 +65,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
     if not found:
         names = ", ".join(model.name for model in fitting) or "none"
         message = f"there is no {section.type} called {section.id!r}"
-        raise EddiError(error("E026", message, config.place("Model", "id"), f"there are: {names}"))
+        raise EddiError(error("K026", message, config.place("Model", "id"), f"there are: {names}"))
     return found[0], of_type[found[0].kind]
 
 

@@ -250,8 +250,8 @@ def from_json(text: str, name: str) -> ConfigFile:
 def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
     """Read a configuration; the result is ``None`` when a problem is an error."""
     if looks_like_xml(source.data):
-        return None, [error("E001", "this is XML, not an eddi_config.yml", Place(source.name))]
-    document, problems = read_map(source, "E001")
+        return None, [error("K001", "this is XML, not an eddi_config.yml", Place(source.name))]
+    document, problems = read_map(source, "K001")
     if document is None:
         return None, problems
     places: dict[tuple[str | int, ...], Place] = {}
@@ -275,7 +275,7 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
             name = _ALIASES[key.text]
             problems.append(
                 warning(
-                    "E002", f"{key.text!r} is read as {name!r}", key.place, "rename the section"
+                    "K002", f"{key.text!r} is read as {name!r}", key.place, "rename the section"
                 )
             )
             key = replace(key, text=name)  # noqa: PLW2901 - the same key, spelt right
@@ -306,7 +306,7 @@ def _plain(
         value = value_11(node)
         message = f"{node.text!r} is read as {value!r} (YAML 1.1)"
         problems.append(
-            warning("E008", message, node.place, "write it in quotes if a text is meant")
+            warning("K008", message, node.place, "write it in quotes if a text is meant")
         )
     return value_11(node)
 
@@ -326,17 +326,17 @@ def _translated(
         place = places.get(path, Place(file))
         key = str(found["loc"][-1])
         if found["type"] == "missing":
-            yield error("E003", f"{_named_path(path) or 'the file'} has no {key!r}", place)
+            yield error("K003", f"{_named_path(path) or 'the file'} has no {key!r}", place)
         elif found["type"] == "extra_forbidden":
             known = _known_keys(path[:-1])
             hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
-            yield error("E004", f"unknown key {key!r}", places.get((*path, _KEY), place), hint)
+            yield error("K004", f"unknown key {key!r}", places.get((*path, _KEY), place), hint)
         else:
             own = _TEXTS.get(found["type"]) or found["msg"].removeprefix("Value error, ")
             if len(found["loc"]) > len(path):  # one of several types that would do
                 own = "true, false, a number or a text is expected"
             text = own.replace("Input should be", "must be")
-            yield error("E005", f"{_named_path(path) or 'the file'}: {text}", place)
+            yield error("K005", f"{_named_path(path) or 'the file'}: {text}", place)
 
 
 def _named_path(path: Sequence[str | int]) -> str:
@@ -372,7 +372,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                 # A parsed robot system may hold one id twice: harmless until an input requires it.
                 harmless = section == "SimulatorOutputs" and entry.id not in required_ids
                 yield (warning if harmless else error)(
-                    "E006",
+                    "K006",
                     f"the id {entry.id!r} stands twice in {section}, first in line {before}",
                     file.place(section, index, "id"),
                 )
@@ -382,7 +382,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
         for position, required in enumerate(item.requires):
             if required not in known:
                 yield error(
-                    "E007",
+                    "K007",
                     f"input {item.id!r} requires {required!r}, which is no simulator output",
                     file.place("EDDIInputs", index, "requires", position),
                     did_you_mean(required, known),

@@ -96,7 +96,7 @@ def bring(
         progress: told the folder of each package before it is rendered.
 
     Raises:
-        EddiError: a hand-edited file has damaged markers (R010), a result does not compile (R011),
+        EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
             or the destination cannot be written (F002); nothing was written.
     """
     if not dry_run:
@@ -127,7 +127,7 @@ def _bring_one(
         if read_answers(target) is None:
             hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
             raise EddiError(
-                error("R012", "the folder exists and was not generated", Place(str(target)), hint)
+                error("H012", "the folder exists and was not generated", Place(str(target)), hint)
             )
         _refuse(broken_files(target), target)
         # outside edits are merged per definition, which text that is not Python does not have
@@ -214,7 +214,7 @@ def _refuse(refusals: Sequence[Refusal], target: Path) -> None:
     if refusals:
         raise EddiError(
             *(
-                error("R010", refusal.reason, Place(str(target / refusal.file), refusal.line))
+                error("H010", refusal.reason, Place(str(target / refusal.file), refusal.line))
                 for refusal in refusals
             )
         )
@@ -230,7 +230,7 @@ def _check_python(after: Mapping[str, FileState], target: Path) -> None:
                 message = (
                     f"the hand-written code is not valid Python: {getattr(problem, 'msg', problem)}"
                 )
-                raise EddiError(error("R011", message, Place(str(target / path), line))) from None
+                raise EddiError(error("H011", message, Place(str(target / path), line))) from None
 
 
 def _diff(path: str, before: FileState | None, after: FileState | None) -> str:

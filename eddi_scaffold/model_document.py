@@ -29,7 +29,7 @@ def model_document(
         place: where the settings stand, for errors.
 
     Raises:
-        EddiError: the runtime refuses the model or the settings (E028).
+        EddiError: the runtime refuses the model or the settings (K028).
     """
     data: dict[str, JsonValue] = {
         "format": 1,
@@ -53,5 +53,5 @@ def model_document(
     try:
         build(parse_model(text, "the runtime model"))
     except ModelError as refused:  # the runtime that will run it has the last word
-        raise EddiError(error("E028", refused.reason, place)) from None
+        raise EddiError(error("K028", refused.reason, place)) from None
     return text

@@ -20,7 +20,7 @@ def is_config(source: Source) -> bool:
     """Tell whether a file is an eddi_config.yml, which no reader of models understands."""
     if is_xml(source):
         return False
-    node, _ = read_map(source, "E001")
+    node, _ = read_map(source, "K001")
     return isinstance(node, Map) and not _CONFIG_SECTIONS.isdisjoint(node.keys())
 
 

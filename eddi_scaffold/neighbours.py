@@ -11,7 +11,7 @@ _PERIODS = 2
 
 
 def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
-    """Warn where an input gives up on a monitor that is only between two of its steps (E029)."""
+    """Warn where an input gives up on a monitor that is only between two of its steps (K029)."""
     providers = {
         output.topic: config.config.Model
         for config in configs
@@ -30,7 +30,7 @@ def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
                 )
                 place = config.place("EDDIInputs", index, "max_age")
                 hint = f"at least {_PERIODS} periods: max_age: {_PERIODS / provider.frequency:g}"
-                yield warning("E029", message, place, hint)
+                yield warning("K029", message, place, hint)
 
 
 def _limit(item: Input) -> float | None:

@@ -90,13 +90,13 @@ def read_recording(
         types: input id -> type of its values; other columns than these and ``t`` are errors.
 
     Returns:
-        The recording, ``None`` when a problem is an error, and all problems (R001 to R009).
+        The recording, ``None`` when a problem is an error, and all problems (I001 to I009).
     """
     try:
         text = source.data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         where = Place(source.name, source.data.count(b"\n", 0, problem.start) + 1)
-        return None, [error("R001", "the file is not UTF-8 text", where)]
+        return None, [error("I001", "the file is not UTF-8 text", where)]
     reader = _Reader(source.name, types)
     lines = [line.removesuffix("\r") for line in text.split("\n")]
     recording = reader.read(lines)
@@ -115,7 +115,7 @@ class _Reader:
     def read(self, lines: Sequence[str]) -> Recording:
         filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
         if not filled:
-            self._error("R001", "the file is empty: a header line with a column t is missing", 1, 1)
+            self._error("I001", "the file is empty: a header line with a column t is missing", 1, 1)
             return Recording((), ())
         header, *rest = filled
         columns = self._columns(*header)
@@ -127,7 +127,7 @@ class _Reader:
                 rows.append(row)
                 last = row.t
             if len(self.problems) >= MAX_PROBLEMS:
-                self._error("R009", "too many problems, the rest was not read", number, 1)
+                self._error("I009", "too many problems, the rest was not read", number, 1)
                 break
         time_at = columns.index(TIME) if TIME in columns else -1
         inputs = tuple(name for k, name in enumerate(columns) if k != time_at)
@@ -141,23 +141,23 @@ class _Reader:
         cells = self._cells(number, line)
         names = tuple(cell.text for cell in cells)
         if TIME not in names:
-            self._error("R001", "the header has no column t (time in seconds)", number, 1)
+            self._error("I001", "the header has no column t (time in seconds)", number, 1)
         time_at = names.index(TIME) if TIME in names else -1
         seen: set[str] = set()
         for k, cell in enumerate(cells):
             if k == time_at:
                 continue
             if cell.text in seen or (cell.text == TIME and TIME not in self._types):
-                self._error("R002", f"the column {cell.text!r} is there twice", number, cell.col)
+                self._error("I002", f"the column {cell.text!r} is there twice", number, cell.col)
             elif cell.text not in self._types:
                 hint = did_you_mean(cell.text, self._types)
                 hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
-                self._error("R003", f"no input has the id {cell.text!r}", number, cell.col, hint)
+                self._error("I003", f"no input has the id {cell.text!r}", number, cell.col, hint)
             seen.add(cell.text)
         for name in self._types:
             if name not in seen:
                 message = f"there is no column for the input {name!r}: it never gets a sample"
-                self.problems.append(warning("R004", message, Place(self._file, number, 1)))
+                self.problems.append(warning("I004", message, Place(self._file, number, 1)))
         return names
 
     def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
@@ -166,7 +166,7 @@ class _Reader:
         if len(cells) != len(columns):
             if len(self.problems) == before:
                 message = f"{len(cells)} cells, but the header has {len(columns)} columns"
-                self._error("R005", message, number, 1)
+                self._error("I005", message, number, 1)
             return None
         time_at = columns.index(TIME)
         t = self._time(cells[time_at], number, last)
@@ -181,11 +181,11 @@ class _Reader:
         t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
         if not math.isfinite(t):
             message = f"the time {cell.text!r} is not a number of seconds"
-            self._error("R007", message, number, cell.col)
+            self._error("I007", message, number, cell.col)
             return None
         if t <= last:
             message = f"the time {cell.text} is not after the one before, {last:g}"
-            self._error("R008", message, number, cell.col)
+            self._error("I008", message, number, cell.col)
             return None
         return t
 
@@ -193,7 +193,7 @@ class _Reader:
         value = _converted(cell.text, wanted)
         if value is None:
             message = f"cannot read {cell.text!r}: expected {_EXPECTED[wanted]}"
-            self._error("R006", message, number, cell.col)
+            self._error("I006", message, number, cell.col)
         return value
 
     def _cells(self, number: int, line: str) -> list[_Cell]:
@@ -214,7 +214,7 @@ class _Reader:
             if match is None:
                 hint = 'a quote inside is written twice (""), a cell ends on its line'
                 message = "this quoted cell does not end as it should"
-                self._error("R009", message, number, position + 1, hint)
+                self._error("I009", message, number, position + 1, hint)
                 return []
             quoted, plain, end = match.groups()
             if quoted is None:

@@ -52,5 +52,5 @@ def test_an_id_of_the_configuration_that_is_not_the_models_is_told() -> None:
     config, _ = read_config(Source("c.yml", CONFIG.format(id="Rovr", unit="m/s").encode()))
     assert config is not None
     _, problems = monitor_of(model, kinds()["consert"], config, {})
-    told = [p.message for p in problems if p.code == "E012"]
+    told = [p.message for p in problems if p.code == "K012"]
     assert told == ["Model id 'Rovr' names the package, the model is called 'Rover'"]

@@ -99,13 +99,13 @@ def test_a_unit_becomes_an_exact_factor() -> None:
         ("1", []),
         ("1.9", []),
         ("-5", []),
-        ("2", ["E024"]),
+        ("2", ["K024"]),
         ("2, allow_unsafe_default: true", []),
-        ("2000, unit: mm", ["E024"]),
+        ("2000, unit: mm", ["K024"]),
         ("1999, unit: mm", []),
-        ("true", ["E023"]),
-        ("near", ["E023"]),
-        (".inf", ["E023"]),
+        ("true", ["K023"]),
+        ("near", ["K023"]),
+        (".inf", ["K023"]),
     ],
 )
 def test_a_default_must_fit_and_must_not_count_as_evidence(default: str, codes: list[str]) -> None:
@@ -141,7 +141,7 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     monitor, problems = monitor_of(model, kind, None, {})
     assert monitor is None
     assert [(p.code, p.message) for p in problems] == [
-        ("E025", "the inputs 'a-b' and 'a.b' give the same name 'a_b'")
+        ("K025", "the inputs 'a-b' and 'a.b' give the same name 'a_b'")
     ]
 
 

@@ -67,7 +67,7 @@ def test_what_is_no_topic(topic: str) -> None:
     text = dump_plain(
         {"Model": {"id": "A", "type": "C"}, "EDDIOutputs": [{"id": "o", "topic": topic}]}
     )
-    assert codes(text) == ["E005"]
+    assert codes(text) == ["K005"]
 
 
 def test_ids_that_look_like_numbers_are_texts() -> None:
@@ -92,7 +92,7 @@ def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
         "EDDIOutput: []\n"
     )
     found = read_config(Source("c.yml", text.encode()))[1]
-    assert [p.code for p in found] == ["E005", "E004", "E005", "E003", "E004", "E004"]
+    assert [p.code for p in found] == ["K005", "K004", "K005", "K003", "K004", "K004"]
     places = [(p.place.line or 0, p.place.col or 0) for p in found]
     assert places == sorted(places)
 

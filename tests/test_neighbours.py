@@ -31,7 +31,7 @@ def found(max_age: str) -> list[str]:
 
 def test_an_age_below_two_periods_of_the_provider_is_a_warning() -> None:
     assert found("0.5") == [
-        "5:E029: input 'D' is unknown after 0.5 s, but B publishes only every 0.5 s"
+        "5:K029: input 'D' is unknown after 0.5 s, but B publishes only every 0.5 s"
     ]
 
 

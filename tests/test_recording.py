@@ -22,7 +22,7 @@ def found(text, types=TYPES):
     recording, problems = read(text, types)
     assert (recording is None) == any(p.level == "error" for p in problems)
     return [
-        f"{p.place.line}:{p.place.col}: {p.code} {p.message}" for p in problems if p.code != "R004"
+        f"{p.place.line}:{p.place.col}: {p.code} {p.message}" for p in problems if p.code != "I004"
     ]
 
 
@@ -48,34 +48,34 @@ def test_cells_by_type():
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("", ["1:1: R001 the file is empty: a header line with a column t is missing"]),
-        ("\n e \n", ["2:1: R001 the header has no column t (time in seconds)"]),
-        (b"t,e\n0,\xff\n", ["2:None: R001 the file is not UTF-8 text"]),
-        ("t,e,e\n", ["1:5: R002 the column 'e' is there twice"]),
-        ("t,e,t\n", ["1:5: R002 the column 't' is there twice"]),
-        ("t,e, Speed\n", ["1:6: R003 no input has the id 'Speed'"]),
-        ("t,\n", ["1:3: R003 no input has the id ''"]),
-        ("t,e\n0\n", ["2:1: R005 1 cells, but the header has 2 columns"]),
-        ("t,e\n0,1,\n", ["2:1: R005 3 cells, but the header has 2 columns"]),
+        ("", ["1:1: I001 the file is empty: a header line with a column t is missing"]),
+        ("\n e \n", ["2:1: I001 the header has no column t (time in seconds)"]),
+        (b"t,e\n0,\xff\n", ["2:None: I001 the file is not UTF-8 text"]),
+        ("t,e,e\n", ["1:5: I002 the column 'e' is there twice"]),
+        ("t,e,t\n", ["1:5: I002 the column 't' is there twice"]),
+        ("t,e, Speed\n", ["1:6: I003 no input has the id 'Speed'"]),
+        ("t,\n", ["1:3: I003 no input has the id ''"]),
+        ("t,e\n0\n", ["2:1: I005 1 cells, but the header has 2 columns"]),
+        ("t,e\n0,1,\n", ["2:1: I005 3 cells, but the header has 2 columns"]),
         (
             "t,e,n\n0, yes,1.5\n",
             [
-                "2:4: R006 cannot read 'yes': expected true, false, 1 or 0",
-                "2:8: R006 cannot read '1.5': expected a whole number",
+                "2:4: I006 cannot read 'yes': expected true, false, 1 or 0",
+                "2:8: I006 cannot read '1.5': expected a whole number",
             ],
         ),
-        ("t,speed\n0,1_0\n", ["2:3: R006 cannot read '1_0': expected a number"]),
-        ("t,e\n,1\n", ["2:1: R007 the time '' is not a number of seconds"]),
-        ("t,e\ninf,1\n", ["2:1: R007 the time 'inf' is not a number of seconds"]),
+        ("t,speed\n0,1_0\n", ["2:3: I006 cannot read '1_0': expected a number"]),
+        ("t,e\n,1\n", ["2:1: I007 the time '' is not a number of seconds"]),
+        ("t,e\ninf,1\n", ["2:1: I007 the time 'inf' is not a number of seconds"]),
         (
             "t,e\n1,1\n1.0,1\n2,1\n0,1\n",
             [
-                "3:1: R008 the time 1.0 is not after the one before, 1",
-                "5:1: R008 the time 0 is not after the one before, 2",
+                "3:1: I008 the time 1.0 is not after the one before, 1",
+                "5:1: I008 the time 0 is not after the one before, 2",
             ],
         ),
-        ('t,e\n0,"true\n', ["2:3: R009 this quoted cell does not end as it should"]),
-        ('t,e\n0,"1"x\n', ["2:3: R009 this quoted cell does not end as it should"]),
+        ('t,e\n0,"true\n', ["2:3: I009 this quoted cell does not end as it should"]),
+        ('t,e\n0,"1"x\n', ["2:3: I009 this quoted cell does not end as it should"]),
     ],
 )
 def test_problems(text, wanted):
@@ -86,7 +86,7 @@ def test_hints_excerpts_and_missing_columns():
     _, problems = read("t,Speed\n")
     assert problems[0].hint == "did you mean 'speed'?"
     assert problems[0].excerpt == "t,Speed"
-    warnings = [p for p in problems if p.code == "R004"]
+    warnings = [p for p in problems if p.code == "I004"]
     assert [p.message for p in warnings][:2] == [
         "there is no column for the input 'e': it never gets a sample",
         "there is no column for the input 'speed': it never gets a sample",

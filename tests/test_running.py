@@ -51,8 +51,8 @@ def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("time,RtE_A_E0\n", ":1:1: error: the header has no column t (time in seconds) [R001]"),
-        ("t,RtE_A_E\n0,1\n", ":1:3: error: no input has the id 'RtE_A_E' [R003]"),
+        ("time,RtE_A_E0\n", ":1:1: error: the header has no column t (time in seconds) [I001]"),
+        ("t,RtE_A_E\n0,1\n", ":1:3: error: no input has the id 'RtE_A_E' [I003]"),
         ("t,RtE_A_E0\n0,maybe\n", ":2:3: error: cannot read 'maybe': expected true, false, 1 or 0"),
     ],
 )

@@ -157,7 +157,7 @@ def test_check_json_is_one_object(folder: Path) -> None:
     problems = json.loads(result.out)["problems"]
     (problem,) = (problem for problem in problems if problem["level"] == "error")
     assert list(problem) == ["level", "code", "message", "hint", "file", "line", "col"]
-    assert (problem["code"], problem["file"], problem["line"]) == ("E005", CONFIG, 12)
+    assert (problem["code"], problem["file"], problem["line"]) == ("K005", CONFIG, 12)
 
 
 @pytest.mark.parametrize(

@@ -201,7 +201,7 @@ def test_broken_markers_are_left_alone(plain: World, operation: str, kind: int) 
     if operation in {"generate", "upgrade"}:
         assert result.status == 2
         assert "EDDIInput.py:" in result.words
-        assert "[R010]" in result.words
+        assert "[H010]" in result.words
     if operation in {"update", "generate", "upgrade"}:
         assert after == before
     assert after["rover/EDDIInput.py"] == before["rover/EDDIInput.py"]
@@ -238,7 +238,7 @@ def test_code_that_does_not_compile(plain: World, operation: str) -> None:
     result: Result = getattr(plain, operation)()
     if operation in {"generate", "upgrade"}:
         assert result.status == 2
-        assert "[R011]" in result.words
+        assert "[H011]" in result.words
         assert snapshot(plain.workspace) == before
     assert plain.document().regions["input:beta"].body == "        if so\n"
 

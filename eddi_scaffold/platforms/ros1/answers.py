@@ -145,9 +145,9 @@ def _check(config: ConfigFile) -> Iterable[Problem]:
     if not config.config.EDDIOutputs:
         message = "EDDIOutputs names no topic: the result would not be published"
         hint = "add `- id: ...` with `topic: ...`"
-        yield error("E030", message, config.place("EDDIOutputs"), hint)
+        yield error("K030", message, config.place("EDDIOutputs"), hint)
     heard = {source.topic for source in config.config.SimulatorOutputs}
     for index, output in enumerate(config.config.EDDIOutputs):
         if output.topic in heard:
             message = f"the monitor would listen to its own output {output.topic}"
-            yield error("E031", message, config.place("EDDIOutputs", index, "topic"))
+            yield error("K031", message, config.place("EDDIOutputs", index, "topic"))
