@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import InputBinding, Monitor
 from eddi_scaffold.config import Config
-from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
 from eddi_scaffold.regions import markers
 
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
@@ -33,9 +33,59 @@ def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
         "model_sha256": source.sha256,
         "inputs": [_input_answers(binding) for binding in monitor.inputs],
         "runtime_names": _runtime_names(monitor.inputs),
+        **_kind_answers(monitor),
         "default_guarantees": list(monitor.default_guarantees),
         "config_json": config.as_json() if config else "",
         "model_json": monitor.model_json,
+    }
+
+
+def _kind_answers(monitor: Monitor) -> dict[str, JsonValue]:
+    """Return what only some kinds have."""
+    model, kind = monitor.model, monitor.kind
+    readme = [one_line(line) for line in kind.readme(model)]
+    if monitor.cross_check:
+        readme += ["", one_line(monitor.cross_check)]
+    return {
+        "modules": [_module_answers(module) for module in kind.modules(model)],
+        "aliases": [
+            {
+                "name": alias.name,
+                "module": alias.module,
+                "names": list(alias.names),
+                "monitor_names": list(alias.monitor_names),
+            }
+            for alias in kind.aliases
+        ],
+        "readme": ["", *readme] if readme else [],
+    }
+
+
+def _module_answers(module: EditableModule) -> dict[str, JsonValue]:
+    name = module.file.removesuffix(".py")
+    return {
+        "name": name,
+        "docstring": module.docstring,
+        "imports": list(module.imports),
+        "class_name": module.class_name,
+        "class_docstring": module.class_docstring,
+        "plain_methods": list(module.plain_methods),
+        "methods": [_method_answers(method) for method in module.methods],
+    }
+
+
+def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
+    sig = _hash([method.name, *method.arguments, *method.uses])
+    return {
+        "name": method.name,
+        "arguments": list(method.arguments),
+        "returns": f" -> {method.returns}" if method.returns else "",
+        "comments": list(method.comments),
+        "before": list(method.before),
+        "region_begin": markers.begin_marker(method.region, was=list(method.was), sig=sig),
+        "body": list(method.body),
+        "region_end": markers.end_marker(method.region),
+        "after": list(method.after),
     }
 
 
@@ -81,6 +131,7 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "id": ascii(item.id),
         "title": title,
         "attribute": binding.attribute,
+        "updater": "update_each" if item.every_message else "update",
         "type": f"{item.type} in {table_cell(binding.unit)}" if binding.unit else item.type,
         "default": ascii(binding.default),
         "arguments": list(binding.arguments),
@@ -126,11 +177,15 @@ def _body(binding: InputBinding) -> list[str]:
 
 def _signature(binding: InputBinding) -> str:
     """Hash what the body may use: a changed one asks for a look at a hand-written body."""
-    uses = [binding.attribute, binding.model.type, binding.unit]
+    uses: list[str | None] = [binding.attribute, binding.model.type, binding.unit]
     uses += [
         f"{name}: {source.type}"
         for name, source in zip(binding.arguments, binding.requires, strict=True)
     ]
+    return _hash(uses)
+
+
+def _hash(uses: Sequence[str | None]) -> str:
     return hashlib.sha256(json.dumps(uses).encode()).hexdigest()[:8]
 
 

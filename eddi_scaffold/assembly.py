@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.checking import model_for
-from eddi_scaffold.config import Config, ConfigFile, from_json, read_config
+from eddi_scaffold.checking import kinds_of, model_for
+from eddi_scaffold.config import Config, ConfigFile, from_json, named_model, read_config
 from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, kinds
@@ -40,26 +40,30 @@ class Assembly:
 
 
 def monitors_of(
-    model_file: Path,
+    model_file: Path | None,
     config_files: Sequence[Path],
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
 ) -> tuple[list[Monitor], list[Problem]]:
     """Read a model file and configurations, and join them.
 
-    With configurations: one monitor for each. Without: one for each model, or the one of ``name``.
+    With configurations: one monitor for each, of a model in the file or of the file that the
+    configuration itself names. Without: one for each model, or the one of ``name``.
 
     Raises:
         EddiError: a file cannot be used.
     """
-    reading = checked_models(model_file, default_guarantees)
-    models = select(reading.models, name) if name is not None else reading.models
-    problems = list(reading.problems)
+    models: Sequence[Model] = ()
+    problems: list[Problem] = []
+    if model_file is not None:
+        reading = checked_models(model_file, default_guarantees)
+        models = select(reading.models, name) if name is not None else reading.models
+        problems += reading.problems
     monitors: list[Monitor] = []
     configs = _configs(config_files, problems)
     problems += check_neighbours(configs)
     for config in configs:
-        model = model_for(config, models)[0]
+        model = model_for(config, _candidates(config, models, problems))[0]
         _join(model, config, default_guarantees, monitors, problems)
     for model in () if config_files else models:
         _join(model, None, default_guarantees, monitors, problems)
@@ -84,7 +88,7 @@ def assemble(
             message = f"the platform {platform.name} needs a configuration"
             hint = "add `-c eddi_config.yml`, or use `--platform plain`"
             raise EddiError(error("G001", message, hint=hint))
-        package, more = platform.monitor(monitor)
+        package, more = platform.monitor(_cross_checked(monitor, found))
         packages.append(package)
         found += more
     if has_errors(found):
@@ -92,6 +96,32 @@ def assemble(
     config = next((m.config.config for m in monitors if m.config is not None), None)
     names = [package.folder for package in packages]
     return Assembly([*packages, *support(platform, root, names, config)], names, found)
+
+
+def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
+    """Compare the compiled model with an independent tool, where its kind has one."""
+    if monitor.kind.cross_check is None:
+        return monitor
+    result = monitor.kind.cross_check(monitor.model, monitor.model_json)
+    problems += result.problems
+    return replace(monitor, cross_check=result.text)
+
+
+def _candidates(
+    config: ConfigFile, models: Sequence[Model], problems: list[Problem]
+) -> Sequence[Model]:
+    """Return the models among which a configuration chooses; reads the file that it names."""
+    kind_names = {kind.name for kind in kinds_of(config)}
+    name = named_model(config)
+    if name is None or any(model.kind in kind_names for model in models):
+        if not models and name is None:
+            hint = "add `-m MODEL`, or name it: `parameters: [{model: FILE}]`"
+            place = config.place("Model")
+            raise EddiError(error("G015", "the configuration does not say of what", place, hint))
+        return models
+    reading = checked_models(Path(config.name).parent / name)
+    problems += reading.problems
+    return reading.models
 
 
 def support(

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold import fields
-from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput
+from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput, options_of
 from eddi_scaffold.identifiers import attribute, package_name
-from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput, Settings
+from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.message_types import FieldsOf
 from eddi_scaffold.model_document import model_document
 from eddi_scaffold.problems import (
@@ -30,6 +30,7 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "float": (int, float),
     "int": int,
     "str": str,
+    "state": str,
 }
 
 
@@ -71,8 +72,10 @@ class Monitor:
 
     Attributes:
         package: name of its package.
+        model: the model, configured.
         model_json: text of its ``config/model.json``, without the last line end.
         default_guarantees: marks that were given when the model was read.
+        cross_check: how the compiled model compares with an independent tool, one sentence.
     """
 
     package: str
@@ -82,6 +85,7 @@ class Monitor:
     inputs: tuple[InputBinding, ...]
     model_json: str
     default_guarantees: tuple[str, ...] = ()
+    cross_check: str = ""
 
 
 def monitor_of(
@@ -103,16 +107,19 @@ def monitor_of(
     Returns:
         The monitor, ``None`` when a problem is an error, and all problems of the join.
     """
-    bindings, problems = _bind(kind.inputs(model), config, known_messages)
+    configured, problems = kind.configure(model, options_of(config))
+    model = configured or model
+    bindings, found = _bind(kind.inputs(model), config, known_messages)
+    problems = [*problems, *found]
     if config is not None:
         problems += _check_model_section(model, kind, config)
     problems += _repeated_attributes(bindings)
-    if has_errors(problems):
+    if configured is None or has_errors(problems):
         return None, problems
     place = config.place("Model") if config is not None else model.place
     inputs = [_input_document(binding) for binding in bindings]
     try:
-        text = model_document(model, kind, inputs, _settings(config), place)
+        text = model_document(model, kind, inputs, place)
     except EddiError as refused:
         return None, [*problems, *refused.problems]
     package = package_name(config.config.Model.id if config is not None else model.name)
@@ -120,18 +127,10 @@ def monitor_of(
     return monitor, problems
 
 
-def _settings(config: ConfigFile | None) -> Settings:
-    if config is None:
-        return Settings()
-    section = config.config.Model
-    filtering = section.filter
-    if filtering is None and section.debounce is not None:
-        filtering = {"kind": "debounce", "regain_after": section.debounce}
-    return Settings(guarantee_ids=section.guarantee_ids, filter=filtering)
-
-
 def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
+    every = {"every_message": True} if binding.model.every_message else {}
     return {
+        **every,
         "id": binding.model.id,
         "attribute": binding.attribute,
         "requires": [source.id for source in binding.requires],
@@ -146,9 +145,6 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
         message = f"the model is a {kind.title}, the configuration says {section.type!r}"
         yield error("K010", message, config.place("Model", "type"))
-    if section.debounce is not None and section.filter is not None:
-        place = config.place("Model", "filter")
-        yield error("K011", "debounce and filter exclude each other", place, "keep one of them")
     if section.id != model.name and package_name(section.id) == package_name(model.name):
         message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
         yield warning("K012", message, config.place("Model", "id"))
@@ -329,7 +325,7 @@ class _Binder:
         if value is None:
             return
         finite = not isinstance(value, float) or math.isfinite(value)
-        fits = finite and isinstance(value, _PYTHON_TYPES[item.type])
+        fits = finite and isinstance(value, _PYTHON_TYPES.get(item.type, ()))
         if not fits or (item.type != "bool" and isinstance(value, bool)):
             message = f"the default of {item.id!r} is {value!r}, a {item.type} is expected"
             self._error("K023", message, "default")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eddi_scaffold.binding import monitor_of
-from eddi_scaffold.config import ConfigFile, read_config
+from eddi_scaffold.config import ConfigFile, named_model, read_config
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.message_types import known_messages
@@ -32,9 +32,22 @@ def check_files(files: Sequence[Path], default_guarantees: Sequence[str] = ()) -
         models += read
         configs += [config] if config is not None else []
     problems += check_neighbours(configs)
-    for config in configs if models else ():
-        problems += _check_pair(config, models)
+    for config in configs:
+        named, found = _named(config, models, default_guarantees)
+        problems += found
+        if named:
+            problems += _check_pair(config, named)
     return problems
+
+
+def kinds_of(config: ConfigFile) -> Sequence[Kind]:
+    """Return the kinds that the ``Model: type:`` of a configuration can mean."""
+    wanted = config.config.Model.type.casefold()
+    return [
+        kind
+        for kind in kinds().values()
+        if wanted in {name.casefold() for name in kind.config_types}
+    ]
 
 
 def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]:
@@ -44,11 +57,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
         EddiError: there is none of its type and id (K026).
     """
     section = config.config.Model
-    of_type = {
-        kind.name: kind
-        for kind in kinds().values()
-        if section.type.casefold() in {name.casefold() for name in kind.config_types}
-    }
+    of_type = {kind.name: kind for kind in kinds_of(config)}
     if not of_type:
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
         message = f"there is no monitor kind {section.type!r}"
@@ -67,6 +76,23 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
         message = f"there is no {section.type} called {section.id!r}"
         raise EddiError(error("K026", message, config.place("Model", "id"), f"there are: {names}"))
     return found[0], of_type[found[0].kind]
+
+
+def _named(
+    config: ConfigFile, models: Sequence[Model], default_guarantees: Sequence[str]
+) -> tuple[Sequence[Model], list[Problem]]:
+    """Return the models that a configuration chooses among: those given, else what it names."""
+    name = named_model(config)
+    fitting = {kind.name for kind in kinds_of(config)}
+    if name is None or any(model.kind in fitting for model in models):
+        return models, []
+    try:
+        found, read, _ = _check_one(
+            read_source(Path(config.name).parent / name), default_guarantees
+        )
+    except EddiError as failure:
+        return (), list(failure.problems)
+    return read, found
 
 
 def _check_one(

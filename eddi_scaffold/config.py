@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -25,7 +26,9 @@ from pydantic import (
     ValidationError,
 )
 
+from eddi_scaffold.kinds import DeclaredInput, InputType, Options, kinds
 from eddi_scaffold.problems import (
+    EddiError,
     Place,
     Problem,
     did_you_mean,
@@ -35,7 +38,7 @@ from eddi_scaffold.problems import (
     warning,
 )
 from eddi_scaffold.readers.xml_text import looks_like_xml
-from eddi_scaffold.source import Source
+from eddi_scaffold.source import Source, read_source
 from eddi_scaffold.yaml_nodes import Items, Map, Node, differs_between_versions, read_map, value_11
 
 _ALIASES = {
@@ -57,10 +60,11 @@ _TEXTS = {
 """Our words for pydantic's, which speak to programmers."""
 _KEY = -1
 """Last part of the path under which the place of a key is noted, not that of its value."""
-_TYPES = {
+_TYPES: dict[str, InputType] = {
     "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
     "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
-    "int64": "int", "str": "str", "string": "str", "text": "str",
+    "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
+    "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
 }  # fmt: skip
 
 
@@ -79,7 +83,7 @@ def _message_type(text: str) -> str:
 
 def _input_type(text: str) -> str:
     if text.lower() not in _TYPES:
-        raise ValueError("the type of an input is bool, float, int or str")
+        raise ValueError("the type of an input is bool, float, int, str, state, float[] or bool[]")
     return _TYPES[text.lower()]
 
 
@@ -141,17 +145,17 @@ class ModelSection(_Section):
     Attributes:
         frequency: steps per second, in Hz.
         mode: one step per period, or at once when a message comes (and per period).
-        guarantee_ids: publish the ids of the model or D7.2's class names.
-        debounce: a leaf counts as TRUE again after so many TRUE samples in a row.
+        parameters: D7.2's list of maps; names the file of a kind that has one.
+
+    Further keys belong to the kind, which checks them.
     """
+
+    model_config = ConfigDict(extra="allow", frozen=True)
 
     id: Name
     type: StrictStr
     frequency: Annotated[float, BeforeValidator(_frequency)] = 10.0
     mode: Literal["rate", "on_change"] = "rate"
-    guarantee_ids: Literal["source", "class"] = "source"
-    debounce: Annotated[int, Field(ge=1, strict=True)] | None = None
-    filter: dict[str, Any] | None = None
     parameters: Any = None
 
 
@@ -228,11 +232,24 @@ class ConfigFile:
 
     Attributes:
         places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
+        remembered: it comes from the answers of a package, not from its file.
     """
 
     config: Config
     name: str
     places: Mapping[tuple[str | int, ...], Place]
+    remembered: bool = False
+
+    def read(self, name: str) -> Source:
+        """Open a file that is named relative to this configuration.
+
+        Raises:
+            EddiError: it cannot be read (F001), or the configuration is a remembered one (K033).
+        """
+        if self.remembered:
+            message = f"{name!r} cannot be read: the configuration is remembered, not given"
+            raise EddiError(error("K033", message, hint="name the configuration with -c"))
+        return read_source(Path(self.name).parent / name)
 
     def place(self, *path: str | int) -> Place:
         """Return the place of a part, or of the nearest part around it."""
@@ -244,7 +261,7 @@ class ConfigFile:
 
 def from_json(text: str, name: str) -> ConfigFile:
     """Read back what ``Config.as_json`` wrote."""
-    return ConfigFile(Config.model_validate(json.loads(text)), name, {})
+    return ConfigFile(Config.model_validate(json.loads(text)), name, {}, remembered=True)
 
 
 def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
@@ -258,6 +275,7 @@ def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
     data = _plain(_renamed(document, problems), (), places, problems)
     # an empty section is an empty list, as D7.2's tools read it
     data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
+    problems += _unknown_options(data.get("Model"), places, source.name)
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
@@ -265,6 +283,69 @@ def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
     file = ConfigFile(config, source.name, places)
     problems += _repeated_ids(file)
     return (None if has_errors(problems) else file), in_order(problems)
+
+
+def options_of(file: ConfigFile | None) -> Options:
+    """Return what a configuration says to the kind of its model."""
+    if file is None:
+        return Options()
+    config, section = file.config, file.config.Model
+    values = {**(section.model_extra or {}), "parameters": section.parameters}
+    inputs = tuple(
+        DeclaredInput(
+            id=item.id,
+            type=_TYPES[item.type] if item.type is not None else None,
+            unit=item.unit,
+            default=item.default,
+            has_expression=False,
+            place=file.place("EDDIInputs", index),
+        )
+        for index, item in enumerate(config.EDDIInputs)
+    )
+    return Options(
+        {key: value for key, value in values.items() if value is not None},
+        inputs,
+        section.frequency,
+        lambda *path: file.place("Model", *path),
+        file.read,
+    )
+
+
+_MODEL_KEYS = ("model", "config", "file")
+
+
+def named_model(file: ConfigFile) -> str | None:
+    """Return the file that ``parameters`` names as the model, relative to the configuration.
+
+    SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
+    """
+    given = file.config.Model.parameters
+    maps = [one for one in (given if isinstance(given, list) else [given]) if isinstance(one, dict)]
+    names = (one.get(key) for key in _MODEL_KEYS for one in maps)
+    return next((name for name in names if isinstance(name, str) and name), None)
+
+
+def _options_for(section: object) -> set[str]:
+    """Return the keys that the kind of this section understands; of all kinds if it is unknown."""
+    name = section.get("type") if isinstance(section, Mapping) else None
+    wanted = name.casefold() if isinstance(name, str) else None
+    fitting = [
+        kind for kind in kinds().values() if wanted in {t.casefold() for t in kind.config_types}
+    ]
+    return {key for kind in fitting or kinds().values() for key in kind.options}
+
+
+def _unknown_options(
+    section: object, places: Mapping[tuple[str | int, ...], Place], file: str
+) -> Iterable[Problem]:
+    if not isinstance(section, Mapping):
+        return
+    known = {*ModelSection.model_fields, *_options_for(section)}
+    for key in section:
+        if key not in known:
+            place = places.get(("Model", key, _KEY), Place(file))
+            hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
+            yield error("K004", f"unknown key {key!r}", place, hint)
 
 
 def _renamed(document: Map, problems: list[Problem]) -> Map:

@@ -139,6 +139,8 @@ def _bring_one(
     _lay(rendered, staged)
     report = sync_package(staged)
     _refuse(report.refused, target)
+    for name, data in package.files.items():
+        (staged / name).write_bytes(data)
     after = transaction.tree_of(staged)
     _check_python(after, target)
     changed = {

@@ -53,7 +53,9 @@ RESERVED = frozenset(
         "_",
     ]
 )
-INPUT_MEMBERS = frozenset({"begin_step", "bind", "processing", "states", "update"})
+INPUT_MEMBERS = frozenset(
+    {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
+)
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

@@ -8,7 +8,7 @@ from eddi_runtime import __version__ as runtime_version
 from eddi_runtime.model_file import ModelError, canonical, digest_of, parse_model
 from eddi_runtime.monitor import build
 
-from eddi_scaffold.kinds import JsonValue, Kind, Model, Settings
+from eddi_scaffold.kinds import JsonValue, Kind, Model
 from eddi_scaffold.problems import EddiError, Place, error
 
 
@@ -16,17 +16,15 @@ def model_document(
     model: Model,
     kind: Kind,
     inputs: Sequence[dict[str, JsonValue]],
-    settings: Settings,
     place: Place,
 ) -> str:
     """Return canonical JSON with its own digest, after the runtime has compiled it once.
 
     Args:
-        model: what is monitored.
+        model: what is monitored, configured.
         kind: its kind.
         inputs: ``id``, ``attribute``, ``requires``, ``max_age``, ``factor``, ``default`` of each.
-        settings: what the configuration says about the kind.
-        place: where the settings stand, for errors.
+        place: where the configuration stands, for errors.
 
     Raises:
         EddiError: the runtime refuses the model or the settings (K028).
@@ -42,16 +40,13 @@ def model_document(
             "path": model.place.path,
         },
         "inputs": list(inputs),
-        "model": kind.runtime_model(model, settings),
-        "settings": {
-            "guarantee_ids": settings.guarantee_ids,
-            "filter": dict(settings.filter or {"kind": "none"}),
-        },
+        "model": kind.runtime_model(model),
+        "settings": kind.settings(model),
     }
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:
-        build(parse_model(text, "the runtime model"))
+        build(parse_model(text, "the runtime model", kind.data_files(model)))
     except ModelError as refused:  # the runtime that will run it has the last word
         raise EddiError(error("K028", refused.reason, place)) from None
     return text

@@ -42,6 +42,9 @@ _EXPECTED: Mapping[str, str] = {
     "float": "a number",
     "int": "a whole number",
     "str": "a text",
+    "state": "a state, or numbers with blanks between them",
+    "float[]": "numbers with blanks between them",
+    "bool[]": "true, false, 1 or 0 with blanks between them",
 }
 
 
@@ -238,9 +241,20 @@ def _converted(text: str, wanted: InputType) -> JsonValue:
         return _TRUTH.get(text.lower())
     if wanted == "str":
         return text
+    if wanted.endswith("[]") or wanted == "state":
+        return _several(text, wanted)
     if wanted == "int":
         return int(text) if _WHOLE.fullmatch(text) else None
     return float(text) if _NUMBER.fullmatch(text) else None
+
+
+def _several(text: str, wanted: InputType) -> JsonValue:
+    """Return the list of a cell; the name of a state is a text that is no list of numbers."""
+    one: InputType = "bool" if wanted == "bool[]" else "float"
+    values = [_converted(part, one) for part in text.split()]
+    if wanted == "state" and (not values or None in values):
+        return text
+    return None if None in values else values
 
 
 def replay(
@@ -263,7 +277,7 @@ def replay(
     player = _Player(monitor.inputs, limits or {})
     for row in recording.rows:
         player.play(row)
-        yield row.t, monitor.execute_step(player.eddi_input)
+        yield row.t, monitor.execute_step(player.eddi_input, round(row.t * 1e9))
 
 
 class _Player:
@@ -277,6 +291,10 @@ class _Player:
             [spec._replace(max_age=limits.get(spec.id, spec.max_age)) for spec in specs]
         )
         self._process = {spec.id: _setter(self.eddi_input, spec.attribute) for spec in specs}
+        self._update = {
+            spec.id: self.eddi_input.update_each if spec.every_message else self.eddi_input.update
+            for spec in specs
+        }
         for spec in specs:
             setattr(self.eddi_input, spec.attribute, spec.default)
         self._samples: dict[str, JsonValue] = {}
@@ -287,9 +305,12 @@ class _Player:
         self._samples.update(row.samples)
         self._times.update(dict.fromkeys(row.samples, row.t))
         # Decimal times are not exact in binary: 0.7 - 0.2 is a little more than 0.5.
-        self.eddi_input.begin_step({k: round(row.t - t, 9) for k, t in self._times.items()})
+        self.eddi_input.begin_step(
+            {k: round(row.t - t, 9) for k, t in self._times.items()},
+            {name: [sample] for name, sample in row.samples.items()},
+        )
         for name, process in self._process.items():
-            self.eddi_input.update(name, process, self._samples, (name,))
+            self._update[name](name, process, self._samples, (name,))
 
 
 def _setter(target: object, attribute: str) -> Callable[[JsonValue], None]:

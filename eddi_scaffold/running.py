@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.model_file import parse_model
-from eddi_runtime.monitor import build
+from eddi_runtime.monitor import Value, build
 
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.recording import Recording, replay
 
 
 def steps(monitor: Monitor, recording: Recording) -> Iterator[tuple[float, Any]]:
-    """Yield (time in seconds, output) for each row of a recording."""
-    return replay(_compiled(monitor), recording)
+    """Yield (time in seconds, output as JSON) for each row of a recording."""
+    running = compiled(monitor)
+    return ((t, running.as_json(output)) for t, output in replay(running, recording))
 
 
 def changes(monitor: Monitor, recording: Recording) -> Iterator[str]:
@@ -24,22 +24,28 @@ def changes(monitor: Monitor, recording: Recording) -> Iterator[str]:
 
     A line says which inputs keep outputs from being given.
     """
-    running = _compiled(monitor)
+    running = compiled(monitor)
     last: object = None
     for t, output in replay(running, recording):
-        if output != last:
-            yield f"{t:10.3f}  {_shown(output)}{_blocking(running)}".rstrip()
-        last = output
+        values = running.series(output)
+        shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
+        if shown != last:
+            yield f"{t:10.3f}  {shown}{_blocking(running)}".rstrip()
+        last = shown
 
 
-def _compiled(monitor: Monitor) -> RuntimeMonitor:
-    return build(parse_model(monitor.model_json, monitor.model.name))
+def compiled(monitor: Monitor) -> RuntimeMonitor:
+    """Return the monitor as its package would load it; hand-written code is not in it."""
+    files = monitor.kind.data_files(monitor.model)
+    return build(parse_model(monitor.model_json, monitor.model.name, files))
 
 
-def _shown(output: Any) -> str:
-    if isinstance(output, list) and all(isinstance(o, dict) and "active" in o for o in output):
-        return "  ".join(f"{o['id']} {'active  ' if o['active'] else 'inactive'}" for o in output)
-    return json.dumps(output, ensure_ascii=False)
+def _shown(value: Value) -> str:
+    if value is None:
+        return "unknown "
+    if isinstance(value, bool):
+        return "active  " if value else "inactive"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _blocking(running: RuntimeMonitor) -> str:

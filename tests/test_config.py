@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config import Config, ConfigFile, from_json, read_config
-from eddi_scaffold.problems import Place
+from eddi_scaffold.config import Config, ConfigFile, from_json, options_of, read_config
+from eddi_scaffold.kinds import Options
+from eddi_scaffold.problems import EddiError, Place
 from eddi_scaffold.source import Source
 from eddi_scaffold.yaml_text import dump_plain
 from tests.cli.command import EXAMPLE
@@ -26,7 +27,7 @@ def codes(text: str) -> list[str]:
 def test_the_least_configuration_and_its_defaults() -> None:
     config = read("Model: {id: A, type: ConSert}\n").config
     section = config.Model
-    assert (section.frequency, section.mode, section.guarantee_ids) == (10.0, "rate", "source")
+    assert (section.frequency, section.mode) == (10.0, "rate")
     assert (config.SimulatorOutputs, config.EDDIInputs, config.EDDIOutputs) == ([], [], [])
     assert (config.Package.version, config.Package.license) == ("0.1.0", "Apache-2.0")
 
@@ -133,3 +134,12 @@ def test_what_the_answers_remember_is_what_was_read(
     config = read(dump_plain(data)).config
     assert from_json(config.as_json(), "remembered").config == config
     assert isinstance(config, Config)
+
+
+def test_a_remembered_configuration_names_no_files_any_more() -> None:
+    config = read("Model: {id: A, type: ConSert}\n")
+    again = from_json(config.config.as_json(), "what the package remembers")
+    for options in (options_of(again), Options()):
+        with pytest.raises(EddiError) as refused:
+            options.read("safeml_config.yml")
+        assert [problem.code for problem in refused.value.problems] == ["K033"]

@@ -9,11 +9,17 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, DryRun, ModelFile, Name
+from eddi_scaffold.cli.options import (
+    ConfigFiles,
+    DefaultGuarantees,
+    DryRun,
+    Name,
+    OptionalModelFile,
+)
 
 
 def generate(
-    model: ModelFile,
+    model: OptionalModelFile = None,
     workspace: Annotated[
         Path | None,
         typer.Option("-w", "--workspace", help="Catkin workspace (for the platform ros1)."),
@@ -40,6 +46,8 @@ def generate(
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.project import own_template
 
+    if model is None and not config:
+        raise EddiError(error("G015", "say of what: -m MODEL, or a -c that names its model"))
     target = chosen(platform)
     place, option = (workspace, "-w WORKSPACE") if target.root else (output, "-o FOLDER")
     if place is None:

@@ -10,6 +10,14 @@ import typer
 ModelFile = Annotated[
     Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")
 ]
+OptionalModelFile = Annotated[
+    Path | None,
+    typer.Option(
+        "-m",
+        "--model",
+        help="EDDI XML or a model file; a configuration may name its own.",
+    ),
+]
 ConfigFiles = Annotated[
     list[Path] | None,
     typer.Option("-c", "--config", help="eddi_config.yml; repeat it for several monitors."),

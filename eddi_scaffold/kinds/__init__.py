@@ -9,16 +9,19 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
+from eddi_scaffold.problems import EddiError, Place, error
+
 if TYPE_CHECKING:
-    from eddi_scaffold.problems import Place, Problem
+    from eddi_scaffold.problems import Problem
     from eddi_scaffold.readers.eddi import EddiDocument
     from eddi_scaffold.source import Source
 
-InputType = Literal["bool", "float", "int", "str"]
+InputType = Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"]
+"""``state``: a text, the name of a state, or one number per state (likelihoods)."""
 JsonValue = Any
 """What ``json`` reads and writes: None, bool, int, float, str, list, dict."""
 
@@ -39,6 +42,8 @@ class ModelInput:
         covered: short text that says which values count as good (``[0, 5) m``), for comments.
         is_good: would this value, in ``unit``, be evidence that can make an output active? Used to
             refuse unsafe defaults; ``None`` when the kind has no such notion.
+        every_message: no message may be skipped or counted twice: the attribute holds the list of
+            all values since the last step, not the latest one.
     """
 
     id: str
@@ -49,6 +54,7 @@ class ModelInput:
     description: str | None = None
     covered: str | None = None
     is_good: Callable[[object], bool] | None = None
+    every_message: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,7 @@ class Model:
         data: the kind's own typed model; only the kind looks inside.
         source: the file it was read from.
         place: where it stands in that file.
+        options: what the kind made of the configuration; only the kind looks inside.
     """
 
     kind: str
@@ -68,6 +75,7 @@ class Model:
     data: Any
     source: Source
     place: Place
+    options: Any = None
 
 
 @dataclass(frozen=True)
@@ -79,19 +87,143 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Settings:
-    """What a configuration says about a model, as the kind needs it.
+class DeclaredInput:
+    """One entry of ``EDDIInputs``: for kinds whose inputs are not in the model.
 
     Attributes:
-        guarantee_ids: which ids a ConSert monitor publishes.
-        filter: ``{"kind": "none"}``, ``{"kind": "debounce", "regain_after": n}`` or
-            ``{"kind": "majority", "window": n}``.
-        parameters: the remaining kind-specific keys of the configuration.
+        has_expression: the value comes from an expression, not from a message.
     """
 
-    guarantee_ids: str = "source"
-    filter: Mapping[str, JsonValue] | None = None
-    parameters: Mapping[str, JsonValue] | None = None
+    id: str
+    type: InputType | None
+    unit: str | None
+    default: JsonValue
+    has_expression: bool
+    place: Place
+
+
+def _nowhere(*_: str | int) -> Place:
+    return Place()
+
+
+def _no_files(name: str) -> Source:
+    raise EddiError(error("K033", f"{name!r} cannot be read: there is no configuration beside it"))
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a configuration says to a kind; as it is by default, there is none.
+
+    Attributes:
+        values: the keys of ``Model:`` that the kind declares, and ``parameters``; plain values.
+        inputs: the entries of ``EDDIInputs``.
+        frequency: steps per second.
+        place: path into ``values`` (``"outputs", 0``) -> where it stands, or what is around it.
+        read: opens a file that is named relative to the configuration; raises EddiError.
+    """
+
+    values: Mapping[str, JsonValue] = field(default_factory=dict)
+    inputs: tuple[DeclaredInput, ...] = ()
+    frequency: float | None = None
+    place: Callable[..., Place] = _nowhere
+    read: Callable[[str], Source] = _no_files
+
+
+@dataclass(frozen=True)
+class EditableMethod:
+    """A method with one region in which a person may write.
+
+    Attributes:
+        name: an identifier.
+        arguments: names behind ``self``.
+        returns: annotation, ``None`` for none.
+        comments: lines below the signature, without ``#``.
+        before: lines of Python before the region.
+        region: id of the region (``node:Critical``).
+        was: former ids, whose body moves along.
+        uses: what a body may use; a change asks for a look at a hand-written one.
+        body: default lines inside the region.
+        after: lines of Python after the region.
+    """
+
+    name: str
+    region: str
+    body: tuple[str, ...]
+    arguments: tuple[str, ...] = ()
+    returns: str | None = None
+    comments: tuple[str, ...] = ()
+    before: tuple[str, ...] = ()
+    was: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()
+    after: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class EditableModule:
+    """A module of the kind in which people write, beside ``EDDIInput.py``.
+
+    Every text is Python already: checked identifiers, literals made by ``ascii``, comments of one
+    line.
+
+    Attributes:
+        file: file name; it ends in ``_config.py``.
+        docstring: what the module is for, one sentence.
+        class_name: its class, of which the monitor gets an instance.
+        imports: lines.
+        class_docstring: one sentence.
+        plain_methods: lines of the methods without a region, indented as in the class.
+        methods: those with a region.
+    """
+
+    file: str
+    docstring: str
+    class_name: str
+    class_docstring: str
+    methods: tuple[EditableMethod, ...]
+    imports: tuple[str, ...] = ()
+    plain_methods: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Alias:
+    """A generated module that offers names of the runtime where SESAME D7.2 had them.
+
+    Attributes:
+        name: of the module, without ``.py`` (``bn_monitor``).
+        module: module of the runtime (``bayesian_network``).
+        names: what it offers of it.
+        monitor_names: further names under which it offers the package's ``EDDIMonitor``.
+    """
+
+    name: str
+    module: str
+    names: tuple[str, ...]
+    monitor_names: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """How the compiled model compares with an independent tool.
+
+    Attributes:
+        text: one sentence for the package's README, the same on every machine.
+        problems: what was found; an error keeps the package from being written.
+    """
+
+    text: str
+    problems: tuple[Problem, ...] = ()
+
+
+def _as_it_is(model: Model, _: Options) -> tuple[Model | None, list[Problem]]:
+    return model, []
+
+
+def _nothing(_: Model) -> Any:
+    return {}
+
+
+def _none(_: Model) -> Any:
+    return ()
 
 
 @dataclass(frozen=True)
@@ -109,12 +241,24 @@ class Kind:
         check: problems of one model that the readers do not see (static checks).
         counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
         outline: the tree that ``show`` prints: lines with two blanks per level.
-        export: file name -> text of the kind's own format.
+        export: file name -> text of the kind's own formats.
         inputs: what the monitor must be told.
         runtime_model: the ``model`` part of ``config/model.json``.
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
         output_message: name of the message that the monitor publishes.
         status_message: name of the message with the facts behind it, ``None`` for none.
+        options: keys of ``Model:`` in a configuration that this kind understands.
+        configure: takes what the configuration says into the model; comes before ``inputs``,
+            ``runtime_model`` and all below.
+        settings: the ``settings`` part of ``config/model.json``.
+        modules: modules in which people write.
+        aliases: generated modules with the names of SESAME D7.2.
+        requirements: what the runtime of this kind needs from PyPI.
+        data_files: bulk data beside ``model.json``, which holds their digests.
+        cross_check: compares the compiled model (text of ``model.json``) with an independent
+            tool before a package is written.
+        readme: lines of Markdown for the package's README.
+        diagram: the picture of a model.
     """
 
     name: str
@@ -129,10 +273,20 @@ class Kind:
     outline: Callable[[Model], Sequence[str]]
     export: Callable[[Model], Mapping[str, str]]
     inputs: Callable[[Model], Sequence[ModelInput]]
-    runtime_model: Callable[[Model, Settings], dict[str, JsonValue]]
+    runtime_model: Callable[[Model], dict[str, JsonValue]]
     messages: Mapping[str, str]
     output_message: str
     status_message: str | None = None
+    options: tuple[str, ...] = ()
+    configure: Callable[[Model, Options], tuple[Model | None, list[Problem]]] = _as_it_is
+    settings: Callable[[Model], dict[str, JsonValue]] = _nothing
+    modules: Callable[[Model], Sequence[EditableModule]] = _none
+    aliases: tuple[Alias, ...] = ()
+    requirements: tuple[str, ...] = ()
+    data_files: Callable[[Model], Mapping[str, bytes]] = _nothing
+    cross_check: Callable[[Model, str], CrossCheck] | None = None
+    readme: Callable[[Model], Sequence[str]] = _none
+    diagram: Callable[[Model], Any] | None = None
 
 
 @cache

@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,10 +30,12 @@ class PackageAnswers:
     Attributes:
         folder: where it goes, relative to the destination of the platform, POSIX form.
         answers: all answers of its template, in the order in which they are written.
+        files: path in the package -> bulk data that Copier does not render.
     """
 
     folder: str
     answers: Mapping[str, JsonValue]
+    files: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -71,9 +71,9 @@ def test_a_monitor_that_says_false_is_found_out(shipped, built, launched):
     """The check itself is checked: a spoilt monitor must not pass."""
     path = shipped.packages / "consertb" / "src" / "consertb" / "EDDIMonitor.py"
     text = path.read_text()
-    old = "return self.monitor.execute_step(eddi_input)"
+    old = "return self.monitor.execute_step(eddi_input, t_ns)"
     assert old in text
-    new = "return [{**row, 'active': False} for row in self.monitor.execute_step(eddi_input)]"
+    new = "return [{**row, 'active': False} for row in self.monitor.execute_step(eddi_input, t_ns)]"
     path.write_text(text.replace(old, new))
     try:
         with launched(shipped.devel_env()) as run:

@@ -8,7 +8,6 @@ from eddi_runtime.consert import compile as compiler
 from eddi_runtime.model_file import check_document, digest_of
 from eddi_runtime.testing import inputs
 
-from eddi_scaffold.kinds import Settings
 from eddi_scaffold.kinds.consert import KIND
 from tests.kinds.consert.oracle import as_source, oracle
 
@@ -23,7 +22,7 @@ def document(model, settings):
         "inputs": [
             {"id": one.id, "attribute": one.id, "requires": []} for one in KIND.inputs(model)
         ],
-        "model": KIND.runtime_model(model, Settings()),
+        "model": KIND.runtime_model(model),
         "settings": settings,
     }
     return dict(data, sha256=digest_of(data))

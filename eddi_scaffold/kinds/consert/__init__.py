@@ -11,6 +11,7 @@ from eddi_scaffold.kinds.consert.from_yaml import read_draft
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.marks import mark_defaults
 from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert.options import KEYS, configure, settings
 from eddi_scaffold.kinds.consert.outline import counts, outline
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
 from eddi_scaffold.kinds.consert.static import static_checks
@@ -20,7 +21,6 @@ from eddi_scaffold.problems import has_errors, in_order
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from eddi_scaffold.kinds import JsonValue, Settings
     from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.readers.eddi import EddiDocument
@@ -81,10 +81,6 @@ def _export(model: Model) -> Mapping[str, str]:
     return {f"{safe}.yml": to_yaml(_consert(model))}
 
 
-def _runtime_model(model: Model, _: Settings) -> dict[str, JsonValue]:
-    return runtime_model(_consert(model))
-
-
 KIND = Kind(
     name=NAME,
     title="ConSert",
@@ -98,9 +94,12 @@ KIND = Kind(
     outline=lambda model: outline(_consert(model)),
     export=_export,
     inputs=lambda model: inputs(_consert(model)),
-    runtime_model=_runtime_model,
+    runtime_model=lambda model: runtime_model(_consert(model)),
     messages=MESSAGES,
     output_message="ConSertOutput",
     status_message="ConSertStatus",
+    options=KEYS,
+    configure=configure,
+    settings=settings,
 )
 """What the generator knows of ConSerts."""

@@ -19,7 +19,12 @@ def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers = shared_answers(monitor, "plain_monitor")
     # printable characters only: then a JSON text is a TOML text as well
     answers["description_literal"] = json.dumps(answers["description"], ensure_ascii=False)
-    return PackageAnswers(monitor.package, answers), []
+    needs = list(monitor.kind.requirements)
+    answers["requirements"] = needs
+    answers["requirements_text"] = ", ".join(needs) or "no other packages"
+    files = dict(monitor.kind.data_files(monitor.model))
+    answers["package_data"] = ["model.json", *sorted(files)]
+    return PackageAnswers(monitor.package, answers, files), []
 
 
 def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:

@@ -32,6 +32,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["message_packages"] = sorted(
         {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     )
+    answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["frequency"] = repr(config.Model.frequency)
     answers["mode"] = config.Model.mode
     answers["message_imports"] = _imports(classes)
@@ -40,6 +41,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
             "id": ascii(source.id),
             "topic": ascii(source.topic),
             "message_class": classes[source.type],
+            "more": ", every_message=True" if _takes_every(monitor, source.id) else "",
         }
         for source in _subscribed(monitor)
     ]
@@ -56,8 +58,8 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
         }
         for output in config.EDDIOutputs
     ]
-    folder = f"{monitor.package}"
-    return PackageAnswers(folder, answers), list(_check(monitor.config))
+    files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
+    return PackageAnswers(monitor.package, answers, files), list(_check(monitor.config))
 
 
 def support_answers(monitors: Sequence[str], config: Config | None) -> list[PackageAnswers]:
@@ -102,6 +104,14 @@ def support_answers(monitors: Sequence[str], config: Config | None) -> list[Pack
 
 def _used(monitor: Monitor, source_id: str) -> bool:
     return any(source_id == source.id for binding in monitor.inputs for source in binding.requires)
+
+
+def _takes_every(monitor: Monitor, source_id: str) -> bool:
+    """Tell whether some input takes every message of this topic, not the latest one."""
+    return any(
+        binding.model.every_message and binding.requires[:1] and binding.requires[0].id == source_id
+        for binding in monitor.inputs
+    )
 
 
 def _subscribed(monitor: Monitor) -> Iterable[SimulatorOutput]:

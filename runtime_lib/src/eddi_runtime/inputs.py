@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import traceback
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-RESERVED_ATTRIBUTES = frozenset({"begin_step", "bind", "processing", "states", "update"})
+RESERVED_ATTRIBUTES = frozenset(
+    {"begin_step", "bind", "processing", "states", "update", "update_each"}
+)
 """Members of ``EDDIInputBase``: no input can be held in an attribute of these names."""
 
 _NO_AGES: Dict[str, float] = {}
+_NO_MESSAGES: Dict[str, Sequence[Any]] = {}
 
 
 class InputSpec(NamedTuple):
@@ -22,6 +25,7 @@ class InputSpec(NamedTuple):
             purpose; ``None``: never, because nothing was configured.
         factor: numerator and denominator: a given number times this is in the model's unit.
         default: value before the first message.
+        every_message: the attribute holds the list of all values since the last step.
     """
 
     id: str
@@ -30,6 +34,7 @@ class InputSpec(NamedTuple):
     max_age: Union[float, str, None] = None
     factor: Optional[Tuple[int, int]] = None
     default: Any = None
+    every_message: bool = False
 
 
 class InputState(NamedTuple):
@@ -68,14 +73,26 @@ class EDDIInputBase:
         self.states: Dict[str, InputState] = {}
         self.__specs: Dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = _NO_AGES
+        self.__new: Optional[Mapping[str, Sequence[Any]]] = None
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names and age limits of the model; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
 
-    def begin_step(self, ages: Optional[Mapping[str, float]] = None) -> None:
-        """Say how old each message is (SimulatorOutput id -> seconds); absent means fresh."""
+    def begin_step(
+        self,
+        ages: Optional[Mapping[str, float]] = None,
+        new: Optional[Mapping[str, Sequence[Any]]] = None,
+    ) -> None:
+        """Begin a step.
+
+        Args:
+            ages: SimulatorOutput id -> age of its latest message in seconds; absent means fresh.
+            new: SimulatorOutput id -> the messages since the last step, oldest first, for inputs
+                that take every message; None: the latest message is the only new one.
+        """
         self.__ages = _NO_AGES if ages is None else ages
+        self.__new = new
 
     def update(
         self,
@@ -113,6 +130,60 @@ class EDDIInputBase:
             setattr(self, attribute, None)
         self.states[input_id] = after
 
+    def update_each(
+        self,
+        input_id: str,
+        process: Callable[..., object],
+        simulator_outputs: Mapping[str, Any],
+        requires: Sequence[str],
+    ) -> None:
+        """Call ``process`` once for each new message of the first id; never raises.
+
+        The attribute becomes the list of the values, oldest first; None stands in it for a
+        message that ``process`` could not use. Of the other ids the latest message is passed.
+        It is None as a whole while a message is missing, or when the latest is too old.
+        """
+        spec = self.__specs.get(input_id)
+        attribute = input_id if spec is None else spec.attribute
+        before = self.states.get(input_id, _NEW)
+        values: Optional[List[Any]] = None
+        after: InputState
+        try:
+            messages = [simulator_outputs.get(name) for name in requires]
+            if any(message is None for message in messages):
+                after = _missing(messages, requires, before)
+            else:
+                ages = [self.__ages.get(name, 0.0) for name in requires]
+                after = _aged(ages, None if spec is None else spec.max_age, before)
+                if after.state == "ok":
+                    values, problem = self._each(attribute, process, messages, requires)
+                    after = after if problem is None else _invalid(problem, before)
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            after = _invalid(problem, before)
+        setattr(self, attribute, values)
+        self.states[input_id] = after
+
+    def _each(
+        self,
+        attribute: str,
+        process: Callable[..., object],
+        messages: Sequence[Any],
+        requires: Sequence[str],
+    ) -> Tuple[List[Any], Optional[Exception]]:
+        """Return the value of each new message, and what was raised last."""
+        first = messages[:1] if self.__new is None else self.__new.get(requires[0], ())
+        values: List[Any] = []
+        problem: Optional[Exception] = None
+        for message in first:
+            setattr(self, attribute, None)
+            try:
+                process(message, *messages[1:])
+            except Exception as raised:  # noqa: BLE001 - whatever a person's method raises
+                problem = raised
+                setattr(self, attribute, None)
+            values.append(getattr(self, attribute, None))
+        return values, problem
+
 
 def _missing(messages: Sequence[Any], requires: Sequence[str], before: InputState) -> InputState:
     absent = [name for name, message in zip(requires, messages) if message is None]
@@ -131,7 +202,7 @@ def _aged(ages: Sequence[float], limit: Union[float, str, None], before: InputSt
 def _invalid(problem: Exception, before: InputState) -> InputState:
     reason = _one_line(problem)
     repeated = before.state == "invalid" and before.reason == reason
-    detail = before.detail if repeated else _traceback()
+    detail = before.detail if repeated else _traceback(problem)
     return InputState("invalid", reason, None, before.errors + 1, detail)
 
 
@@ -143,8 +214,8 @@ def _one_line(problem: BaseException) -> str:
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
 
 
-def _traceback() -> str:
+def _traceback(problem: BaseException) -> str:
     try:
-        return traceback.format_exc()
+        return "".join(traceback.format_exception(type(problem), problem, problem.__traceback__))
     except Exception:  # noqa: BLE001 - an exception may fail to print itself
         return ""

@@ -11,12 +11,16 @@ import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Mapping, NoReturn, Optional, Tuple, Type, Union
+from typing import Any, Callable, Mapping, NoReturn, Optional, Tuple, Type, Union
 
 from .inputs import RESERVED_ATTRIBUTES, InputSpec
 from .version import __version__
 
 FORMAT = 1
+_DATA_FILE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+
+
+Data = Union[None, Mapping[str, bytes], Callable[[str], bytes]]
 
 
 class ModelError(ValueError):
@@ -46,6 +50,7 @@ class ModelFile:
         inputs: what the monitor must be told, in the order of the file.
         model: the kind's own part.
         settings: the kind's settings.
+        data: name -> bytes of a bulk file beside the model; raises ModelError when there is none.
     """
 
     path: str
@@ -56,6 +61,7 @@ class ModelFile:
     inputs: Tuple[InputSpec, ...]
     model: Mapping[str, Any]
     settings: Mapping[str, Any]
+    data: Callable[[str], bytes]
 
 
 def read_model(path: Union[str, Path]) -> ModelFile:
@@ -71,11 +77,16 @@ def read_model(path: Union[str, Path]) -> ModelFile:
         raise ModelError(str(path), f"cannot read the file: {reason}") from None
     except UnicodeDecodeError:
         raise ModelError(str(path), "the file is damaged: it is not UTF-8 text") from None
-    return parse_model(text, str(path))
+    return parse_model(text, str(path), _beside(Path(path).parent))
 
 
-def parse_model(text: str, name: str = "<text>") -> ModelFile:
+def parse_model(text: str, name: str = "<text>", data: Data = None) -> ModelFile:
     """Check the text of a model file; ``name`` stands in the errors.
+
+    Args:
+        text: the JSON text.
+        name: stands in the errors.
+        data: bulk files that belong to the model, by name.
 
     Raises:
         ModelError: the text is damaged or needs a newer runtime.
@@ -84,17 +95,17 @@ def parse_model(text: str, name: str = "<text>") -> ModelFile:
         document = json.loads(text, parse_constant=_no_constant)
     except (ValueError, RecursionError) as problem:
         raise ModelError(name, f"the file is damaged: {problem}") from None
-    return check_document(document, name)
+    return check_document(document, name, data)
 
 
-def check_document(document: Any, name: str = "<document>") -> ModelFile:
+def check_document(document: Any, name: str = "<document>", data: Data = None) -> ModelFile:
     """Check a model that is already in memory, as ``json.loads`` gives it.
 
     Raises:
         ModelError: the document is damaged or needs a newer runtime.
     """
     try:
-        return _model_file(document, name)
+        return _model_file(document, name, data if callable(data) else _in_memory(data or {}))
     except ModelError as problem:
         raise ModelError(name, problem.reason) from None
 
@@ -135,7 +146,29 @@ def _no_constant(text: str) -> NoReturn:
     raise ValueError(f"{text} is not JSON")
 
 
-def _model_file(document: Any, path: str) -> ModelFile:
+def _beside(folder: Path) -> Callable[[str], bytes]:
+    def read(name: str) -> bytes:
+        if _DATA_FILE.fullmatch(name) is None:
+            raise ModelError("", f"{name!r} is no name of a file beside the model")
+        try:
+            return (folder / name).read_bytes()
+        except OSError as problem:
+            reason = problem.strerror or str(problem)
+            raise ModelError("", f"cannot read {folder / name}: {reason}") from None
+
+    return read
+
+
+def _in_memory(files: Mapping[str, bytes]) -> Callable[[str], bytes]:
+    def read(name: str) -> bytes:
+        if name not in files:
+            raise ModelError("", f"the file {name!r} that belongs to the model is not there")
+        return files[name]
+
+    return read
+
+
+def _model_file(document: Any, path: str, data: Callable[[str], bytes]) -> ModelFile:
     where = "the model file"
     found = take(document, "format", int, where)
     if found != FORMAT:
@@ -157,6 +190,7 @@ def _model_file(document: Any, path: str) -> ModelFile:
         inputs=_inputs(take(document, "inputs", list, where)),
         model=take(document, "model", dict, where),
         settings=take(document, "settings", dict, where),
+        data=data,
     )
 
 
@@ -200,6 +234,7 @@ def _input(item: Any, where: str) -> InputSpec:
         max_age=_max_age(item.get("max_age"), where),
         factor=_factor(item.get("factor"), where),
         default=item.get("default"),
+        every_message=item.get("every_message") is True,
     )
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import pkgutil
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, Optional, Protocol, Tuple, Union
 
@@ -12,8 +14,10 @@ from .model_file import ModelError, ModelFile, read_model
 Tree = Tuple[str, Mapping[str, Any]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
 
-KIND_MODULES = {"consert": ".consert"}
-"""Kind -> module of this package that offers ``build(ModelFile) -> Monitor``."""
+Value = Union[bool, float, str, None]
+"""A named result for people and plots; None is unknown."""
+
+_FOLDER = [str(Path(__file__).parent)]
 
 
 class Monitor(Protocol):
@@ -31,8 +35,20 @@ class Monitor(Protocol):
     kind: str
     inputs: Tuple[InputSpec, ...]
 
-    def execute_step(self, eddi_input: object) -> Any:
-        """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are."""
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Any:
+        """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are.
+
+        Args:
+            eddi_input: holds one attribute per input.
+            t_ns: time of the step in nanoseconds, by any clock that the caller keeps to; None: the
+                machine's monotonic clock. Kinds that know no time ignore it.
+        """
+
+    def as_json(self, output: Any) -> Any:
+        """Return what ``execute_step`` gave as ``json`` can write it."""
+
+    def series(self, output: Any) -> Mapping[str, Value]:
+        """Return what ``execute_step`` gave as named values, always the same names."""
 
     def message(self, output: Any) -> Tree:
         """Return what ``execute_step`` gave as a message tree with checked values."""
@@ -55,28 +71,50 @@ class Monitor(Protocol):
         """Forget everything of former steps."""
 
 
-def load(path: Union[str, Path]) -> Monitor:
+def load(path: Union[str, Path], hooks: Any = None) -> Monitor:
     """Read a model file and compile its monitor.
+
+    Args:
+        path: the model file.
+        hooks: object with a person's methods, for kinds that have an editable module.
 
     Raises:
         ModelError: the file cannot be used; the message has path and reason.
     """
-    return build(read_model(path))
+    return build(read_model(path), hooks)
 
 
-def build(model_file: ModelFile) -> Monitor:
+def build(model_file: ModelFile, hooks: Any = None) -> Monitor:
     """Compile the monitor of a model that was read.
 
     Raises:
         ModelError: the kind is not known, or its part of the model is wrong.
     """
-    module = KIND_MODULES.get(model_file.kind)
-    if module is None:
-        known = ", ".join(sorted(KIND_MODULES))
-        reason = f"the kind {model_file.kind!r} is not known to this runtime, only {known}"
-        raise ModelError(model_file.path, reason)
-    make: Callable[[ModelFile], Monitor] = importlib.import_module(module, __package__).build
+    make = _builder(model_file)
     try:
-        return make(model_file)
+        return make(model_file, hooks)
     except ModelError as problem:
         raise ModelError(model_file.path, problem.reason) from None
+
+
+@lru_cache(maxsize=None)
+def kinds() -> Tuple[str, ...]:
+    """Return the kinds of this runtime: each is a module of its own that offers ``build``."""
+    found = (module.name for module in pkgutil.iter_modules(_FOLDER) if module.ispkg)
+    return tuple(sorted(name for name in found if name != "ros1"))
+
+
+def _builder(model_file: ModelFile) -> Callable[[ModelFile, Any], Monitor]:
+    kind = model_file.kind
+    if kind not in kinds():
+        known = ", ".join(kinds())
+        reason = f"the kind {kind!r} is not known to this runtime, only {known}"
+        raise ModelError(model_file.path, reason)
+    try:
+        make: Callable[[ModelFile, Any], Monitor] = importlib.import_module(
+            f".{kind}", __package__
+        ).build
+    except ImportError as problem:
+        reason = f"the kind {kind!r} needs {problem.name or 'a module'}, which is not installed"
+        raise ModelError(model_file.path, reason) from None
+    return make

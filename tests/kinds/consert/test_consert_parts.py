@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 
-from eddi_scaffold.kinds import Settings, kinds
+from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from eddi_scaffold.source import Source
@@ -85,7 +85,7 @@ def test_units_of_a_velocity():
 
 
 def test_runtime_model_is_json_with_traces():
-    data = KIND.runtime_model(read(ROVER), Settings())
+    data = KIND.runtime_model(read(ROVER))
     assert json.loads(json.dumps(data, allow_nan=False)) == data
     assert data["evidence"][0] == {
         "id": "Distance",

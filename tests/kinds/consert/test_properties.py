@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds import Settings
 from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.kinds.consert.check import check_consert
 from eddi_scaffold.kinds.consert.compose import compose
@@ -127,7 +126,7 @@ def test_checks_never_raise_and_what_is_left_can_be_used(consert):
     assert model.data == checked
     for use in (KIND.inputs, KIND.outline, KIND.counts, KIND.export):
         use(model)
-    KIND.runtime_model(model, Settings())
+    KIND.runtime_model(model)
 
 
 def test_order_of_lists_changes_nothing_but_the_order():

@@ -18,11 +18,14 @@ from .values import FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, describe, j
 Rows = List[Dict[str, object]]
 
 
-def build(model_file: ModelFile, *, allow_unsupported: bool = False) -> ConSertMonitor:
+def build(
+    model_file: ModelFile, hooks: object = None, *, allow_unsupported: bool = False
+) -> ConSertMonitor:
     """Compile a ConSert.
 
     Args:
         model_file: the model.
+        hooks: not used: all code of a person stands in EDDIInput.
         allow_unsupported: build guarantees without support and gates without input as the
             constants that they are in SESAME's first tool; for tests of the evaluation only.
 
@@ -78,13 +81,21 @@ class ConSertMonitor:
         self._output_faults: Tuple[str, ...] = ()
         self._missing: Tuple[Sequence[int], Dict[int, List[str]]] = ((), {})
 
-    def execute_step(self, eddi_input: object) -> Rows:
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
         """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
 
         Reads one attribute per input. Absent, None, NaN and whatever is no value for the input
         is UNKNOWN, and a guarantee is active only when it is TRUE. Never raises an Exception.
         """
         return self._rows(self.step(eddi_input))
+
+    def as_json(self, output: Rows) -> Rows:
+        """Return the rows: they are JSON already."""
+        return output
+
+    def series(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+        """Return guarantee id -> is it active."""
+        return {str(row["id"]): row["active"] is True for row in output}
 
     def verdicts(self) -> Dict[str, str]:
         """Return guarantee id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step."""

@@ -2,13 +2,16 @@
 
 import threading
 import time
-from typing import Any, Callable, Dict, Iterable, NamedTuple, Optional, Tuple
+from collections import deque
+from typing import Any, Callable, Deque, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import rospy
 
 from .topics import DEFAULT_BUFFER_BYTES, Input
 
 _MAX_PUBLISHERS = 32
+_MAX_QUEUED = 1000
+"""Messages between two steps; older ones are dropped and counted."""
 
 
 class Receipt(NamedTuple):
@@ -36,6 +39,8 @@ class _Slot:
         self._lock = lock
         self._arrived = arrived
         self._greeted: Dict[str, object] = {}
+        self._queue: Deque[Any] = deque(maxlen=_MAX_QUEUED)
+        self.dropped = 0
 
     def receive(self, message: Any) -> None:
         """Store one message; runs in a thread of rospy."""
@@ -50,7 +55,16 @@ class _Slot:
             self._greeted[publisher] = header
             number = 1 if self.receipt is None else self.receipt.received + 1
             self.receipt = Receipt(message, now, number, latched)
+            if self.source.every_message:
+                self.dropped += len(self._queue) == _MAX_QUEUED
+                self._queue.append(message)
         self._arrived()
+
+    def taken(self) -> List[Any]:
+        """Return the queued messages, oldest first, and forget them; the caller has the lock."""
+        messages = list(self._queue)
+        self._queue.clear()
+        return messages
 
 
 class Subscriptions:
@@ -75,7 +89,12 @@ class Subscriptions:
             if source.buffer_bytes != DEFAULT_BUFFER_BYTES:
                 more["buff_size"] = source.buffer_bytes
             self._subscribers[source.id] = rospy.Subscriber(
-                source.topic, source.type, slot.receive, queue_size=1, tcp_nodelay=True, **more
+                source.topic,
+                source.type,
+                slot.receive,
+                queue_size=_MAX_QUEUED if source.every_message else 1,
+                tcp_nodelay=True,
+                **more,
             )
 
     def receipts(self) -> Dict[str, Receipt]:
@@ -84,6 +103,20 @@ class Subscriptions:
             return {
                 name: slot.receipt for name, slot in self._slots.items() if slot.receipt is not None
             }
+
+    def new_messages(self) -> Dict[str, List[Any]]:
+        """Return the messages since the last call of every input that takes each of them."""
+        with self._lock:
+            return {
+                name: slot.taken()
+                for name, slot in self._slots.items()
+                if slot.source.every_message
+            }
+
+    def dropped(self) -> Dict[str, int]:
+        """Return input id -> messages that were dropped because too many came in one period."""
+        with self._lock:
+            return {name: slot.dropped for name, slot in self._slots.items() if slot.dropped}
 
     def expected_types(self) -> Dict[str, Tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""

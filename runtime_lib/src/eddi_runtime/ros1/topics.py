@@ -19,12 +19,14 @@ class Input(NamedTuple):
         type: ROS message class.
         buffer_bytes: receive buffer. rospy hands out old messages when a message is larger
             than the buffer, so it must be raised for images and point clouds.
+        every_message: no message is skipped: those between two steps are queued.
     """
 
     id: str
     topic: str
     type: Any
     buffer_bytes: int = DEFAULT_BUFFER_BYTES
+    every_message: bool = False
 
 
 class Output(NamedTuple):

@@ -12,6 +12,9 @@ class EDDIMonitor:
         beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'model.json')
         self.monitor = eddi_runtime.load(model or beside)
 
-    def execute_step(self, eddi_input):
-        """Evaluate the model once with the attributes of `eddi_input`; never raises."""
-        return self.monitor.execute_step(eddi_input)
+    def execute_step(self, eddi_input, t_ns=None):
+        """Evaluate the model once with the attributes of `eddi_input`; never raises.
+
+        `t_ns` is the time of the step in nanoseconds, by default that of the monotonic clock.
+        """
+        return self.monitor.execute_step(eddi_input, t_ns)

@@ -10,6 +10,9 @@ class EDDIMonitor:
         """Load the model from the given path, by default from the package's config folder."""
         self.monitor = eddi_runtime.load(model or find_model(__file__, 'conserta'))
 
-    def execute_step(self, eddi_input):
-        """Evaluate the model once with the attributes of `eddi_input`; never raises."""
-        return self.monitor.execute_step(eddi_input)
+    def execute_step(self, eddi_input, t_ns=None):
+        """Evaluate the model once with the attributes of `eddi_input`; never raises.
+
+        `t_ns` is the time of the step in nanoseconds, by default that of the monotonic clock.
+        """
+        return self.monitor.execute_step(eddi_input, t_ns)

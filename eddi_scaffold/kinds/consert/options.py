@@ -1,0 +1,53 @@
+"""What a configuration says to a ConSert: which ids it publishes, how inputs are filtered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from eddi_scaffold.kinds import JsonValue, Model, Options
+from eddi_scaffold.problems import Problem, error
+
+KEYS = ("guarantee_ids", "debounce", "filter")
+_IDS = ("source", "class")
+_NO_FILTER: Mapping[str, JsonValue] = {"kind": "none"}
+
+
+def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+    """Take the ConSert's own keys of ``Model:`` into the model.
+
+    ``guarantee_ids`` chooses between the ids of the model (``source``) and SESAME D7.2's class
+    names (``class``); ``debounce: n`` lets a leaf count as TRUE again after n TRUE samples in a
+    row; ``filter`` is the general form, which the runtime checks.
+    """
+    values = options.values
+    problems = list(_wrong(options))
+    filtering = values.get("filter")
+    if filtering is None and values.get("debounce") is not None:
+        filtering = {"kind": "debounce", "regain_after": values["debounce"]}
+    chosen = {
+        "guarantee_ids": values.get("guarantee_ids", "source"),
+        "filter": dict(filtering if isinstance(filtering, Mapping) else _NO_FILTER),
+    }
+    return (None if problems else replace(model, options=chosen)), problems
+
+
+def settings(model: Model) -> dict[str, JsonValue]:
+    """Return the ``settings`` part of ``config/model.json``."""
+    return dict(model.options or {"guarantee_ids": "source", "filter": dict(_NO_FILTER)})
+
+
+def _wrong(options: Options) -> Iterable[Problem]:
+    values = options.values
+    ids, debounce, filtering = (values.get(key) for key in KEYS)
+    if ids is not None and ids not in _IDS:
+        message = "Model.guarantee_ids: must be 'source' or 'class'"
+        yield error("K005", message, options.place("guarantee_ids"))
+    if debounce is not None and (type(debounce) is not int or debounce < 1):
+        message = "Model.debounce: a whole number of samples from 1 on is expected"
+        yield error("K005", message, options.place("debounce"))
+    if filtering is not None and not isinstance(filtering, Mapping):
+        yield error("K005", "Model.filter: a map is expected", options.place("filter"))
+    if debounce is not None and filtering is not None:
+        message = "debounce and filter exclude each other"
+        yield error("K011", message, options.place("filter"), "keep one of them")
