@@ -77,6 +77,21 @@ class Recording:
 
 
 @dataclass(frozen=True)
+class Frame:
+    """One step of a replay.
+
+    Attributes:
+        t: time in seconds.
+        inputs: input id -> what the monitor read, None when unknown.
+        output: what it gave.
+    """
+
+    t: float
+    inputs: Mapping[str, Any]
+    output: Any
+
+
+@dataclass(frozen=True)
 class _Cell:
     text: str
     col: int
@@ -262,7 +277,17 @@ def replay(
     recording: Recording,
     limits: Mapping[str, float | str | None] | None = None,
 ) -> Iterator[tuple[float, Any]]:
-    """Yield (time, output of the monitor) for each row, one step per row.
+    """Yield (time, output of the monitor) for each row, as ``frames`` does."""
+    for frame in frames(monitor, recording, limits):
+        yield frame.t, frame.output
+
+
+def frames(
+    monitor: Monitor,
+    recording: Recording,
+    limits: Mapping[str, float | str | None] | None = None,
+) -> Iterator[Frame]:
+    """Yield what happens in each row, one step per row.
 
     An input has its default before its first sample, holds each sample, and is unknown while the
     last sample is older than its limit. The monitor can be asked for more (``explain``) between
@@ -277,7 +302,8 @@ def replay(
     player = _Player(monitor.inputs, limits or {})
     for row in recording.rows:
         player.play(row)
-        yield row.t, monitor.execute_step(player.eddi_input, round(row.t * 1e9))
+        output = monitor.execute_step(player.eddi_input, round(row.t * 1e9))
+        yield Frame(row.t, player.values(), output)
 
 
 class _Player:
@@ -291,6 +317,7 @@ class _Player:
             [spec._replace(max_age=limits.get(spec.id, spec.max_age)) for spec in specs]
         )
         self._process = {spec.id: _setter(self.eddi_input, spec.attribute) for spec in specs}
+        self._attribute = {spec.id: spec.attribute for spec in specs}
         self._update = {
             spec.id: self.eddi_input.update_each if spec.every_message else self.eddi_input.update
             for spec in specs
@@ -311,6 +338,10 @@ class _Player:
         )
         for name, process in self._process.items():
             self._update[name](name, process, self._samples, (name,))
+
+    def values(self) -> dict[str, Any]:
+        """Return input id -> value as the monitor reads it."""
+        return {name: getattr(self.eddi_input, self._attribute[name]) for name in self._process}
 
 
 def _setter(target: object, attribute: str) -> Callable[[JsonValue], None]:

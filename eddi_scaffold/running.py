@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import csv
+import io
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
@@ -10,7 +12,9 @@ from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import Value, build
 
 from eddi_scaffold.binding import Monitor
-from eddi_scaffold.recording import Recording, replay
+from eddi_scaffold.plotting.svg import plot
+from eddi_scaffold.plotting.tracks import tracks_of
+from eddi_scaffold.recording import Recording, frames, replay
 
 
 def steps(monitor: Monitor, recording: Recording) -> Iterator[tuple[float, Any]]:
@@ -34,10 +38,51 @@ def changes(monitor: Monitor, recording: Recording) -> Iterator[str]:
         last = shown
 
 
+def table(monitor: Monitor, recording: Recording) -> Iterator[str]:
+    """Yield the lines of a CSV: time, then every named value of the output in each step."""
+    running = compiled(monitor)
+    for number, (t, output) in enumerate(replay(running, recording)):
+        values = running.series(output)
+        if number == 0:
+            yield _csv_line(["t", *values])
+        yield _csv_line([repr(t), *(_cell(value) for value in values.values())])
+
+
+def picture(monitor: Monitor, recording: Recording) -> str:
+    """Return an SVG of inputs and outputs over time."""
+    running = compiled(monitor)
+    inputs: list[tuple[float, Mapping[str, object]]] = []
+    outputs: list[tuple[float, Mapping[str, object]]] = []
+    for frame in frames(running, recording):
+        inputs.append((frame.t, {k: v for k, v in frame.inputs.items() if not _is_list(v)}))
+        outputs.append((frame.t, running.series(frame.output)))
+    title = f"{monitor.kind.title} {monitor.model.name}"
+    return plot(title, [*tracks_of("inputs", inputs), *tracks_of("outputs", outputs)])
+
+
 def compiled(monitor: Monitor) -> RuntimeMonitor:
     """Return the monitor as its package would load it; hand-written code is not in it."""
     files = monitor.kind.data_files(monitor.model)
     return build(parse_model(monitor.model_json, monitor.model.name, files))
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, list | tuple)
+
+
+def _csv_line(cells: Sequence[str]) -> str:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="").writerow(cells)
+    return line.getvalue()
+
+
+def _cell(value: Value) -> str:
+    """Return a value as a recording would have it: an empty cell is unknown."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(value)
 
 
 def _shown(value: Value) -> str:

@@ -21,8 +21,14 @@ def run(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
+    as_csv: Annotated[
+        bool, typer.Option("--csv", help="Print every step as CSV: t and each value.")
+    ] = False,
+    plot: Annotated[
+        Path | None, typer.Option("--plot", help="SVG to draw inputs and outputs into.")
+    ] = None,
 ) -> None:
-    """Run a monitor on a recording; print what changes, or with --json every step.
+    """Run a monitor on a recording; print what changes, or every step as JSON or CSV.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
     """
@@ -32,9 +38,12 @@ def run(
     from eddi_scaffold.console import console
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.recording import read_recording
-    from eddi_scaffold.running import changes, steps
+    from eddi_scaffold.running import changes, picture, steps, table
     from eddi_scaffold.source import read_source
+    from eddi_scaffold.transaction import FileState, write
 
+    if as_json and as_csv:
+        raise EddiError(error("G016", "--json and --csv exclude each other"))
     configs = [config] if config is not None else []
     monitors, problems = monitors_of(model, configs, name, default_guarantee or ())
     if len(monitors) != 1:
@@ -50,5 +59,8 @@ def run(
         for t, output in steps(monitors[0], recording):
             console.data(json.dumps({"t": t, "outputs": output}))
     else:
-        for line in changes(monitors[0], recording):
+        for line in (table if as_csv else changes)(monitors[0], recording):
             console.data(line)
+    if plot is not None:
+        drawn = FileState(picture(monitors[0], recording).encode())
+        write(plot.parent, {plot.name: drawn})
