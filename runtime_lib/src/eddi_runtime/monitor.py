@@ -6,7 +6,7 @@ import importlib
 import pkgutil
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, Optional, Protocol, Tuple, Union
+from typing import Any, Callable, Iterable, Mapping, List, Optional, Protocol, Tuple, Union
 
 from .inputs import InputSpec
 from .model_file import ModelError, ModelFile, read_model
@@ -50,8 +50,11 @@ class Monitor(Protocol):
     def series(self, output: Any) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""
 
-    def message(self, output: Any) -> Tree:
-        """Return what ``execute_step`` gave as a message tree with checked values."""
+    def message(self, output: Any) -> Union[Tree, List[Tree], None]:
+        """Return what ``execute_step`` gave as a message tree with checked values.
+
+        A list of trees when one step gives several messages; None when nothing is to be said.
+        """
 
     def status_message(self) -> Optional[Tree]:
         """Return the facts behind the last step, without a header; ``None`` if there are none."""

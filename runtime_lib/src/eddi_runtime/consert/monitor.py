@@ -19,7 +19,10 @@ Rows = List[Dict[str, object]]
 
 
 def build(
-    model_file: ModelFile, hooks: object = None, *, allow_unsupported: bool = False
+    model_file: ModelFile,
+    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
+    *,
+    allow_unsupported: bool = False,
 ) -> ConSertMonitor:
     """Compile a ConSert.
 

@@ -91,8 +91,11 @@ class MonitorNode:
         self._ros_time: Any = None
 
     def create_ros_msg(self, eddi_output: Any) -> Any:
-        """Return the ROS message of one output of ``EDDIMonitor.execute_step``."""
-        return self._converter.message(self._core.message(eddi_output))
+        """Return the ROS message of one output of ``EDDIMonitor.execute_step``.
+
+        A list when one step gives several messages, None when it gives none.
+        """
+        return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
         """Advertise every output topic."""
@@ -159,7 +162,8 @@ class MonitorNode:
             return ""
         message = self.create_ros_msg(output)
         if self._made_by_hand:
-            check_serialises(message)
+            for one in message if isinstance(message, list) else [message]:
+                check_serialises(one)
         self._publications.publish(message)
         self._publish_status(self._publications)
         # Not every kind has it: rows that hand-written code spoilt and the monitor replaced.

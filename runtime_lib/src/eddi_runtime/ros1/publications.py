@@ -9,13 +9,16 @@ import math
 import numbers
 import time
 from io import BytesIO
-from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
 
 import rospy
 
 from .topics import Output, ros_type
 
 Convert = Callable[[object], Any]
+Trees = Union[Tuple[str, Any], List[Tuple[str, Any]], None]
+"""What one step of a monitor gives: one message tree, several, or none."""
+
 _INTEGERS = {f"{sign}int{bits}": (sign, bits) for sign in ("", "u") for bits in (8, 16, 32, 64)}
 _FLOATS = {"float32": 3.4028235e38, "float64": math.inf}
 _HEADERS = ("Header", "std_msgs/Header")
@@ -121,6 +124,18 @@ class Converter:
             getattr(built, header).stamp = stamp()  # rospy itself counts header.seq
         return built
 
+    def messages(self, trees: Trees) -> Any:
+        """Build what one step gives: a message, a list of them, or None.
+
+        Raises:
+            MessageError: as ``message`` does.
+        """
+        if trees is None:
+            return None
+        if isinstance(trees, list):
+            return [self.message(tree) for tree in trees]
+        return self.message(trees)
+
     def _plan(self, name: str) -> Tuple[Any, Dict[str, Convert], Optional[str]]:
         cls = getattr(self._messages, name, None)
         if cls is None:
@@ -173,7 +188,7 @@ class Converter:
 
 def check_outputs(
     converter: Converter,
-    result: Tuple[str, Any],
+    result: Trees,
     status: Optional[Tuple[str, Any]],
     outputs: Iterable[Output],
 ) -> None:
@@ -189,7 +204,8 @@ def check_outputs(
         MessageError: a message is unknown, has other fields, or is not the declared one.
     """
     for output in outputs:
-        pairs = [(output.topic, output.type, result)]
+        trees = result if isinstance(result, list) else [] if result is None else [result]
+        pairs = [(output.topic, output.type, tree) for tree in trees]
         if output.status_topic is not None and status is not None:
             pairs.append((output.status_topic, output.status_type, status))
         for topic, declared, tree in pairs:
@@ -202,7 +218,8 @@ def check_outputs(
 
 def check_serialises(message: Any) -> None:
     """Raise what rospy would raise once somebody listens; for messages made by hand."""
-    message.serialize(BytesIO())
+    if message is not None:
+        message.serialize(BytesIO())
 
 
 class Publications:
@@ -233,9 +250,12 @@ class Publications:
         return bool(self._statuses)
 
     def publish(self, message: Any) -> None:
-        """Publish the result on every output topic."""
+        """Publish the result on every output topic: a message, a list of them, or None."""
+        messages = message if isinstance(message, list) else [message]
         for publisher in self._results:
-            publisher.publish(message)
+            for one in messages:
+                if one is not None:
+                    publisher.publish(one)
 
     def publish_status(self, message: Any) -> None:
         """Publish the facts behind the result on every status topic."""
