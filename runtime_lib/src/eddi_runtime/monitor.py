@@ -6,7 +6,7 @@ import importlib
 import pkgutil
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, List, Optional, Protocol, Tuple, Union
+from typing import Any, Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
 
 from .inputs import InputSpec
 from .model_file import ModelError, ModelFile, read_model
