@@ -198,9 +198,15 @@ class Input(_Entry):
 
 
 class Output(_Entry):
-    """One topic on which the result is published."""
+    """One topic on which the result is published.
+
+    Attributes:
+        field: path into the result (``guarantees[G0].active``): its value alone is published, as a
+            message of ``std_msgs``; without it the whole result.
+    """
 
     topic: Topic
+    field: StrictStr | None = None
 
 
 class PackageSection(_Section):

@@ -9,8 +9,9 @@ import time
 
 import eddi_messages.msg
 import std_msgs.msg
-from eddi_runtime.ros1 import health, report, schedule, settings
-from eddi_runtime.ros1.publications import Converter, MessageError
+from eddi_runtime.ros1 import Input, Output, health, report, schedule, settings, subscriptions
+from eddi_runtime.ros1.publications import Converter, MessageError, picked
+from eddi_runtime.ros1.publications import check_outputs as refuse_outputs
 
 
 def refused(function, *words):
@@ -47,6 +48,44 @@ def check_messages_are_filled_completely_and_checked():
         {"guarantees": [("GuaranteeStatus", status()[1]["guarantees"][0][1])]},
     )
     refused(lambda: convert.message(plain), "ConSertOutput.guarantees")
+
+
+def check_one_value_of_a_result_is_published_alone():
+    convert = Converter(eddi_messages.msg)
+    tree = ("ConSertOutput", {"guarantees": [("Guarantee", {"id": "G", "active": True})]})
+    field = ("guarantees", ("id", "G"), "active")
+    output = Output("g", "/g", std_msgs.msg.Bool, field=field)
+    assert picked(convert.message(tree), output, "/g").data is True
+    first = output._replace(field=("guarantees", 0, "active"))
+    assert picked(convert.message(tree), first, "/g").data is True
+    refuse_outputs(convert, tree, None, [output])
+    other = output._replace(field=("guarantees", ("id", "H"), "active"))
+    refused(lambda: refuse_outputs(convert, tree, None, [other]), "/g", "H")
+    refused(lambda: refuse_outputs(convert, tree, None, [output._replace(field=("no",))]), "no")
+
+
+def check_a_step_gives_several_messages_or_none():
+    convert = Converter(eddi_messages.msg)
+    trees = [("Guarantee", {"id": name, "active": False}) for name in "AB"]
+    assert [message.id for message in convert.messages(trees)] == ["A", "B"]
+    assert convert.messages(None) is None
+
+
+def check_no_message_is_skipped():
+    slots = subscriptions.Subscriptions(lambda: None)
+    source = Input("sample", "/sample", std_msgs.msg.Bool, every_message=True)
+    slot = subscriptions._Slot(source, slots._lock, lambda: None)
+    slots._slots["sample"] = slot
+    assert slots.new_messages() == {"sample": []}
+    for value in (True, False, True):
+        slot.receive(std_msgs.msg.Bool(value))
+    assert [message.data for message in slots.new_messages()["sample"]] == [True, False, True]
+    assert slots.new_messages() == {"sample": []}
+    assert slots.receipts()["sample"].message.data is True
+    for _ in range(1005):
+        slot.receive(std_msgs.msg.Bool(False))
+    assert slots.dropped() == {"sample": 5}
+    assert len(slots.new_messages()["sample"]) == 1000
 
 
 def check_numbers():

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from eddi_scaffold import __version__
-from eddi_scaffold.answers import identity_answers, one_line, shared_answers
+from eddi_scaffold.answers import identity_answers, shared_answers
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import Config, ConfigFile, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.message_types import packages_of
 from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.platforms.ros1.outputs import (
+    MESSAGE_PACKAGE,
+    publication_answers,
+    publications,
+)
 from eddi_scaffold.problems import Problem, error
 
-MESSAGE_PACKAGE = "eddi_messages"
 _RELEASE = ".".join(__version__.split(".")[:3])
 """Version of the packages that all monitors share: they come with the generator."""
 
@@ -22,12 +26,11 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     """Return the answers of one monitor package; the configuration is there (``needs_config``)."""
     assert monitor.config is not None, "the ros1 platform needs a configuration"
     config = monitor.config.config
-    output_type = f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
-    classes = _class_names(
-        [source.type for source in config.SimulatorOutputs if _used(monitor, source.id)]
-    )
-    classes[output_type] = f"eddi_messages.msg.{monitor.kind.output_message}"
-    status = monitor.kind.status_message
+    published, problems = publications(monitor, monitor.config)
+    heard = [source.type for source in config.SimulatorOutputs if _used(monitor, source.id)]
+    classes = _class_names([*heard, *(p.type for p in published if p.path)])
+    output = monitor.kind.output_message
+    classes[f"{MESSAGE_PACKAGE}/{output}"] = f"{MESSAGE_PACKAGE}.msg.{output}"
     answers = shared_answers(monitor, "ros1_monitor")
     answers["message_packages"] = sorted(
         {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
@@ -46,20 +49,12 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
         for source in _subscribed(monitor)
     ]
     answers["publications"] = [
-        {
-            "id": ascii(output.id),
-            "title": one_line(output.id),
-            "topic": ascii(output.topic),
-            "topic_text": output.topic,
-            "type_text": output_type,
-            "message_class": classes[output_type],
-            "status_topic": ascii(f"{output.topic}/status" if status else None),
-            "status_class": f"eddi_messages.msg.{status}" if status else "None",
-        }
-        for output in config.EDDIOutputs
+        publication_answers(publication, classes, monitor.kind.status_message)
+        for publication in published
     ]
     files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
-    return PackageAnswers(monitor.package, answers, files), list(_check(monitor.config))
+    problems += _check(monitor.config)
+    return PackageAnswers(monitor.package, answers, files), problems
 
 
 def support_answers(monitors: Sequence[str], config: Config | None) -> list[PackageAnswers]:

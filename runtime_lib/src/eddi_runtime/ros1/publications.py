@@ -13,6 +13,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
 
 import rospy
 
+from ..access import by_id
 from .topics import Output, ros_type
 
 Convert = Callable[[object], Any]
@@ -186,6 +187,28 @@ class Converter:
         return convert
 
 
+def picked(message: Any, output: Output, topic: str) -> Any:
+    """Return what goes to a topic: the message, or the one value of it that the output asks for.
+
+    Raises:
+        MessageError: there is no such value in the message.
+    """
+    if not output.field or topic != output.topic:
+        return message
+    value = message
+    try:
+        for step in output.field:
+            if isinstance(step, tuple):
+                value = by_id(value, step[1])
+            elif isinstance(step, int):
+                value = value[step]
+            else:
+                value = getattr(value, step)
+    except (AttributeError, LookupError) as problem:
+        raise MessageError(f"{topic}: {problem}") from None
+    return output.type(data=value)
+
+
 def check_outputs(
     converter: Converter,
     result: Trees,
@@ -209,7 +232,7 @@ def check_outputs(
         if output.status_topic is not None and status is not None:
             pairs.append((output.status_topic, output.status_type, status))
         for topic, declared, tree in pairs:
-            built = converter.message(tree)
+            built = picked(converter.message(tree), output, topic)
             if not isinstance(built, declared):
                 raise MessageError(
                     f"{topic} carries {ros_type(declared)}, the monitor makes {ros_type(built)}"
@@ -231,12 +254,13 @@ class Publications:
     """
 
     def __init__(self, outputs: Iterable[Output], queue_size: int) -> None:
-        self._results: List[Any] = []
+        self._results: List[Tuple[Output, Any]] = []
         self._statuses: List[Any] = []
         for output in outputs:
-            self._results.append(
-                rospy.Publisher(output.topic, output.type, queue_size=queue_size, latch=True)
+            publisher = rospy.Publisher(
+                output.topic, output.type, queue_size=queue_size, latch=True
             )
+            self._results.append((output, publisher))
             if output.status_topic is not None:
                 self._statuses.append(
                     rospy.Publisher(
@@ -252,10 +276,10 @@ class Publications:
     def publish(self, message: Any) -> None:
         """Publish the result on every output topic: a message, a list of them, or None."""
         messages = message if isinstance(message, list) else [message]
-        for publisher in self._results:
+        for output, publisher in self._results:
             for one in messages:
                 if one is not None:
-                    publisher.publish(one)
+                    publisher.publish(picked(one, output, output.topic))
 
     def publish_status(self, message: Any) -> None:
         """Publish the facts behind the result on every status topic."""

@@ -1,6 +1,6 @@
 """What a node subscribes to and what it publishes, as plain data of the generated RosNode.py."""
 
-from typing import Any, NamedTuple, Optional
+from typing import Any, NamedTuple, Optional, Tuple
 
 DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
 
@@ -38,6 +38,8 @@ class Output(NamedTuple):
         type: ROS message class of the result.
         status_topic: ROS name of the facts behind the result, ``None`` for none.
         status_type: its message class (with a header), ``None`` for none.
+        field: where the value stands that is published alone, as ``data`` of a message of
+            std_msgs: names of fields, positions and ``("id", id)``; empty: the whole result.
     """
 
     id: str
@@ -45,3 +47,4 @@ class Output(NamedTuple):
     type: Any
     status_topic: Optional[str] = None
     status_type: Any = None
+    field: Tuple[Any, ...] = ()

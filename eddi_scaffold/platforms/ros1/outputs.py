@@ -1,0 +1,103 @@
+"""What a node publishes: the whole result, or one value of it as a message of ``std_msgs``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from eddi_scaffold.answers import one_line
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.config import ConfigFile, Output
+from eddi_scaffold.fields import Attribute, ById, FieldPath, Index, parse_field
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.message_types import fields_of
+from eddi_scaffold.problems import Problem, did_you_mean, error
+
+MESSAGE_PACKAGE = "eddi_messages"
+_OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
+
+
+@dataclass(frozen=True)
+class Publication:
+    """One topic that a node publishes.
+
+    Attributes:
+        output: the entry of ``EDDIOutputs``.
+        type: message type (``std_msgs/Bool``).
+        path: where the value stands in the result; empty for all of it.
+    """
+
+    output: Output
+    type: str
+    path: FieldPath = ()
+
+
+def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication], list[Problem]]:
+    """Return what the node publishes, and what is wrong with the paths (K034)."""
+    whole = f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
+    found: list[Publication] = []
+    problems: list[Problem] = []
+    for index, output in enumerate(config.config.EDDIOutputs):
+        if output.field is None:
+            found.append(Publication(output, whole))
+            continue
+        try:
+            path = parse_field(output.field)
+            of = _type_of(path, monitor.kind.output_message, monitor.kind.messages)
+        except ValueError as problem:
+            place = config.place("EDDIOutputs", index, "field")
+            problems.append(error("K034", str(problem), place))
+            continue
+        found.append(Publication(output, f"std_msgs/{_OF_STD_MSGS[of]}", path))
+    return found, problems
+
+
+def publication_answers(
+    publication: Publication, classes: Mapping[str, str], status: str | None
+) -> dict[str, JsonValue]:
+    """Return what the template of the node writes for one topic."""
+    output, whole = publication.output, not publication.path
+    return {
+        "id": ascii(output.id),
+        "title": one_line(output.id),
+        "topic": ascii(output.topic),
+        "topic_text": output.topic,
+        "type_text": publication.type,
+        "message_class": classes[publication.type],
+        "status_topic": ascii(f"{output.topic}/status" if status and whole else None),
+        "status_class": f"eddi_messages.msg.{status}" if status and whole else "None",
+        "more": "" if whole else f"\n            field={_literal(publication.path)},",
+    }
+
+
+def _type_of(path: FieldPath, message: str, messages: Mapping[str, str]) -> str:
+    """Return the Python type of the value at the end of a path.
+
+    Raises:
+        ValueError: the message has no such field, or the path ends too early or too late.
+    """
+    of = message
+    for step in path:
+        if isinstance(step, Attribute):
+            known = fields_of(messages[of]) if of in messages else {}
+            if step.name not in known:
+                hint = did_you_mean(step.name, known) or f"its fields: {', '.join(known) or 'none'}"
+                raise ValueError(f"{of} has no field {step.name!r}; {hint}")
+            of = known[step.name]
+        elif of.endswith("]"):
+            of = of.partition("[")[0]
+        else:
+            raise ValueError(f"{of} is no list")
+    if of not in _OF_STD_MSGS:
+        raise ValueError(f"the path ends at {of}, not at a single value")
+    return of
+
+
+def _literal(path: FieldPath) -> str:
+    return f"({', '.join(_step(step) for step in path)},)"
+
+
+def _step(step: Attribute | Index | ById) -> str:
+    if isinstance(step, Attribute):
+        return ascii(step.name)
+    return str(step.position) if isinstance(step, Index) else ascii(("id", step.id))
