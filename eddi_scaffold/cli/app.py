@@ -18,6 +18,7 @@ from eddi_scaffold.cli import (
     run,
     show,
     status,
+    trace,
     upgrade,
 )
 from eddi_scaffold.console import console
@@ -66,6 +67,7 @@ app.command("run")(run.run)
 app.command("generate")(generate.generate)
 app.command("upgrade")(upgrade.upgrade)
 app.command("status")(status.status)
+app.command("trace")(trace.trace)
 app.command("regions")(regions.regions)
 app.command("compose")(compose.compose)
 app.command("export")(export.export)

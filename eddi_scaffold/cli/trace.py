@@ -1,0 +1,55 @@
+"""``eddi-scaffold trace``: which element of the model became what in a package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import Json
+
+
+def trace(
+    packages: Annotated[
+        list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
+    ] = None,
+    workspace: Annotated[
+        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")
+    ] = None,
+    as_json: Json = False,
+    as_csv: Annotated[
+        bool, typer.Option("--csv", help="Print one table for a spreadsheet.")
+    ] = False,
+) -> None:
+    """Print the trace table of packages: model elements, their places, code and topics.
+
+    Example: eddi-scaffold trace -w catkin_ws
+    """
+    import csv
+    import io
+
+    from eddi_scaffold.console import console
+    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.tracing import COLUMNS, trace_of
+    from eddi_scaffold.upgrading import groups
+
+    if as_json and as_csv:
+        raise EddiError(error("G016", "--json and --csv exclude each other"))
+    found = [
+        trace_of(answers)
+        for group in groups(workspace, packages or [])
+        for answers in group.present.values()
+        if "model_json" in answers
+    ]
+    if as_json:
+        console.json({"packages": [one.as_json() for one in found]})
+    elif as_csv:
+        table = io.StringIO()
+        writer = csv.writer(table, lineterminator="\n")
+        writer.writerow(("package", "model", "sha256", *COLUMNS))
+        for one in found:
+            writer.writerows((one.package, one.model, one.sha256, *one.cells(r)) for r in one.rows)
+        console.data(table.getvalue().rstrip("\n"))
+    else:
+        console.data("\n\n".join(one.as_text() for one in found))

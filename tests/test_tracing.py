@@ -1,0 +1,54 @@
+"""The trace table: each element of the model, where it stands, and what it became."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+from tests.cli.command import EXAMPLE, run
+
+GENERATED = EXAMPLE / "expected"
+
+
+def test_every_element_is_in_the_table_with_its_place() -> None:
+    printed = run("trace", "-w", GENERATED, "--json", cwd=EXAMPLE).out
+    conserta, consertb = json.loads(printed)["packages"]
+    assert (conserta["package"], consertb["package"]) == ("conserta", "consertb")
+    rows = {row["id"]: row for row in conserta["elements"]}
+    assert list(rows) == [
+        *("RtE_A_D0", "RtE_A_E0", "System_A_AND"),
+        *("System_A_G0", "System_A_G1", "ServiceA", "ServiceB"),
+    ]
+    lines = (EXAMPLE / "two_conserts.xml").read_text("utf-8").splitlines()
+    for name in ("RtE_A_D0", "RtE_A_E0", "System_A_AND", "System_A_G1"):
+        assert f'"{name}"' in lines[rows[name]["line"] - 1]
+        assert rows[name]["path"].startswith("//@odeProductPackages.0/@conSerts.0/@")
+    assert rows["RtE_A_E0"]["code"] == "EDDIInput.process_RtE_A_E0"
+    assert rows["RtE_A_E0"]["topics"] == "/rte/e0a"
+    assert rows["System_A_G0"]["element"] == "guarantee"
+    model = json.loads((GENERATED / "src/eddi_monitor/conserta/config/model.json").read_bytes())
+    assert (conserta["sha256"], conserta["model_sha256"]) == (
+        model["source"]["sha256"],
+        model["sha256"],
+    )
+    assert conserta["outputs"] == ["/conserta/guarantees"]
+
+
+def test_the_csv_has_one_line_for_each_element() -> None:
+    printed = run("trace", "-w", GENERATED, "--csv", cwd=EXAMPLE).out
+    table = list(csv.DictReader(io.StringIO(printed)))
+    assert {row["package"] for row in table} == {"conserta", "consertb"}
+    assert all(len(row["sha256"]) == 64 for row in table)
+
+
+def test_the_text_names_model_file_and_digests() -> None:
+    text = run("trace", "conserta", cwd=GENERATED / "src/eddi_monitor").out
+    assert text.splitlines()[0] == "conserta: consert ConSertA"
+    assert "two_conserts.xml:30" in text
+
+
+def test_a_folder_without_packages_is_said(tmp_path: Path) -> None:
+    refused = run("trace", cwd=tmp_path)
+    assert (refused.status, "[U001]" in refused.err) == (2, True)
