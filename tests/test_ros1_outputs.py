@@ -18,6 +18,7 @@ def answers(tmp_path: Path, field: str) -> tuple[dict, list[str]]:
     config.write_text(f"{text.rstrip()}\n{extra}", "utf-8")
     (monitor,), _ = monitors_of(EXAMPLE / "two_conserts.xml", [config])
     package, problems = monitor_answers(monitor)
+    assert {p.code for p in problems} <= {"K034"}
     return dict(package.answers), [f"{p.place.line}: {p.message}" for p in problems]
 
 

@@ -16,7 +16,18 @@ from eddi_scaffold.cli import hoisted
 from tests.cli.command import ROOT, Result, example, files_below, run
 
 COMMANDS = [
-    *("example", "check", "show", "run", "generate", "upgrade", "status", "regions", "compose"),
+    *(
+        "example",
+        "check",
+        "show",
+        "run",
+        "generate",
+        "upgrade",
+        "status",
+        "trace",
+        "regions",
+        "compose",
+    ),
     *("export", "answers"),
 ]
 MODEL = "two_conserts.xml"
