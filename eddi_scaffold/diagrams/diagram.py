@@ -1,0 +1,82 @@
+"""What a picture of a model shows, without coordinates: a kind says it, the layout draws it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Shape = Literal["box", "rounded", "ellipse", "hexagon", "table", "and", "or", "not"]
+"""``table``: a heading with rows below. ``and``, ``or`` and ``not`` are the gates of fault trees
+(IEC 61025), with their output at the top; a vote is an ``or`` with ``2/3`` as its label."""
+
+Tone = Literal["output", "input", "demand", "gate", "neutral", "warning"]
+"""What something is, as a colour: given out, observed here, expected of others, logic, other."""
+
+Direction = Literal["up", "down"]
+"""``up``: edges lead to what stands above (ConSerts, fault trees); ``down``: below (networks)."""
+
+
+@dataclass(frozen=True)
+class DiagramNode:
+    """One thing in a picture.
+
+    Attributes:
+        id: unique in its diagram; edges name it.
+        lines: the label; the first line is its heading. Long ones are wrapped or cut.
+        shape: outline.
+        tone: colour.
+        tooltip: text that a browser shows beside the pointer; the label when empty.
+    """
+
+    id: str
+    lines: tuple[str, ...]
+    shape: Shape = "box"
+    tone: Tone = "neutral"
+    tooltip: str = ""
+
+
+@dataclass(frozen=True)
+class DiagramEdge:
+    """A line from one node to another.
+
+    Attributes:
+        source: id of a node.
+        target: id of a node.
+        label: short text at its middle, empty for none.
+        arrow: whether its end has an arrowhead.
+    """
+
+    source: str
+    target: str
+    label: str = ""
+    arrow: bool = True
+
+
+@dataclass(frozen=True)
+class LegendEntry:
+    """One line of the legend: what a shape in a tone stands for."""
+
+    text: str
+    shape: Shape
+    tone: Tone
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """A picture of a model.
+
+    Attributes:
+        title: one line above it.
+        nodes: in the order of the model, which decides where nothing else does.
+        edges: cycles are drawn as well; an edge to an unknown node is left out.
+        direction: where edges lead.
+        legend: what the shapes mean, in the order of the picture.
+        description: what is to be seen, for who cannot see it.
+    """
+
+    title: str
+    nodes: tuple[DiagramNode, ...]
+    edges: tuple[DiagramEdge, ...] = ()
+    direction: Direction = "down"
+    legend: tuple[LegendEntry, ...] = ()
+    description: str = ""
