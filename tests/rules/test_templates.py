@@ -18,7 +18,15 @@ TEMPLATES = HERE / "copier_templates"
 FILES = sorted(path for path in TEMPLATES.rglob("*.jinja") if path.is_file())
 NAMES = sorted({part for path in TEMPLATES.rglob("*") for part in path.parts if "{" in part})
 TAGS = {"for", "endfor", "if", "else", "endif", "include", "raw", "endraw"}
-FILTERS = {"e", "indent", "join"}
+FILTERS = {
+    "default",  # for what the answers of packages from an older release do not hold
+    "e",
+    "indent",
+    "join",
+    "tojson",  # a TOML list of strings is one of JSON
+}
+LOOPS = {"item": "messages", "module": "modules", "alias": "aliases"}
+"""Name -> the list of which a file name takes one after the other."""
 LOGIC = (
     nodes.Assign,
     nodes.AssignBlock,
@@ -33,6 +41,7 @@ LOGIC = (
     nodes.Macro,
     nodes.Test,
 )
+PER_FILE = ("alias_module.py.jinja", "editable_module.py.jinja")
 ANSWERS_FILE = "{{_copier_conf.answers_file}}.jinja"
 ids = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(TEMPLATES)))
 
@@ -72,7 +81,8 @@ def test_tags_and_filters(path: Path) -> None:
 @ids
 def test_only_answers_are_seen(path: Path) -> None:
     parsed = environment().parse(path.read_text("utf-8"))
-    of_the_name = {"item"} if "yield item" in path.name else set()
+    of_the_name = {name for name in LOOPS if f"yield {name} in" in path.name}
+    of_the_name |= {path.name.partition("_")[0]} if path.name in PER_FILE else set()
     assert meta.find_undeclared_variables(parsed) <= questions() | of_the_name
     if path.name != ANSWERS_FILE:
         assert "_copier_answers" not in meta.find_undeclared_variables(parsed)
@@ -112,9 +122,11 @@ def test_names_of_files() -> None:
         parts = re.findall(r"{{.*?}}|{%.*?%}", name)
         for part in parts:
             variable = re.fullmatch(
-                r"{{ ?(?:_copier_conf\.answers_file|package|item\.name) ?}}", part
+                r"{{ ?(?:_copier_conf\.answers_file|package|(?:item|module|alias)\.name) ?}}", part
             )
-            loop = re.fullmatch(r"{% (?:yield item from messages|endyield) %}", part)
+            loop = re.fullmatch(r"{% (?:yield (\w+) from (\w+)|endyield) %}", part)
+            if loop and loop[1]:
+                assert LOOPS[loop[1]] == loop[2]
             assert variable or loop, part
 
 

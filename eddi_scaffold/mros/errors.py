@@ -1,0 +1,42 @@
+"""The one exception of the readers."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Code = Literal["syntax", "foreign-format", "empty-file"]
+
+
+class MrosSyntaxError(ValueError):
+    """A file cannot be read.
+
+    Attributes:
+        file: name of the file, as it was given.
+        line: counted from 1.
+        col: character in the line, counted from 1.
+        message: what is wrong, and what was expected.
+        source_line: text of the line.
+        code: ``syntax``, ``foreign-format`` (another language of the family) or ``empty-file``.
+        format: of a foreign format, ``xmi`` or ``rossdl``; else ``""``.
+        dialect: ``brace`` or ``indent`` where that was known already.
+    """
+
+    def __init__(
+        self,
+        file: str,
+        line: int,
+        col: int,
+        message: str,
+        source_line: str = "",
+        code: Code = "syntax",
+        format: str = "",  # noqa: A002 - the word of the field
+    ) -> None:
+        super().__init__(f"{file}:{line}:{col}: {message}")
+        self.file = file
+        self.line = line
+        self.col = col
+        self.message = message
+        self.source_line = source_line
+        self.code = code
+        self.format = format
+        self.dialect: str | None = None

@@ -1,0 +1,208 @@
+"""What ``.rossystem`` and ``.ros*`` files describe, whatever their dialect.
+
+Lines and columns count from 1; a column is a character, a tab is one. Types stand as they are
+written (``pkg.Type``, ``pkg/msg/Type``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Dialect = Literal["brace", "indent"]
+Kind = Literal[
+    "publisher", "subscriber", "serviceserver", "serviceclient", "actionserver", "actionclient"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something in a readable file that a person should know.
+
+    Attributes:
+        code: ``surplus-brace`` or ``unknown-key`` (warnings), ``misspelt-key`` (an error: what
+            stands below the key is not read).
+    """
+
+    code: str
+    message: str
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class SystemInterface:
+    """A publisher, subscriber, ... of one component as a system names it.
+
+    Attributes:
+        name: the name in the system; without one the last part of the reference.
+        ref: ``package.artifact.node.interface`` or ``artifact::interface``.
+        ns: namespace of this interface alone, ``None`` for none.
+    """
+
+    kind: Kind
+    name: str
+    ref: str
+    ns: str | None
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One running node.
+
+    Attributes:
+        from_node: ``package.artifact.node`` or ``package.node`` that it is an instance of.
+        parameters: how many parameters are set.
+    """
+
+    name: str
+    namespace: str | None
+    from_node: str | None
+    interfaces: tuple[SystemInterface, ...]
+    parameters: int
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """Who talks to whom.
+
+    Attributes:
+        kind: ``topic``, ``service``, ``action``, or ``""`` where the dialect does not say.
+        name: ``None`` for none.
+        sources: ``component.interface`` or labels, from publisher or server.
+        targets: the same of subscriber or client.
+    """
+
+    kind: str
+    name: str | None
+    sources: tuple[str, ...]
+    targets: tuple[str, ...]
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class SubSystem:
+    """The name of a system that is part of another one."""
+
+    name: str
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A ``.rossystem``: which components run, under which names.
+
+    Attributes:
+        from_file: the file that the system says it comes from.
+        processes: how many processes are listed.
+        parameters: how many parameters the system itself sets.
+        references_only: components are names of ``.componentinterface`` files (2018 to 2021).
+    """
+
+    dialect: Dialect
+    name: str
+    components: tuple[Component, ...]
+    connections: tuple[Connection, ...]
+    subsystems: tuple[SubSystem, ...] = ()
+    from_file: str | None = None
+    processes: int = 0
+    parameters: int = 0
+    references_only: bool = False
+    notices: tuple[Notice, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """A publisher, subscriber, ... of a node as its model names it."""
+
+    kind: Kind
+    name: str
+    type: str
+    ns: str | None
+    line: int
+    col: int
+    type_line: int
+    type_col: int
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A node: its name and what it offers and needs."""
+
+    name: str
+    interfaces: tuple[Interface, ...]
+    parameters: int
+
+
+@dataclass(frozen=True, slots=True)
+class Artifact:
+    """An executable and its node, if it has one."""
+
+    name: str
+    node: Node | None
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field of a message.
+
+    Attributes:
+        type: as written; ``T[]`` for arrays of any length.
+        name: name of the field or constant.
+        value: text of a constant's value, ``None`` for a field.
+    """
+
+    type: str
+    name: str
+    value: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """A message, service or action.
+
+    Attributes:
+        kind: ``topic``, ``service`` or ``action``; ``""`` where the dialect does not say.
+        sections: ``message``, or ``request`` and ``response``, or ``goal``, ``result`` and
+            ``feedback`` -> fields.
+    """
+
+    kind: str
+    name: str
+    sections: tuple[tuple[str, tuple[Field, ...]], ...]
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class Package:
+    """A ROS package: executables and message specifications.
+
+    Attributes:
+        kind: word of the brace dialect (``CatkinPackage``), ``""`` in the indentation dialect.
+    """
+
+    name: str
+    kind: str
+    artifacts: tuple[Artifact, ...]
+    specs: tuple[Spec, ...]
+    dependencies: tuple[str, ...]
+    line: int
+    col: int
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A ``.ros``, ``.ros1`` or ``.ros2`` file."""
+
+    dialect: Dialect
+    packages: tuple[Package, ...]
+    notices: tuple[Notice, ...] = ()

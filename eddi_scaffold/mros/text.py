@@ -1,0 +1,80 @@
+"""A text and its places: decoding, lines, and the errors that point into it."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable
+from functools import cached_property
+
+from eddi_scaffold.mros.errors import Code, MrosSyntaxError
+
+
+class Text:
+    """The text of one file.
+
+    Attributes:
+        file: name for messages.
+        text: without byte order mark, with line ends as they are.
+    """
+
+    def __init__(self, text: str, file: str) -> None:
+        self.file = file
+        self.text = text.removeprefix("\ufeff")
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        starts = [0]
+        find = self.text.find
+        position = find("\n")
+        while position >= 0:
+            starts.append(position + 1)
+            position = find("\n", position + 1)
+        return starts
+
+    def place(self, offset: int) -> tuple[int, int]:
+        """Return line and column of a character, both counted from 1."""
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    def line(self, number: int) -> str:
+        """Return the text of a line."""
+        start = self._starts[number - 1]
+        end = self._starts[number] if number < len(self._starts) else len(self.text)
+        return self.text[start:end].rstrip("\r\n")
+
+    def error(
+        self,
+        offset: int,
+        message: str,
+        code: Code = "syntax",
+        format: str = "",  # noqa: A002 - the word of the field
+    ) -> MrosSyntaxError:
+        """Return the error at a character."""
+        line, col = self.place(offset)
+        return MrosSyntaxError(self.file, line, col, message, self.line(line), code, format)
+
+
+def decoded(data: bytes, file: str) -> Text:
+    """Decode a file.
+
+    Raises:
+        MrosSyntaxError: it is not UTF-8.
+    """
+    try:
+        return Text(data.decode("utf-8"), file)
+    except UnicodeDecodeError as problem:
+        before = Text(data[: problem.start].decode("utf-8"), file)
+        message = f"the file is not UTF-8 text: byte {problem.start} cannot be decoded"
+        raise before.error(len(before.text), message) from None
+
+
+def alternatives(words: Iterable[str]) -> str:
+    """Return ``a, b or c``."""
+    *most, last = words
+    return f"{', '.join(most)} or {last}" if most else last
+
+
+def quoted(text: str) -> str:
+    """Return a piece of the file in quotes, shortened where it is long."""
+    shown = " ".join(text.split())
+    return f"'{shown}'" if len(shown) <= 40 else f"'{shown[:37]}...'"
