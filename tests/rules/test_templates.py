@@ -41,7 +41,8 @@ LOGIC = (
     nodes.Macro,
     nodes.Test,
 )
-PER_FILE = ("alias_module.py.jinja", "editable_module.py.jinja")
+PER_FILE = {"alias_module.py.jinja": "alias", "editable_module.py.jinja": "module"}
+"""Included by files that a loop names, which give it that variable."""
 ANSWERS_FILE = "{{_copier_conf.answers_file}}.jinja"
 ids = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(TEMPLATES)))
 
@@ -81,8 +82,8 @@ def test_tags_and_filters(path: Path) -> None:
 @ids
 def test_only_answers_are_seen(path: Path) -> None:
     parsed = environment().parse(path.read_text("utf-8"))
-    of_the_name = {name for name in LOOPS if f"yield {name} in" in path.name}
-    of_the_name |= {path.name.partition("_")[0]} if path.name in PER_FILE else set()
+    of_the_name = {name for name in LOOPS if f"yield {name} from" in path.name}
+    of_the_name |= {PER_FILE[path.name]} if path.name in PER_FILE else set()
     assert meta.find_undeclared_variables(parsed) <= questions() | of_the_name
     if path.name != ANSWERS_FILE:
         assert "_copier_answers" not in meta.find_undeclared_variables(parsed)
