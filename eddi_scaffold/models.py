@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eddi_scaffold.kinds import Kind, Model, Reading, kinds
+from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.problems import EddiError, Place, did_you_mean, error, has_errors
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
@@ -22,6 +23,11 @@ def is_config(source: Source) -> bool:
         return False
     node, _ = read_map(source, "K001")
     return isinstance(node, Map) and not _CONFIG_SECTIONS.isdisjoint(node.keys())
+
+
+def is_mros(source: Source) -> bool:
+    """Tell by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
+    return source.name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
 
 
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:
@@ -43,6 +49,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         hint = "name the EDDI XML or ConSert YAML that it belongs to"
         message = "this is an eddi_config.yml, not a model"
         return Reading((), (error("F008", message, Place(source.name), hint),))
+    if is_mros(source):
+        message = "this describes the robot's nodes, it is not a model of its dependability"
+        hint = "parse-rossystem, or generate --system with --models, reads it"
+        return Reading((), (error("F003", message, Place(source.name), hint),))
     if source.name.lower().endswith(_YAML_SUFFIXES):
         # damaged beyond recognition: this kind says best what such a file should look like
         return kinds()["consert"].read_file(source, default_guarantees)

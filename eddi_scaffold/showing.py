@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from eddi_scaffold.kinds import JsonValue, Model, kinds
-from eddi_scaffold.models import read_models
+from eddi_scaffold.models import is_mros, read_models
+from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
+from eddi_scaffold.mros.as_json import failure_json, model_json, system_json
+from eddi_scaffold.mros.as_tree import model_tree, system_tree
+from eddi_scaffold.mros.directory import noticed, problem_of
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
@@ -30,6 +35,37 @@ def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
         for model in reading.models
     ]
     return {"models": models}, []
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A ``.rossystem`` or ``.ros*`` file, as both forms of ``show`` print it.
+
+    Attributes:
+        document: the JSON object.
+        tree: lines; none where the file cannot be read.
+    """
+
+    document: dict[str, JsonValue]
+    tree: tuple[str, ...]
+    problems: tuple[Problem, ...]
+
+
+def mros_of(source: Source) -> Shown | None:
+    """Return what is in a file of the MROS family; ``None`` for another file."""
+    if not is_mros(source):
+        return None
+    try:
+        if source.name.endswith(SYSTEM_SUFFIX):
+            system = read_rossystem(source.data, source.name)
+            document, tree, notices = system_json(system), system_tree(system), system.notices
+        else:
+            model = read_ros_models(source.data, source.name)
+            document, tree, notices = model_json(model), model_tree(model), model.notices
+    except MrosSyntaxError as failed:
+        problem = replace(problem_of(failed), level="error")
+        return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
+    return Shown(document, tuple(tree), tuple(noticed(notices, source.name)))
 
 
 def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, JsonValue]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from eddi_scaffold.console import console
@@ -67,7 +68,7 @@ def _fail(
 ) -> int:
     if cause is not None and "--traceback" in arguments:
         _say_traceback(cause)
-    if "--json" in arguments:
+    if _wants_json(arguments):
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems)
@@ -75,10 +76,18 @@ def _fail(
 
 
 def _misused(failed: Any, arguments: Sequence[str]) -> int:
-    if "--json" in arguments:
+    if _wants_json(arguments):
         return _fail([error("G000", " ".join(failed.format_message().split()))], arguments)
     failed.show()
     return EXIT_BAD_INPUT
+
+
+def _wants_json(arguments: Sequence[str]) -> bool:
+    return (
+        "--json" in arguments
+        or "--format=json" in arguments
+        or ("--format", "json") in pairwise(arguments)
+    )
 
 
 def _refusal(refused: OSError) -> Problem:

@@ -14,6 +14,7 @@ from eddi_scaffold.cli import (
     example,
     export,
     generate,
+    parse_rossystem,
     regions,
     run,
     show,
@@ -62,6 +63,7 @@ def options(
 app.command("example")(example.example)
 app.command("check")(check.check)
 app.command("show")(show.show)
+app.command("parse-rossystem")(parse_rossystem.parse_rossystem)
 
 app.command("run")(run.run)
 app.command("generate")(generate.generate)

@@ -12,10 +12,13 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import JsonValue, Model
+    from eddi_scaffold.showing import Shown
 
 
 def show(
-    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    model: Annotated[
+        Path, typer.Argument(help="EDDI XML, a model file of a kind, .rossystem or .ros.")
+    ],
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
@@ -27,10 +30,14 @@ def show(
     from eddi_scaffold.console import console
     from eddi_scaffold.models import read_models, select
     from eddi_scaffold.problems import EddiError, has_errors
-    from eddi_scaffold.showing import only, survey_of
+    from eddi_scaffold.showing import mros_of, only, survey_of
     from eddi_scaffold.source import read_source
 
     source = read_source(model)
+    robot = mros_of(source)
+    if robot is not None:
+        _show_robot(robot, as_json=as_json)
+        return
     survey, problems = survey_of(source)
     reading = read_models(source, default_guarantee or ())
     if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
@@ -44,6 +51,21 @@ def show(
         console.problems(reading.problems)
     if has_errors(reading.problems):  # what is left of the file was shown
         raise typer.Exit(1)
+
+
+def _show_robot(shown: Shown, *, as_json: bool) -> None:
+    from eddi_scaffold.cli import EXIT_BAD_INPUT
+    from eddi_scaffold.console import console
+    from eddi_scaffold.problems import has_errors
+
+    if as_json:
+        console.json(shown.document)
+    else:
+        for line in shown.tree:
+            console.data(line)
+        console.problems(shown.problems)
+    if has_errors(shown.problems):
+        raise typer.Exit(1 if shown.tree else EXIT_BAD_INPUT)
 
 
 def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:

@@ -16,4 +16,15 @@ from eddi_scaffold.mros.errors import MrosSyntaxError
 from eddi_scaffold.mros.model import Model, System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 
-__all__ = ["Model", "MrosSyntaxError", "System", "read_ros_models", "read_rossystem"]
+MODEL_SUFFIXES = (".ros", ".ros1", ".ros2")
+SYSTEM_SUFFIX = ".rossystem"
+
+__all__ = [
+    "MODEL_SUFFIXES",
+    "SYSTEM_SUFFIX",
+    "Model",
+    "MrosSyntaxError",
+    "System",
+    "read_ros_models",
+    "read_rossystem",
+]

@@ -28,7 +28,7 @@ COMMANDS = [
         "regions",
         "compose",
     ),
-    *("export", "answers"),
+    *("export", "answers", "parse-rossystem"),
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"

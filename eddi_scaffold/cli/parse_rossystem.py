@@ -1,0 +1,153 @@
+"""``eddi-scaffold parse-rossystem``: the topics of a robot's system into a configuration."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from eddi_scaffold.rossystem import Parsed
+
+
+class Format(str, Enum):
+    """What is made of the result."""
+
+    yaml = "yaml"
+    json = "json"
+
+
+class Extra(str, Enum):
+    """Topics beside the published ones."""
+
+    subscribed = "subscribed"
+    actions = "actions"
+
+
+class Names(str, Enum):
+    """Whose names the topics get."""
+
+    label = "label"
+    model = "model"
+
+
+_EXTRAS: dict[Extra, Literal["subscribed", "actions"]] = {
+    Extra.subscribed: "subscribed",
+    Extra.actions: "actions",
+}
+
+
+def parse_rossystem(
+    system: Annotated[
+        Path, typer.Option("-s", "--system", help="The .rossystem: which components run.")
+    ],
+    models: Annotated[
+        Path,
+        typer.Option("-m", "--models", help="Directory of .ros, .ros1 and .ros2, with all below."),
+    ],
+    config: Annotated[
+        Path, typer.Option("-c", "--config", help="The configuration to update or to create.")
+    ] = Path("eddi_config.yml"),
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print the difference, change nothing.")
+    ] = False,
+    format: Annotated[  # noqa: A002 - the name of the option
+        Format, typer.Option("--format", help="yaml writes the configuration, json prints.")
+    ] = Format.yaml,
+    include: Annotated[
+        list[Extra] | None,
+        typer.Option(
+            "--include", help="Also topics only subscribed, or those of action servers; repeatable."
+        ),
+    ] = None,
+    exclude_infrastructure: Annotated[
+        bool,
+        typer.Option(
+            "--exclude-infrastructure",
+            help="Leave out dynamic_reconfigure, rcl_interfaces, bond and lifecycle_msgs.",
+        ),
+    ] = False,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", metavar="GLOB", help="Keep topics that match; repeatable."),
+    ] = None,
+    component: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--component",
+            metavar="GLOB",
+            help="Keep topics that a matching component provides; repeatable.",
+        ),
+    ] = None,
+    topics: Annotated[
+        Names,
+        typer.Option("--topics", help="Names of the system, or those of the node models."),
+    ] = Names.label,
+) -> None:
+    """Write the topics of a robot's system into SimulatorOutputs of a configuration.
+
+    Only that block changes. Ids that are there stay.
+
+    Example: eddi-scaffold parse-rossystem -s robot.rossystem -m models -c eddi_config.yml
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.mros.outputs import Filters
+    from eddi_scaffold.problems import has_errors
+    from eddi_scaffold.rossystem import parse, read_robot, save
+
+    robot = read_robot(system, models)
+    filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)
+    parsed = parse(
+        robot,
+        config,
+        include=[_EXTRAS[extra] for extra in include or ()],
+        filters=filters,
+        names="model" if topics is Names.model else "label",
+    )
+    changed = parsed.after != parsed.before
+    if format is Format.json:
+        console.json(parsed.as_json())
+    elif dry_run:
+        diff = parsed.diff(str(config))
+        if diff:
+            console.data(diff.rstrip("\n"))
+    elif changed:
+        save(config, parsed.after)
+    console.problems(robot.located(parsed.problems), summary=False)
+    what = _what(parsed, config, format, dry_run=dry_run)
+    (console.complain if has_errors(parsed.problems) else console.say)(what)
+    if has_errors(parsed.problems):
+        raise typer.Exit(1)
+
+
+def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str:  # noqa: A002 - as above
+    """Return the last line: what was found, and what became of it."""
+    counts = parsed.summary()
+    found = ", ".join(
+        f"{counts[key]} {key if counts[key] != 1 else key[:-1]}"
+        for key in ("components", "publishers", "topics")
+    )
+    deaf = [
+        f"{counts[key]} {key if counts[key] != 1 else key[:-1]}"
+        for key in ("services", "actions")
+        if counts[key]
+    ]
+    silent = f"; {' and '.join(deaf)} cannot be listened to" if deaf else ""
+    wrong = ", ".join(
+        f"{counts[key]} {key if counts[key] != 1 else key[:-1]}" for key in ("errors", "warnings")
+    )
+    if format is Format.json:
+        done = ""
+    elif parsed.after == parsed.before:
+        done = f"{config} is up to date"
+    elif dry_run:
+        done = f"{config} would change"
+    elif parsed.before is None:
+        done = f"{config} is written"
+    else:
+        done = f"{config}: SimulatorOutputs is rewritten"
+    if counts["errors"] and done:
+        done += " with what resolved"
+    return "; ".join(part for part in (f"{found}{silent}", wrong, done) if part)

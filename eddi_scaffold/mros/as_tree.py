@@ -1,0 +1,80 @@
+"""Systems and models as a tree for people: what ``show`` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from eddi_scaffold.mros.model import Component, Connection, Kind, Model, Node, Package, System
+
+_VERBS: dict[Kind, str] = {
+    "publisher": "publishes",
+    "subscriber": "subscribes",
+    "serviceserver": "serves",
+    "serviceclient": "calls",
+    "actionserver": "acts",
+    "actionclient": "commands",
+}
+_WIDTH = max(len(verb) for verb in _VERBS.values())
+
+
+def system_tree(system: System) -> Iterator[str]:
+    """Return the lines of a system, two blanks per level."""
+    yield f"system {system.name or '(without a name)'} ({system.dialect} dialect)"
+    if system.from_file:
+        yield f"  from {system.from_file}"
+    for part in system.subsystems:
+        yield f"  part {part.name}"
+    for component in system.components:
+        yield from (f"  {line}" for line in _component(component))
+    for connection in system.connections:
+        yield f"  {_connection(connection)}"
+
+
+def model_tree(model: Model) -> Iterator[str]:
+    """Return the lines of the packages of a file."""
+    for package in model.packages:
+        yield from _package(package)
+
+
+def _component(component: Component) -> Iterator[str]:
+    space = f" in {component.namespace}" if component.namespace else ""
+    of = f" from {component.from_node}" if component.from_node else ""
+    yield f"component {component.name}{space}{of}"
+    for one in component.interfaces:
+        yield f"  {_VERBS[one.kind]:{_WIDTH}} {one.name} = {one.ref}"
+    if component.parameters:
+        yield f"  {_counted(component.parameters, 'parameter')}"
+
+
+def _connection(connection: Connection) -> str:
+    name = f" {connection.name}" if connection.name else ""
+    ends = f"{', '.join(connection.sources)} -> {', '.join(connection.targets)}"
+    return f"connection{name}: {ends}"
+
+
+def _package(package: Package) -> Iterator[str]:
+    yield f"package {package.name}"
+    for artifact in package.artifacts:
+        node = f": node {artifact.node.name}" if artifact.node else ""
+        yield f"  artifact {artifact.name}{node}"
+        if artifact.node:
+            yield from (f"    {line}" for line in _node(artifact.node))
+    for spec in package.specs:
+        yield f"  {spec.kind or 'message'} {spec.name}"
+        for section, fields in spec.sections:
+            names = ", ".join(
+                f"{field.type} {field.name}" + (f"={field.value}" if field.value else "")
+                for field in fields
+            )
+            yield f"    {section}: {names or 'nothing'}"
+
+
+def _node(node: Node) -> Iterator[str]:
+    for one in node.interfaces:
+        yield f"{_VERBS[one.kind]:{_WIDTH}} {one.name}: {one.type}"
+    if node.parameters:
+        yield _counted(node.parameters, "parameter")
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'s' if number != 1 else ''}"

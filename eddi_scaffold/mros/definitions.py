@@ -1,0 +1,167 @@
+"""A directory of node models as a dictionary: which interfaces are defined, and where."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from eddi_scaffold.mros.model import Interface, Kind, Model, Node, System
+from eddi_scaffold.problems import Problem, did_you_mean
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """One readable file of node models.
+
+    Attributes:
+        file: POSIX path relative to the directory.
+    """
+
+    file: str
+    model: Model
+
+
+@dataclass(frozen=True)
+class SystemFile:
+    """One readable ``.rossystem``.
+
+    Attributes:
+        file: relative to the directory of models if it lies there, else as it was given.
+    """
+
+    file: str
+    system: System
+
+
+@dataclass(frozen=True)
+class Models:
+    """What a directory of models holds.
+
+    Attributes:
+        files: in the order of their paths.
+        systems: for sub-systems; in the order of their paths.
+        skipped: files that could not be read.
+        problems: of the files, which may be readable all the same.
+    """
+
+    files: tuple[ModelFile, ...]
+    systems: tuple[SystemFile, ...] = ()
+    skipped: tuple[str, ...] = ()
+    problems: tuple[Problem, ...] = ()
+
+    @cached_property
+    def definitions(self) -> Definitions:
+        """The interfaces of all files by name."""
+        return Definitions(self.files, self.skipped)
+
+
+@dataclass(frozen=True)
+class NodeModel:
+    """One node as a file defines it."""
+
+    file: str
+    package: str
+    artifact: str
+    node: Node
+
+
+@dataclass(frozen=True)
+class Definition:
+    """One interface of one node as a file defines it."""
+
+    of: NodeModel
+    interface: Interface
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What a system says about where an interface is defined.
+
+    Attributes:
+        package: empty in the form ``artifact::interface``, as is ``node``.
+    """
+
+    package: str
+    artifact: str
+    node: str
+    interface: str
+
+    @classmethod
+    def parse(cls, text: str) -> Reference | None:
+        """Parse ``artifact::interface`` or ``package.artifact.node.interface``."""
+        artifact, colons, interface = text.partition("::")
+        if colons and artifact and interface:
+            return cls("", artifact, "", interface)
+        parts = text.split(".", 3)
+        return cls(*parts) if len(parts) == 4 and all(parts) else None
+
+    def names(self, model: NodeModel) -> bool:
+        """Tell whether a node is the one meant."""
+        if not self.package:
+            return self.artifact == model.artifact
+        own = (self.package, self.artifact, self.node)
+        return own == (model.package, model.artifact, model.node.name)
+
+
+class Definitions:
+    """All nodes and interfaces of some files, found by name."""
+
+    def __init__(self, files: Iterable[ModelFile], skipped: Sequence[str] = ()) -> None:
+        self._skipped = skipped
+        self._nodes: dict[tuple[str, str], list[NodeModel]] = defaultdict(list)
+        self._by_artifact: dict[str, list[NodeModel]] = defaultdict(list)
+        for file in files:
+            for package in file.model.packages:
+                for artifact in package.artifacts:
+                    if artifact.node is not None:
+                        node = NodeModel(file.file, package.name, artifact.name, artifact.node)
+                        self._nodes[package.name, artifact.node.name].append(node)
+                        self._by_artifact[artifact.name].append(node)
+
+    def nodes(self, package: str, node: str) -> Sequence[NodeModel]:
+        """Return the models of a node, in reading order."""
+        return self._nodes.get((package, node), ())
+
+    def find(self, reference: Reference, kind: Kind) -> list[Definition]:
+        """Return the definitions that a reference can mean, in reading order."""
+        return [
+            Definition(model, interface)
+            for model in self._by_artifact.get(reference.artifact, ())
+            if reference.names(model)
+            for interface in model.node.interfaces
+            if interface.kind == kind and interface.name == reference.interface
+        ]
+
+    def reason(self, reference: Reference, kind: Kind) -> tuple[str, str | None]:
+        """Say why a reference finds nothing: message and hint."""
+        named = [
+            model
+            for model in self._by_artifact.get(reference.artifact, ())
+            if reference.names(model)
+        ]
+        if not named:
+            return self._no_node(reference)
+        same = [one for model in named for one in model.node.interfaces]
+        others = sorted({one.kind for one in same if one.name == reference.interface})
+        where = f"{named[0].artifact} ({named[0].file})"
+        if others:
+            what = " and ".join(f"a {other}" for other in others)
+            return f"{reference.interface!r} of {where} is {what}, not a {kind}", None
+        names = sorted({one.name for one in same if one.kind == kind})
+        hint = did_you_mean(reference.interface, names)
+        if hint is None:
+            hint = f"its {kind}s: {', '.join(names)}" if names else f"it has no {kind}"
+        return f"{where} has no {kind} {reference.interface!r}", hint
+
+    def _no_node(self, reference: Reference) -> tuple[str, str | None]:
+        every = [model for models in self._nodes.values() for model in models]
+        skipped = f"could not be read: {', '.join(self._skipped)}" if self._skipped else None
+        if reference.package:
+            wanted = f"{reference.package}.{reference.artifact}.{reference.node}"
+            known = {f"{one.package}.{one.artifact}.{one.node.name}" for one in every}
+        else:
+            wanted, known = reference.artifact, {one.artifact for one in every}
+        what = "node" if reference.package else "artifact"
+        return f"no model defines the {what} {wanted!r}", did_you_mean(wanted, known) or skipped

@@ -1,0 +1,238 @@
+"""From a system and its node models to the topics that a monitor can listen to."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from typing import Literal
+
+from eddi_scaffold.mros.definitions import Models, SystemFile
+from eddi_scaffold.mros.ids import Existing, Wish, give_ids
+from eddi_scaffold.mros.model import Kind
+from eddi_scaffold.mros.naming import Naming
+from eddi_scaffold.mros.resolving import Resolved, resolve
+from eddi_scaffold.mros.subsystems import flattened
+from eddi_scaffold.problems import Problem, error, in_order, warning
+
+Include = Literal["subscribed", "actions"]
+TopicKind = Literal["published", "action", "subscribed"]
+_INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Which topics are wanted; globs are case-sensitive and ``*`` also matches ``/``.
+
+    Attributes:
+        topics: any match keeps; empty keeps all.
+        components: the same for a component that provides the topic.
+        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
+            and ``lifecycle_msgs``.
+    """
+
+    topics: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()
+    no_infrastructure: bool = False
+
+    def keep(self, topic: Topic) -> bool:
+        """Tell whether a topic is wanted."""
+        if self.no_infrastructure and topic.type.partition(".")[0] in _INFRASTRUCTURE:
+            return False
+        if self.topics and not _matches([topic.topic], self.topics):
+            return False
+        return not self.components or _matches(topic.components, self.components)
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One entry of ``SimulatorOutputs``.
+
+    Attributes:
+        id: a Python name.
+        type: ``package.Type``.
+        topic: absolute name.
+        components: who provides it (or, of kind ``subscribed``, who waits for it).
+        file: of the system that names it first.
+        line: of the interface there, or of its component.
+    """
+
+    id: str
+    type: str
+    topic: str
+    kind: TopicKind
+    components: tuple[str, ...]
+    file: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What a system gives to listen to.
+
+    Attributes:
+        topics: in the order of the system.
+        problems: errors and warnings of the system, not of the files it is made of.
+        components: number of nodes of the system itself.
+        publishers: number of publishers whose topic and type are known.
+        services: number of services, which cannot be listened to.
+        actions: number of actions; their topics come with ``include``.
+    """
+
+    topics: tuple[Topic, ...]
+    problems: tuple[Problem, ...]
+    components: int
+    publishers: int
+    services: int
+    actions: int
+
+
+def simulator_outputs(
+    system: SystemFile,
+    models: Models,
+    *,
+    include: Collection[Include] = (),
+    existing: Iterable[Existing] = (),
+    filters: Filters | None = None,
+    names: Literal["label", "model"] = "label",
+) -> Outputs:
+    """Join a system with its node models.
+
+    Args:
+        system: what runs.
+        models: what the nodes are.
+        include: topics beside the published ones: those that the system only subscribes, those of
+            its action servers.
+        existing: entries of a configuration, whose ids stay.
+        filters: which topics to keep; they never change an id.
+        names: the names of the system, or of the node models where the system's are not used.
+
+    References that do not resolve are problems, and the rest is returned all the same.
+    """
+    flat = flattened(system, models.systems)
+    kinds: set[Kind] = {"publisher"}
+    kinds |= {"subscriber"} if "subscribed" in include else set()
+    kinds |= {"actionserver"} if "actions" in include else set()
+    problems = list(flat.problems)
+    found: list[Resolved] = []
+    counts: dict[str, int] = {"serviceserver": 0, "actionserver": 0}
+    for part in flat.systems:
+        for component in part.system.components:
+            resolved, more = resolve(
+                component, part.system.dialect, part.file, models.definitions, kinds
+            )
+            found += resolved
+            problems += more
+            for kind in counts:
+                counts[kind] += sum(1 for listed in component.interfaces if listed.kind == kind)
+    naming = Naming(flat.systems, found, names)
+    collected = _Collected(naming)
+    for kind, take in (
+        ("publisher", collected.published),
+        ("actionserver", collected.action),
+        ("subscriber", collected.subscribed),
+    ):
+        for one in found:
+            if one.kind == kind:
+                take(one)
+    topics, more = _with_ids(collected.topics, existing)
+    return Outputs(
+        tuple(topic for topic in topics if filters is None or filters.keep(topic)),
+        tuple(in_order([*problems, *naming.problems, *collected.problems, *more])),
+        len(system.system.components),
+        collected.publishers,
+        counts["serviceserver"],
+        counts["actionserver"],
+    )
+
+
+@dataclass
+class _Entry:
+    """A topic that has no id yet."""
+
+    first: Resolved
+    model_name: str
+    type: str
+    kind: TopicKind
+    components: list[str]
+
+
+@dataclass
+class _Collected:
+    """The topics so far; one entry each."""
+
+    naming: Naming
+    topics: dict[str, _Entry] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    publishers: int = 0
+
+    def published(self, one: Resolved) -> None:
+        topic = self.naming.topic(one)
+        if topic is None:
+            return
+        self.publishers += 1
+        self._add(topic, one, one.model_name, f"{one.package}.{one.type}", "published")
+
+    def action(self, one: Resolved) -> None:
+        """Add the topics of an action server of ROS 1 (actionlib)."""
+        if one.definition.of.file.endswith(".ros2"):
+            message = f"the topics of the ROS 2 action {one.name!r} cannot be listened to by ROS 1"
+            self.problems.append(warning("ros2-action", message, one.place))
+            return
+        topic = self.naming.topic(one)
+        if topic is None:
+            return
+        of = f"{one.package}.{one.type}"
+        for part, type_ in (
+            ("feedback", f"{of}ActionFeedback"),
+            ("status", "actionlib_msgs.GoalStatusArray"),
+            ("result", f"{of}ActionResult"),
+        ):
+            self._add(f"{topic}/{part}", one, f"{one.model_name}/{part}", type_, "action")
+
+    def subscribed(self, one: Resolved) -> None:
+        topic = self.naming.topic(one)
+        if topic is not None:
+            self._add(topic, one, one.model_name, f"{one.package}.{one.type}", "subscribed")
+
+    def _add(self, topic: str, one: Resolved, name: str, type_: str, kind: TopicKind) -> None:
+        known = self.topics.get(topic)
+        provider = one.component.name
+        if known is None:
+            self.topics[topic] = _Entry(one, name, type_, kind, [provider])
+            return
+        if known.type != type_:
+            message = (
+                f"{topic} has two types: {known.type} ({known.first.component.name}) and {type_} "
+                f"({provider}); the first counts"
+            )
+            level = warning if kind == "subscribed" else error
+            self.problems.append(level("type-conflict", message, one.place))
+        if known.kind == kind and provider not in known.components:
+            known.components.append(provider)
+
+
+def _with_ids(
+    entries: dict[str, _Entry], existing: Iterable[Existing]
+) -> tuple[list[Topic], list[Problem]]:
+    order = list(entries.items())
+    wishes = [Wish(entry.model_name, topic) for topic, entry in order]
+    first = next((i for i, (_, one) in enumerate(order) if one.kind != "published"), len(order))
+    ids, problems = give_ids(wishes[:first], wishes[first:], existing)
+    topics = [
+        Topic(
+            name,
+            entry.type,
+            topic,
+            entry.kind,
+            tuple(entry.components),
+            entry.first.place.file,
+            entry.first.place.line or 0,
+        )
+        for name, (topic, entry) in zip(ids, order, strict=True)
+    ]
+    return topics, problems
+
+
+def _matches(names: Iterable[str], patterns: Sequence[str]) -> bool:
+    return any(fnmatchcase(name, pattern) for name in names for pattern in patterns)

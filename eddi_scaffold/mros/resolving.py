@@ -1,0 +1,217 @@
+"""Which interfaces of which nodes run in a system: its components joined with the node models."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+
+from eddi_scaffold.mros.definitions import Definition, Definitions, NodeModel, Reference
+from eddi_scaffold.mros.model import Component, Dialect, Kind, SystemInterface
+from eddi_scaffold.mros.types import type_of
+from eddi_scaffold.problems import Place, Problem, error, warning
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """One interface of one running node, with its definition.
+
+    Attributes:
+        label: its name in the system; ``None`` where only the model names it.
+        package: of its type.
+        type: without package.
+        place: of the interface in the system; of its component where it is not listed.
+        dialect: of the system; it decides how connections name an interface.
+    """
+
+    kind: Kind
+    component: Component
+    label: str | None
+    ns: str | None
+    definition: Definition
+    package: str
+    type: str
+    place: Place
+    dialect: Dialect
+
+    @property
+    def end(self) -> str:
+        """How connections name it: its label, or ``component.interface``; empty for not at all."""
+        if self.label is None:
+            return ""
+        return self.label if self.dialect == "indent" else f"{self.component.name}.{self.label}"
+
+    @property
+    def name(self) -> str:
+        """The name in the system, else in the model."""
+        return self.label if self.label is not None else self.model_name
+
+    @property
+    def model_name(self) -> str:
+        """The name in the model."""
+        return self.definition.interface.name
+
+    @property
+    def namespace(self) -> str | None:
+        """The namespace that holds for this interface."""
+        return self.ns if self.ns is not None else self.component.namespace
+
+
+def resolve(
+    component: Component,
+    dialect: Dialect,
+    file: str,
+    definitions: Definitions,
+    kinds: Collection[Kind],
+) -> tuple[list[Resolved], list[Problem]]:
+    """Find the definitions of a component's interfaces.
+
+    In the brace dialect exactly the listed interfaces run. In the indentation dialect all
+    interfaces of the node model run that ``from:`` names; a listed one is renamed.
+
+    Args:
+        component: one node of the system.
+        dialect: of the system.
+        file: of the system, for places.
+        definitions: what the node models define.
+        kinds: what is asked for; interfaces of other kinds are not looked at.
+    """
+    join = _Join(component, dialect, file, definitions, kinds)
+    if dialect == "indent":
+        join.every_interface()
+    else:
+        join.listed(())
+    return join.found, join.problems
+
+
+class _Join:
+    def __init__(
+        self,
+        component: Component,
+        dialect: Dialect,
+        file: str,
+        definitions: Definitions,
+        kinds: Collection[Kind],
+    ) -> None:
+        self.component, self.dialect, self.file = component, dialect, file
+        self.definitions, self.kinds = definitions, kinds
+        self.found: list[Resolved] = []
+        self.problems: list[Problem] = []
+        self.here = Place(file, component.line, component.col)
+
+    def every_interface(self) -> None:
+        models = self._models()
+        renamed = self.listed(models)
+        if not models:
+            return
+        model = models[0]
+        if any(_interfaces(other) != _interfaces(model) for other in models[1:]):
+            files = ", ".join(dict.fromkeys(other.file for other in models))
+            message = (
+                f"the node {self.component.from_node!r} has several models with different "
+                f"interfaces ({files}): the first one counts"
+            )
+            self.problems.append(warning("ambiguous-model", message, self.here))
+        for interface in model.node.interfaces:
+            if (interface.kind, interface.name) not in renamed and interface.kind in self.kinds:
+                self._take(None, None, [Definition(model, interface)], self.here)
+
+    def _models(self) -> Sequence[NodeModel]:
+        """Return the models of ``from:``, which is ``package.node`` or, in 2022, three parts."""
+        named = self.component.from_node
+        parts = named.split(".") if named else []
+        models = self.definitions.nodes(parts[0], parts[-1]) if len(parts) > 1 else ()
+        if models:
+            return models
+        name = self.component.name
+        if not named:
+            message = f"the node {name!r} has no 'from:', so its model is not known"
+        else:
+            message = f"there is no model of the node {name!r}, from: {named!r}"
+        if self.component.interfaces:
+            message += ": only the interfaces that are listed count"
+            self.problems.append(warning("no-node-model", message, self.here))
+        else:
+            message += ", and it lists no interfaces"
+            self.problems.append(error("no-node-model", message, self.here))
+        return ()
+
+    def listed(self, models: Sequence[NodeModel]) -> set[tuple[Kind, str]]:
+        """Resolve what the system lists; return kind and name in the model of each."""
+        renamed = set()
+        for interface in self.component.interfaces:
+            reference = Reference.parse(interface.ref)
+            if reference is not None:
+                renamed.add((interface.kind, reference.interface))
+            if interface.kind in self.kinds:
+                self._listed(interface, reference, models)
+        return renamed
+
+    def _listed(
+        self,
+        interface: SystemInterface,
+        reference: Reference | None,
+        models: Sequence[NodeModel],
+    ) -> None:
+        place = Place(self.file, interface.line, interface.col)
+        if "?" in interface.name or "?" in interface.ref:
+            self._unresolved_name(interface.name, place)
+            return
+        if reference is None:
+            message = f"the reference {interface.ref!r} is too short"
+            hint = "expected package.artifact.node.interface, or artifact::interface"
+            self.problems.append(error("short-reference", message, place, hint))
+            return
+        found = self.definitions.find(reference, interface.kind)
+        own = {(model.package, model.node.name) for model in models}
+        nearer = [one for one in found if (one.of.package, one.of.node.name) in own]
+        found = nearer or found
+        if not found:
+            message, other = self.definitions.reason(reference, interface.kind)
+            self.problems.append(error("unresolved-reference", message, place, other))
+            return
+        if self._are_different(found):
+            types = ", ".join(dict.fromkeys(one.interface.type for one in found))
+            several = f"{interface.ref!r} is defined with several types ({types}): the first counts"
+            self.problems.append(warning("ambiguous-type", several, place))
+        self._take(interface.name, interface.ns, found, place)
+
+    @staticmethod
+    def _are_different(found: Iterable[Definition]) -> bool:
+        types = {type_of(one.interface.type) or one.interface.type for one in found}
+        return len(types) > 1
+
+    def _unresolved_name(self, name: str, place: Place) -> None:
+        message = f"{name!r} holds a '?': its extractor did not know the name; it is left out"
+        self.problems.append(warning("unresolved-name", message, place))
+
+    def _take(
+        self, label: str | None, ns: str | None, found: Sequence[Definition], place: Place
+    ) -> None:
+        first = found[0]
+        interface = first.interface
+        if "?" in interface.name:
+            self._unresolved_name(interface.name, place)
+            return
+        of = type_of(interface.type)
+        if of is None:
+            message = f"{interface.type!r} of {interface.name!r} is no type"
+            there = Place(first.of.file, interface.type_line, interface.type_col)
+            hint = "expected package/Type, such as std_msgs/Bool"
+            self.problems.append(error("bad-type", message, there, hint))
+            return
+        self.found.append(
+            Resolved(
+                interface.kind,
+                self.component,
+                label,
+                ns,
+                first,
+                *of,
+                place=place,
+                dialect=self.dialect,
+            )
+        )
+
+
+def _interfaces(model: NodeModel) -> set[tuple[str, str, str]]:
+    return {(one.kind, one.name, one.type) for one in model.node.interfaces}

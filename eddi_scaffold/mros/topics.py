@@ -1,0 +1,61 @@
+"""From the name of an interface and its namespace to the topic that a running system has.
+
+Rules of graph resource names in ROS 1, with what real models need beside them.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
+
+
+@dataclass(frozen=True)
+class TopicName:
+    """A topic.
+
+    Attributes:
+        text: absolute name; ``/`` when nothing is left of it.
+        glued: the relative name began with the namespace without a ``/`` between.
+    """
+
+    text: str
+    glued: bool = False
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing but ``/`` is left."""
+        return self.text == "/"
+
+    @property
+    def illegal(self) -> str:
+        """The characters that no ROS name may have."""
+        return "".join(sorted(set(_ILLEGAL.findall(self.text))))
+
+
+def topic_name(name: str, namespace: str | None, component: str) -> TopicName:
+    """Resolve a name as ROS does.
+
+    Args:
+        name: absolute (``/x``), private (``~x``) or relative.
+        namespace: of the interface, else of its component.
+        component: name of the component; its last segment is the name of the node.
+
+    A relative name that already begins with the namespace and a ``/`` is not given it twice.
+    """
+    space = (namespace or "").strip("/")
+    if name.startswith("~"):
+        node = component.rstrip("/").rpartition("/")[2]
+        return TopicName(_joined(space, node, name[1:]))
+    if name.startswith("/"):
+        return TopicName(_joined(name))
+    carries = bool(space) and (name == space or name.startswith(f"{space}/"))
+    if carries:
+        return TopicName(_joined(name))
+    glued = bool(space) and name.startswith(space)
+    return TopicName(_joined(space, name), glued)
+
+
+def _joined(*parts: str) -> str:
+    return "/" + "/".join(part for part in "/".join(parts).split("/") if part)
