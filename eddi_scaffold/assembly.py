@@ -10,7 +10,7 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import Monitor, monitor_of
 from eddi_scaffold.checking import kinds_of, model_for
-from eddi_scaffold.config import Config, ConfigFile, from_json, named_model, read_config
+from eddi_scaffold.config import Config, ConfigFile, Robot, from_json, named_model, read_config
 from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, kinds
@@ -44,6 +44,7 @@ def monitors_of(
     config_files: Sequence[Path],
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
+    robot: Robot | None = None,
 ) -> tuple[list[Monitor], list[Problem]]:
     """Read a model file and configurations, and join them.
 
@@ -60,7 +61,7 @@ def monitors_of(
         models = select(reading.models, name) if name is not None else reading.models
         problems += reading.problems
     monitors: list[Monitor] = []
-    configs = _configs(config_files, problems)
+    configs = _configs(config_files, problems, robot)
     problems += check_neighbours(configs)
     for config in configs:
         model = model_for(config, _candidates(config, models, problems))[0]
@@ -168,10 +169,12 @@ def rejoined(
     return monitor, problems
 
 
-def _configs(files: Sequence[Path], problems: list[Problem]) -> list[ConfigFile]:
+def _configs(
+    files: Sequence[Path], problems: list[Problem], robot: Robot | None
+) -> list[ConfigFile]:
     configs = []
     for path in files:
-        config, found = read_config(read_source(path))
+        config, found = read_config(read_source(path), robot)
         problems += found
         configs += [config] if config is not None else []
     if has_errors(problems):

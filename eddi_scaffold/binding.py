@@ -13,7 +13,8 @@ from eddi_scaffold import fields
 from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput, options_of
 from eddi_scaffold.identifiers import attribute, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
-from eddi_scaffold.message_types import FieldsOf
+from eddi_scaffold.message_types import Fields, FieldsOf, declared, python_type
+from eddi_scaffold.message_types.installed import installed_message
 from eddi_scaffold.model_document import model_document
 from eddi_scaffold.problems import (
     EddiError,
@@ -109,7 +110,7 @@ def monitor_of(
     """
     configured, problems = kind.configure(model, options_of(config))
     model = configured or model
-    bindings, found = _bind(kind.inputs(model), config, known_messages)
+    bindings, found = _bind(kind.inputs(model), config, _with_declared(known_messages, config))
     problems = [*problems, *found]
     if config is not None:
         problems += _check_model_section(model, kind, config)
@@ -125,6 +126,16 @@ def monitor_of(
     package = package_name(config.config.Model.id if config is not None else model.name)
     monitor = Monitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
     return monitor, problems
+
+
+def _with_declared(known: FieldsOf, config: ConfigFile | None) -> FieldsOf:
+    """Add the message types that a configuration declares itself; its word counts."""
+    given = config.config.MessageTypes if config is not None else {}
+    own = {
+        name: declared(((of, field) for field, of in fields.items()), name.partition("/")[0])
+        for name, fields in given.items()
+    }
+    return {**known, **own}
 
 
 def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
@@ -210,6 +221,7 @@ class _Binder:
     ) -> None:
         self.item, self.entry, self.index, self.config = item, entry, index, config
         self.problems: list[Problem] = []
+        self.known = known
         sources = {source.id: source for source in reversed(config.config.SimulatorOutputs)}
         self.requires = tuple(sources[name] for name in dict.fromkeys(entry.requires))
         self.arguments = tuple(attribute(source.id) for source in self.requires)
@@ -294,16 +306,32 @@ class _Binder:
         except ValueError as problem:
             self._error("K019", str(problem), "field")
             return None
-        first = path[0]
-        if (
-            of_type is not None
-            and isinstance(first, fields.Attribute)
-            and first.name not in of_type
-        ):
-            hint = did_you_mean(first.name, of_type) or f"its fields: {', '.join(of_type)}"
-            message = f"{self.requires[0].type} has no field {first.name!r}"
-            self._error("K020", message, "field", hint)
+        self._check_path(path)
         return fields.expression(argument, path)
+
+    def _check_path(self, path: fields.FieldPath) -> None:
+        """Check a path with what is known of the message, also by the ROS of this machine."""
+        message = self.requires[0].type
+        try:
+            of = fields.type_at(path, message, self._fields_of)
+        except ValueError as problem:
+            text, _, hint = str(problem).partition("; ")
+            self._error("K020", text, "field", hint or None)
+            return
+        if of is None and self._fields_of(message) is None:
+            text = (
+                f"the fields of {message} are not known here, so {self.entry.field!r} is unchecked"
+            )
+            hint = "give the models of the robot (--models), or declare it below MessageTypes"
+            self.problems.append(warning("K039", text, self._place("field"), hint))
+        elif of is not None and not _fits(of, self.item.type):
+            text = (
+                f"{self.entry.field!r} of {message} is a {of}, {self.item.id!r} a {self.item.type}"
+            )
+            self._error("K038", text, "field")
+
+    def _fields_of(self, message: str) -> Fields | None:
+        return self.known[message] if message in self.known else installed_message(message)
 
     def _factor(self) -> tuple[int, int] | None:
         given, wanted = self.entry.unit, self.item.unit
@@ -353,5 +381,14 @@ def _only_fitting_field(
 ) -> str | None:
     if of_type is None or len(of_type) != 1:
         return None
-    ((name, given),) = of_type.items()
-    return f"{argument}.{name}" if given == wanted or (given, wanted) == ("int", "float") else None
+    ((name, of),) = of_type.items()
+    return f"{argument}.{name}" if _fits(python_type(of), wanted) else None
+
+
+def _fits(given: str, wanted: str) -> bool:
+    """Tell whether a field of one Python type can fill an input."""
+    if wanted == "state":  # a name, or one likelihood per state
+        return given in ("bool", "int", "str", "float[]")
+    if wanted == "float[]":  # one number is a list of one
+        return given in ("float", "int", "float[]")
+    return given == wanted or (given, wanted) == ("int", "float")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eddi_scaffold.binding import monitor_of
-from eddi_scaffold.config import ConfigFile, named_model, read_config
+from eddi_scaffold.config import ConfigFile, Robot, named_model, read_config
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.message_types import known_messages
@@ -16,7 +16,9 @@ from eddi_scaffold.problems import EddiError, Problem, error
 from eddi_scaffold.source import Source, read_source
 
 
-def check_files(files: Sequence[Path], default_guarantees: Sequence[str] = ()) -> list[Problem]:
+def check_files(
+    files: Sequence[Path], default_guarantees: Sequence[str] = (), robot: Robot | None = None
+) -> list[Problem]:
     """Check every file by itself, then each configuration against the models among the files."""
     problems: list[Problem] = []
     models: list[Model] = []
@@ -27,7 +29,7 @@ def check_files(files: Sequence[Path], default_guarantees: Sequence[str] = ()) -
         except EddiError as failure:
             problems += failure.problems
             continue
-        found, read, config = _check_one(source, default_guarantees)
+        found, read, config = _check_one(source, default_guarantees, robot)
         problems += found
         models += read
         configs += [config] if config is not None else []
@@ -96,10 +98,10 @@ def _named(
 
 
 def _check_one(
-    source: Source, default_guarantees: Sequence[str]
+    source: Source, default_guarantees: Sequence[str], robot: Robot | None = None
 ) -> tuple[list[Problem], Sequence[Model], ConfigFile | None]:
     if is_config(source):
-        config, problems = read_config(source)
+        config, problems = read_config(source, robot)
         return problems, (), config
     reading = read_models(source, default_guarantees)
     problems = list(reading.problems)

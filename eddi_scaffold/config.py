@@ -8,8 +8,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -27,6 +27,7 @@ from pydantic import (
 )
 
 from eddi_scaffold.kinds import DeclaredInput, InputType, Options, kinds
+from eddi_scaffold.message_types import FieldsOf, used
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -132,6 +133,7 @@ Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
 MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
 Line = Annotated[StrictStr, AfterValidator(_line)]
 Topic = Annotated[StrictStr, AfterValidator(_topic)]
+MessageType = Annotated[StrictStr, AfterValidator(_message_type)]
 Default = StrictBool | StrictInt | StrictFloat | StrictStr | None
 
 
@@ -170,7 +172,7 @@ class SimulatorOutput(_Entry):
         max_age: default of the inputs that require it, in seconds.
     """
 
-    type: Annotated[StrictStr, AfterValidator(_message_type)]
+    type: MessageType
     topic: Topic
     max_age: MaxAge = None
 
@@ -219,13 +221,19 @@ class PackageSection(_Section):
 
 
 class Config(_Section):
-    """The whole file, checked for form; whether it fits the model is checked with the model."""
+    """The whole file, checked for form; whether it fits the model is checked with the model.
+
+    Attributes:
+        MessageTypes: message type -> field -> type, as in its ``.msg`` file: for types that
+            eddi-scaffold does not know.
+    """
 
     Model: ModelSection
     SimulatorOutputs: list[SimulatorOutput] = []
     EDDIInputs: list[Input] = []
     EDDIOutputs: list[Output] = []
     Package: PackageSection = PackageSection()
+    MessageTypes: dict[MessageType, dict[StrictStr, StrictStr]] = {}
 
     def as_json(self) -> str:
         """Return the configuration as canonical JSON: what the answers remember."""
@@ -270,8 +278,28 @@ def from_json(text: str, name: str) -> ConfigFile:
     return ConfigFile(Config.model_validate(json.loads(text)), name, {}, remembered=True)
 
 
-def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
-    """Read a configuration; the result is ``None`` when a problem is an error."""
+@dataclass(frozen=True)
+class Robot:
+    """What models of a robot say beside a configuration.
+
+    Attributes:
+        outputs: the entries of ``SimulatorOutputs`` as they stand -> those that count.
+        types: message type -> fields, of the specifications beside the node models.
+    """
+
+    outputs: Callable[[Any], Any] = lambda entries: entries
+    types: FieldsOf = field(default_factory=dict)
+
+
+def read_config(
+    source: Source, robot: Robot | None = None
+) -> tuple[ConfigFile | None, list[Problem]]:
+    """Read a configuration; the result is ``None`` when a problem is an error.
+
+    Args:
+        source: the file.
+        robot: models of the robot, whose topics and message types count beside the file.
+    """
     if looks_like_xml(source.data):
         return None, [error("K001", "this is XML, not an eddi_config.yml", Place(source.name))]
     document, problems = read_map(source, "K001")
@@ -281,14 +309,26 @@ def read_config(source: Source) -> tuple[ConfigFile | None, list[Problem]]:
     data = _plain(_renamed(document, problems), (), places, problems)
     # an empty section is an empty list, as D7.2's tools read it
     data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
+    if robot is not None:
+        data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
     problems += _unknown_options(data.get("Model"), places, source.name)
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
         return None, in_order([*problems, *_translated(failed, places, source.name)])
-    file = ConfigFile(config, source.name, places)
+    file = ConfigFile(_with_types(config, robot), source.name, places)
     problems += _repeated_ids(file)
     return (None if has_errors(problems) else file), in_order(problems)
+
+
+def _with_types(config: Config, robot: Robot | None) -> Config:
+    """Take in the message types of the robot's models that the inputs need, to be remembered."""
+    if robot is None:
+        return config
+    required = {name for item in config.EDDIInputs for name in item.requires}
+    types = [source.type for source in config.SimulatorOutputs if source.id in required]
+    found = {**used(types, robot.types), **config.MessageTypes}
+    return config.model_copy(update={"MessageTypes": found})
 
 
 def options_of(file: ConfigFile | None) -> Options:

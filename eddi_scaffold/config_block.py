@@ -6,17 +6,19 @@ type and topic (``max_age``) stay with their topic.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
 from eddi_scaffold.source import Source
 from eddi_scaffold.yaml_nodes import quoted, read_document
-from eddi_scaffold.yaml_scalars import Map, is_null
+from eddi_scaffold.yaml_scalars import Map
 from eddi_scaffold.yaml_spans import Span, comments, spans
 
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
+_NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
 
 
 @dataclass(frozen=True)
@@ -82,13 +84,14 @@ def read_block(source: Source) -> Document:
             the block twice under both of its names (K035), or uses an anchor of it elsewhere
             (K036).
     """
+    if _NOTHING.fullmatch(source.data):
+        text = source.data.decode("utf-8-sig", "replace")
+        return Document(source.name, text, len(text), len(text))
     node, problems = read_document(source, "K001")
     if node is None or problems:
         raise EddiError(*problems)
     text = source.data.decode("utf-8-sig")
     if not isinstance(node, Map):
-        if is_null(node):
-            return Document(source.name, text, len(text), len(text))
         message = "the top level must be a map with the sections of an eddi_config.yml"
         raise EddiError(error("K001", message, node.place))
     root = spans(text)

@@ -7,9 +7,12 @@ occur, so text of a configuration never becomes code.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from eddi_scaffold.identifiers import is_identifier
+from eddi_scaffold.message_types import Fields, element, python_type
+from eddi_scaffold.problems import did_you_mean
 
 _STEP = re.compile(r"\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)|\[(?P<key>[^\[\]\r\n]+)\]")
 
@@ -66,6 +69,45 @@ def parse_field(text: str) -> FieldPath:
     if not steps:
         raise ValueError("the path is empty")
     return tuple(steps)
+
+
+def type_at(path: FieldPath, message: str, fields_of: Callable[[str], Fields | None]) -> str | None:
+    """Return the Python type, or the message type, of the value at the end of a path.
+
+    Args:
+        path: into the message.
+        message: type of the message.
+        fields_of: message type -> its fields, ``None`` when they are not known.
+
+    Returns:
+        ``None`` where a type on the way is not known.
+
+    Raises:
+        ValueError: the path leads nowhere; the message says where it ends and lists the fields.
+    """
+    of = message
+    for step in path:
+        inner = element(of)
+        if not isinstance(step, Attribute):
+            if inner is None:
+                raise ValueError(f"{of} is no list")
+            of = inner
+            continue
+        if inner is not None:
+            message = f"{of} is a list; one element of it is [0]"
+            raise ValueError(f"{message}, or [id] where the elements have ids")
+        if python_type(of) != of:
+            raise ValueError(f"a {of} has no field {step.name!r}: the path ends before")
+        known = fields_of(of)
+        if known is None:
+            return None
+        if step.name not in known:
+            listed = ", ".join(known) or "none"
+            near = did_you_mean(step.name, known)
+            hint = f"{near} its fields: {listed}" if near else f"its fields: {listed}"
+            raise ValueError(f"{of} has no field {step.name!r}; {hint}")
+        of = known[step.name]
+    return python_type(of)
 
 
 def expression(variable: str, path: FieldPath) -> str:

@@ -27,7 +27,12 @@ def is_config(source: Source) -> bool:
 
 def is_mros(source: Source) -> bool:
     """Tell by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
-    return source.name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
+    return named_like_mros(source.name)
+
+
+def named_like_mros(name: str) -> bool:
+    """Tell whether a file name is that of a ``.rossystem``, ``.ros``, ``.ros1`` or ``.ros2``."""
+    return name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
 
 
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:

@@ -15,8 +15,19 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.definitions import Models, SystemFile
 from eddi_scaffold.mros.directory import load_models, load_system, named
 from eddi_scaffold.mros.ids import Existing
-from eddi_scaffold.mros.outputs import Filters, Include, Outputs, simulator_outputs
-from eddi_scaffold.problems import EddiError, Place, Problem, error, in_order
+from eddi_scaffold.mros.outputs import (
+    Filters,
+    Include,
+    Outputs,
+    simulator_outputs,
+)
+from eddi_scaffold.problems import (
+    EddiError,
+    Place,
+    Problem,
+    error,
+    in_order,
+)
 from eddi_scaffold.source import read_source
 
 

@@ -7,25 +7,35 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Json
+from eddi_scaffold.cli.options import DefaultGuarantees, Json, NodeModels
 
 
 def check(
-    files: Annotated[list[Path], typer.Argument(help="EDDI XML, ConSert YAML, eddi_config.yml.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="EDDI XML, model files of a kind, eddi_config.yml, .rossystem, .ros."),
+    ],
+    models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
 ) -> None:
     """Validate files: all problems at once, with places.
 
-    Configurations given together with a model are checked against it.
+    Configurations given together with a model are checked against it, a .rossystem and the message
+    types of a configuration against the node models of --models.
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """
     from eddi_scaffold.checking import check_files
     from eddi_scaffold.console import console, count_line
+    from eddi_scaffold.models import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
+    from eddi_scaffold.robots import check_robots
 
-    problems = in_order(check_files(files, default_guarantee or ()))
+    robots = [file for file in files if named_like_mros(file.name)]
+    others = [file for file in files if file not in robots]
+    found, robot = check_robots(robots, others, models)
+    problems = in_order([*found, *check_files(others, default_guarantee or (), robot)])
     if as_json:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:

@@ -14,7 +14,9 @@ from eddi_scaffold.cli.options import (
     DefaultGuarantees,
     DryRun,
     Name,
+    NodeModels,
     OptionalModelFile,
+    System,
 )
 
 
@@ -29,6 +31,8 @@ def generate(
         Path | None, typer.Option("-o", "--output", help="Folder (for the platform plain).")
     ] = None,
     platform: Annotated[str, typer.Option(help="ros1 or plain.")] = "ros1",
+    system: System = None,
+    models: NodeModels = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     dry_run: DryRun = False,
@@ -45,6 +49,7 @@ def generate(
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.project import own_template
+    from eddi_scaffold.robots import beside_configs
 
     if model is None and not config:
         raise EddiError(error("G015", "say of what: -m MODEL, or a -c that names its model"))
@@ -62,7 +67,9 @@ def generate(
         hint = f"name the folder above: -w {place.parent}"
         raise EddiError(error("G007", "this is the `src` of a workspace", Place(str(place)), hint))
     root = place / target.root
-    monitors, problems = monitors_of(model, config or [], name, default_guarantee or ())
+    robot, problems = beside_configs(system, models)
+    monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
+    problems = [*problems, *found]
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)
     outcome = bring(

@@ -35,5 +35,13 @@ DefaultGuarantees = Annotated[
         help="`ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its service).",
     ),
 ]
+System = Annotated[
+    Path | None,
+    typer.Option("--system", help="A .rossystem, whose topics count in place of SimulatorOutputs."),
+]
+NodeModels = Annotated[
+    Path | None,
+    typer.Option("--models", help="Directory of .ros, .ros1 and .ros2: nodes and message types."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the difference, change nothing.")]

@@ -146,6 +146,18 @@ def simulator_outputs(
     )
 
 
+def silent_problems(system: SystemFile, models: Models) -> list[Problem]:
+    """Return what is wrong with the services and actions of a system, which give no topics."""
+    kinds: tuple[Kind, ...] = ("serviceserver", "serviceclient", "actionclient")
+    problems: list[Problem] = []
+    for part in flattened(system, models.systems).systems:
+        for component in part.system.components:
+            problems += resolve(
+                component, part.system.dialect, part.file, models.definitions, kinds
+            )[1]
+    return problems
+
+
 @dataclass
 class _Entry:
     """A topic that has no id yet."""

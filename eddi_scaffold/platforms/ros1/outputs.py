@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from eddi_scaffold.answers import one_line
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import ConfigFile, Output
-from eddi_scaffold.fields import Attribute, ById, FieldPath, Index, parse_field
+from eddi_scaffold.fields import Attribute, ById, FieldPath, Index, parse_field, type_at
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.message_types import fields_of
-from eddi_scaffold.problems import Problem, did_you_mean, error
+from eddi_scaffold.message_types import FieldsOf, known_messages
+from eddi_scaffold.problems import Problem, error
 
 MESSAGE_PACKAGE = "eddi_messages"
 _OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
@@ -35,6 +35,7 @@ class Publication:
 def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication], list[Problem]]:
     """Return what the node publishes, and what is wrong with the paths (K034)."""
     whole = f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
+    known = known_messages([monitor.kind])
     found: list[Publication] = []
     problems: list[Problem] = []
     for index, output in enumerate(config.config.EDDIOutputs):
@@ -43,7 +44,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
             continue
         try:
             path = parse_field(output.field)
-            of = _type_of(path, monitor.kind.output_message, monitor.kind.messages)
+            of = _type_at(path, whole, known)
         except ValueError as problem:
             place = config.place("EDDIOutputs", index, "field")
             problems.append(error("K034", str(problem), place))
@@ -70,24 +71,13 @@ def publication_answers(
     }
 
 
-def _type_of(path: FieldPath, message: str, messages: Mapping[str, str]) -> str:
+def _type_at(path: FieldPath, message: str, known: FieldsOf) -> str:
     """Return the Python type of the value at the end of a path.
 
     Raises:
         ValueError: the message has no such field, or the path ends too early or too late.
     """
-    of = message
-    for step in path:
-        if isinstance(step, Attribute):
-            known = fields_of(messages[of]) if of in messages else {}
-            if step.name not in known:
-                hint = did_you_mean(step.name, known) or f"its fields: {', '.join(known) or 'none'}"
-                raise ValueError(f"{of} has no field {step.name!r}; {hint}")
-            of = known[step.name]
-        elif of.endswith("]"):
-            of = of.partition("[")[0]
-        else:
-            raise ValueError(f"{of} is no list")
+    of = type_at(path, message, known.get)
     if of not in _OF_STD_MSGS:
         raise ValueError(f"the path ends at {of}, not at a single value")
     return of

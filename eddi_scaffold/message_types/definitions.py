@@ -1,0 +1,87 @@
+"""Message definitions as field tables: names with types, in the words of ``.msg`` files.
+
+A type is ``float64``, ``geometry_msgs/Point``, or one of these with ``[]`` or ``[9]`` behind it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+Fields = Mapping[str, str]
+"""Field -> type; constants are none."""
+
+_INTEGERS = (
+    "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "byte", "char",
+)  # fmt: skip
+_PYTHON_TYPES = {
+    "bool": "bool",
+    "string": "str",
+    "float32": "float",
+    "float64": "float",
+    **dict.fromkeys(_INTEGERS, "int"),
+}
+TIMES: Mapping[str, Fields] = {
+    "time": {"secs": "uint32", "nsecs": "uint32"},
+    "duration": {"secs": "int32", "nsecs": "int32"},
+}
+"""What rospy makes of the two primitive types that have parts."""
+_FIELD = re.compile(r"^\s*([A-Za-z][\w/]*(?:\[\d*\])?)\s+([A-Za-z]\w*)\s*(?:#.*)?$", re.MULTILINE)
+_TYPE = re.compile(r"([A-Za-z][\w/]*)(\[\d*\])?")
+
+
+def fields_of(text: str, package: str = "") -> dict[str, str]:
+    """Read the fields of a ``.msg`` text.
+
+    Args:
+        text: the definition.
+        package: of the message, which names of the same package leave out.
+    """
+    return {name: _qualified(of, package) for of, name in _FIELD.findall(text)}
+
+
+def declared(fields: Iterable[tuple[str, str]], package: str) -> dict[str, str]:
+    """Return a field table of pairs of type and name; what is no field name is left out."""
+    return {
+        name: _qualified(of.replace("/msg/", "/").replace(".", "/"), package)
+        for of, name in fields
+        if _TYPE.fullmatch(of.replace(".", "/")) and re.fullmatch(r"[A-Za-z]\w*", name)
+    }
+
+
+def _qualified(of: str, package: str) -> str:
+    """Return a type with its package: ``Header`` is that of std_msgs."""
+    match = _TYPE.fullmatch(of)
+    if match is None:
+        return of
+    name, array = match[1], match[2] or ""
+    if name == "Header":
+        name = "std_msgs/Header"
+    elif "/" not in name and name not in _PYTHON_TYPES and name not in TIMES and package:
+        name = f"{package}/{name}"
+    return f"{name}{array}"
+
+
+def element(of: str) -> str | None:
+    """Return the type of the elements of a list, ``None`` for what is no list."""
+    return of.partition("[")[0] if of.endswith("]") else None
+
+
+def python_type(of: str) -> str:
+    """Return ``bool``, ``int``, ``float``, ``str``, ``float[]`` or ``bool[]``, else the type.
+
+    A list of bytes (``uint8[]``, ``char[]``) is ``bytes`` in rospy, which is none of these.
+    """
+    inner = element(of)
+    if inner is None:
+        return _PYTHON_TYPES.get(of, of)
+    if inner in ("uint8", "char"):
+        return of
+    number = {"float": "float[]", "int": "float[]", "bool": "bool[]"}
+    return number.get(_PYTHON_TYPES.get(inner, ""), of)
+
+
+def packages_of(texts: Iterable[str]) -> list[str]:
+    """Return the packages of the field types in ``.msg`` texts, sorted."""
+    types: Sequence[str] = [of for text in texts for of in fields_of(text).values()]
+    return sorted({of.partition("/")[0] for of in types if "/" in of})
