@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from eddi_scaffold.mros.text import Text, alternatives, quoted
+from eddi_scaffold.problems import nearest
 
 _TOKEN = re.compile(
     r"""(?:\s+|//[^\n]*|/\*[\s\S]*?\*/)*
@@ -93,7 +94,10 @@ class Braces:
             what = "comment" if value == "/*" else "quote"
             raise self.text.error(offset, f"this {what} is never closed")
         found = "end of file" if kind == "end" else quoted(value)
-        raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}")
+        words = [word.strip("'") for word in expected]
+        near = nearest(value, words) if kind == "word" and len(words) > 2 else None
+        hint = f"; did you mean '{near}'?" if near else ""
+        raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}{hint}")
 
     def accept(self, *words: str) -> str | None:
         """Take one of these words, if it comes next."""

@@ -10,6 +10,15 @@ from functools import cached_property
 from eddi_scaffold.mros.model import Interface, Kind, Model, Node, System
 from eddi_scaffold.problems import Problem, did_you_mean
 
+WORDS: dict[Kind, str] = {
+    "publisher": "a publisher",
+    "subscriber": "a subscriber",
+    "serviceserver": "a service server",
+    "serviceclient": "a service client",
+    "actionserver": "an action server",
+    "actionclient": "an action client",
+}
+
 
 @dataclass(frozen=True)
 class ModelFile:
@@ -147,21 +156,27 @@ class Definitions:
         others = sorted({one.kind for one in same if one.name == reference.interface})
         where = f"{named[0].artifact} ({named[0].file})"
         if others:
-            what = " and ".join(f"a {other}" for other in others)
-            return f"{reference.interface!r} of {where} is {what}, not a {kind}", None
+            what = " and ".join(WORDS[other] for other in others)
+            return f"{reference.interface!r} of {where} is {what}, not {WORDS[kind]}", None
         names = sorted({one.name for one in same if one.kind == kind})
         hint = did_you_mean(reference.interface, names)
         if hint is None:
-            hint = f"its {kind}s: {', '.join(names)}" if names else f"it has no {kind}"
-        return f"{where} has no {kind} {reference.interface!r}", hint
+            hint = f"there are: {', '.join(names)}" if names else "there is none at all"
+        return f"{where} has no {WORDS[kind].partition(' ')[2]} {reference.interface!r}", hint
+
+    @property
+    def skipped(self) -> str | None:
+        """A hint that names the files that could not be read, if there are such."""
+        return f"could not be read: {', '.join(self._skipped)}" if self._skipped else None
 
     def _no_node(self, reference: Reference) -> tuple[str, str | None]:
         every = [model for models in self._nodes.values() for model in models]
-        skipped = f"could not be read: {', '.join(self._skipped)}" if self._skipped else None
         if reference.package:
             wanted = f"{reference.package}.{reference.artifact}.{reference.node}"
             known = {f"{one.package}.{one.artifact}.{one.node.name}" for one in every}
         else:
             wanted, known = reference.artifact, {one.artifact for one in every}
         what = "node" if reference.package else "artifact"
-        return f"no model defines the {what} {wanted!r}", did_you_mean(wanted, known) or skipped
+        return f"no model defines the {what} {wanted!r}", did_you_mean(
+            wanted, known
+        ) or self.skipped

@@ -129,10 +129,12 @@ class _Join:
             message = f"there is no model of the node {name!r}, from: {named!r}"
         if self.component.interfaces:
             message += ": only the interfaces that are listed count"
-            self.problems.append(warning("no-node-model", message, self.here))
+            hint = self.definitions.skipped
+            self.problems.append(warning("no-node-model", message, self.here, hint))
         else:
             message += ", and it lists no interfaces"
-            self.problems.append(error("no-node-model", message, self.here))
+            hint = self.definitions.skipped
+            self.problems.append(error("no-node-model", message, self.here, hint))
         return ()
 
     def listed(self, models: Sequence[NodeModel]) -> set[tuple[Kind, str]]:

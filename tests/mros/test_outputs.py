@@ -7,10 +7,16 @@ from typing import Any
 
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
+from eddi_scaffold.identifiers import is_identifier
+from eddi_scaffold.mros.definitions import Reference
 from eddi_scaffold.mros.directory import load_models, load_system
-from eddi_scaffold.mros.outputs import Outputs, simulator_outputs
-from eddi_scaffold.problems import Problem, has_errors
+from eddi_scaffold.mros.ids import Existing, Wish, give_ids, slug
+from eddi_scaffold.mros.outputs import Filters, Outputs, Topic, simulator_outputs
+from eddi_scaffold.mros.topics import topic_name
+from eddi_scaffold.problems import Place, Problem, has_errors
 from tests.shared_data import shared
 
 
@@ -41,3 +47,255 @@ def test_whole_systems(case: dict[str, Any]) -> None:
     counts = (found.components, found.publishers, len(found.topics), int(has_errors(problems)))
     keys = ("components", "resolved_publishers", "topics", "exit")
     assert counts == tuple(case[key] for key in keys)
+
+
+def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
+    """Every listed publisher in file order: last part of its reference, its name as it stands."""
+    folder = shared("mros/expected")
+    case = folder / "cob4_ros_tool_test.models"
+    system, _ = load_system(case / "cob4_ros_tool_test.rossystem", case)
+    models = load_models(case).definitions
+    found = []
+    for component in system.system.components:
+        for interface in component.interfaces:
+            if interface.kind == "publisher":
+                reference = Reference.parse(interface.ref)
+                assert reference is not None
+                definitions = models.find(reference, "publisher")
+                found.append(
+                    {
+                        "id": reference.interface,
+                        "topic": interface.name,
+                        "type": definitions[0].interface.type if definitions else None,
+                    }
+                )
+    wanted = yaml.safe_load((folder / "cob4_ros_tool_test.figure33.yml").read_text("utf-8"))
+    assert len(found) == 54
+    assert [row for row in found if row["type"]] == [
+        {key: row[key] for key in ("id", "topic", "type")}
+        for row in wanted["SimulatorOutputs"]
+        if row.get("type")
+    ]
+
+
+LASERS = """robot:
+  subSystems:
+    arm
+  nodes:
+    front:
+      from: "laser.laser"
+      namespace: /front
+      interfaces:
+        - points: pub-> "laser::cloud"
+        - clock: sub-> "laser::time"
+    rear:
+      from: "laser.laser"
+      namespace: rear
+  connections:
+    - [ticks, clock]
+"""
+ARM = """arm:
+  nodes:
+    /arm/driver:
+      from: "arm.driver"
+      interfaces:
+        - ticks: pub-> "driver::~/ticks"
+"""
+NODES = """laser:
+  artifacts:
+    laser:
+      node: laser
+      publishers:
+        scan:
+          type: sensor_msgs/msg/LaserScan
+        cloud:
+          type: sensor_msgs/msg/PointCloud2
+      subscribers:
+        time:
+          type: rosgraph_msgs/msg/Clock
+        stop:
+          type: std_msgs/msg/Bool
+      actionservers:
+        align:
+          type: laser_msgs/action/Align
+arm:
+  artifacts:
+    driver:
+      node: driver
+      publishers:
+        ~/ticks:
+          type: rosgraph_msgs/msg/Clock
+"""
+
+
+def laid(folder: Path, **files: str) -> Path:
+    for name, text in files.items():
+        (folder / name.replace("__", ".")).write_text(text, "utf-8")
+    return folder
+
+
+def rows(outputs: Outputs) -> list[tuple[str, str, str]]:
+    return [(topic.id, topic.topic, topic.kind) for topic in outputs.topics]
+
+
+@pytest.fixture
+def lasers(tmp_path: Path) -> Path:
+    return laid(tmp_path, robot__rossystem=LASERS, arm__rossystem=ARM, nodes__ros1=NODES)
+
+
+def test_parts_come_first_and_all_interfaces_of_a_model_run(lasers: Path) -> None:
+    outputs, problems = outputs_of(lasers / "robot.rossystem", lasers)
+    assert problems == []
+    assert rows(outputs) == [
+        ("ticks", "/ticks", "published"),
+        ("front_points", "/front/points", "published"),
+        ("front_scan", "/front/scan", "published"),
+        ("rear_scan", "/rear/scan", "published"),
+        ("rear_cloud", "/rear/cloud", "published"),
+    ]
+
+
+def test_what_else_can_be_listened_to(lasers: Path) -> None:
+    outputs, problems = outputs_of(
+        lasers / "robot.rossystem", lasers, include=("actions", "subscribed")
+    )
+    assert problems == []
+    assert rows(outputs)[5:] == [
+        ("front_align_feedback", "/front/align/feedback", "action"),
+        ("front_align_status", "/front/align/status", "action"),
+        ("front_align_result", "/front/align/result", "action"),
+        ("rear_align_feedback", "/rear/align/feedback", "action"),
+        ("rear_align_status", "/rear/align/status", "action"),
+        ("rear_align_result", "/rear/align/result", "action"),
+        ("front_stop", "/front/stop", "subscribed"),
+        ("time", "/rear/time", "subscribed"),
+        ("rear_stop", "/rear/stop", "subscribed"),
+    ]
+    (lasers / "nodes.ros1").rename(lasers / "nodes.ros2")
+    _, problems = outputs_of(lasers / "robot.rossystem", lasers, include=("actions",))
+    assert {problem.code for problem in problems} == {"ros2-action"}
+
+
+def test_names_of_the_models(lasers: Path) -> None:
+    outputs, _ = outputs_of(lasers / "robot.rossystem", lasers, names="model")
+    assert [topic.topic for topic in outputs.topics][:3] == [
+        "/driver/ticks",
+        "/front/cloud",
+        "/front/scan",
+    ]
+
+
+def test_filters_change_no_id(lasers: Path) -> None:
+    every, _ = outputs_of(lasers / "robot.rossystem", lasers)
+    for filters, wanted in {
+        Filters(topics=("/front/*",)): ["front_points", "front_scan"],
+        Filters(topics=("*scan", "/ticks")): ["ticks", "front_scan", "rear_scan"],
+        Filters(components=("rear",)): ["rear_scan", "rear_cloud"],
+        Filters(topics=("/Front/*",)): [],
+    }.items():
+        outputs, _ = outputs_of(lasers / "robot.rossystem", lasers, filters=filters)
+        assert [topic.id for topic in outputs.topics] == wanted
+        assert {*outputs.topics} <= {*every.topics}
+
+
+def test_infrastructure_can_be_left_out() -> None:
+    topic = Topic("a", "rcl_interfaces.Log", "/rosout", "published", (), "", 1)
+    assert Filters().keep(topic)
+    assert not Filters(no_infrastructure=True).keep(topic)
+
+
+def test_a_system_inside_of_itself(tmp_path: Path) -> None:
+    laid(
+        tmp_path,
+        a__rossystem="a:\n  subSystems:\n    b\n",
+        b__rossystem="b:\n  subSystems:\n    a\n    c\n",
+    )
+    _, problems = outputs_of(tmp_path / "a.rossystem", tmp_path)
+    assert [(p.level, p.code, p.place.file, p.place.line) for p in problems] == [
+        ("error", "subsystem-cycle", "b.rossystem", 3),
+        ("warning", "subsystem-missing", "b.rossystem", 4),
+    ]
+    assert "a -> b -> a" in problems[0].message
+
+
+def test_ambiguity_is_said_and_the_first_counts(tmp_path: Path) -> None:
+    laid(
+        tmp_path,
+        robot__rossystem="robot:\n  nodes:\n    a:\n      from: 'arm.driver'\n"
+        "    b:\n      from: 'other.node'\n      interfaces:\n        - x: pub-> 'driver::x'\n"
+        "        - x: pub-> 'driver::x'\n    c:\n      from: 'other.node'\n      interfaces:\n"
+        "        - y: sub-> 'driver::x'\n  connections:\n    - [x, y]\n",
+        one__ros1="arm:\n  artifacts:\n    driver:\n      node: driver\n      publishers:\n"
+        "        x:\n          type: a.B\n",
+        two__ros1="arm:\n  artifacts:\n    driver:\n      node: driver\n      publishers:\n"
+        "        x:\n          type: a.C\n",
+    )
+    outputs, problems = outputs_of(tmp_path / "robot.rossystem", tmp_path)
+    assert [(p.code, p.place.line) for p in problems] == [
+        ("ambiguous-model", 3),
+        ("no-node-model", 5),
+        ("ambiguous-type", 8),
+        ("ambiguous-type", 9),
+        ("no-node-model", 10),
+        ("duplicate-label", 15),
+    ]
+    assert [(topic.topic, topic.type) for topic in outputs.topics] == [("/x", "a.B")]
+
+
+@pytest.mark.parametrize(
+    ("name", "namespace", "component", "topic"),
+    [
+        ("/a//b/", "/x", "n", "/a/b"),
+        ("~state", "/lasers/", "/lasers/front", "/lasers/front/state"),
+        ("~/state", None, "front", "/front/state"),
+        ("scan", None, "n", "/scan"),
+        ("scan", "lasers", "n", "/lasers/scan"),
+        ("lasers/scan", "/lasers", "n", "/lasers/scan"),
+        ("lasers", "/lasers", "n", "/lasers"),
+        ("lasersscan", "/lasers", "n", "/lasers/lasersscan"),
+        ("/", "/lasers", "n", "/"),
+    ],
+)
+def test_names_of_ros(name: str, namespace: str | None, component: str, topic: str) -> None:
+    found = topic_name(name, namespace, component)
+    assert found.text == topic
+    assert found.glued == (name == "lasersscan")
+    assert found.is_empty == (topic == "/")
+
+
+def test_ids() -> None:
+    assert [slug(name) for name in ("/a/b", "~/x", "2d/on", "class", "?", "ä_")] == [
+        "a_b", "x", "_2d_on", "class_", "topic", "topic",
+    ]  # fmt: skip
+
+
+def ids(wishes: dict[str, str], *existing: tuple[str, str]) -> tuple[list[str], list[str]]:
+    given, problems = give_ids(
+        [Wish(name, topic) for topic, name in wishes.items()],
+        [],
+        [Existing(name, topic, Place("c.yml", 1)) for name, topic in existing],
+    )
+    return given, [problem.code for problem in problems]
+
+
+def test_ids_that_are_there_stay() -> None:
+    wishes = {"/a/scan": "scan", "/b/scan": "scan", "/c": "b_scan"}
+    assert ids(wishes) == (["a_scan", "b_scan_2", "b_scan"], [])
+    assert ids(wishes, ("laser", "/a/scan")) == (["laser", "b_scan_2", "b_scan"], [])
+    assert ids(wishes, ("scan", "/b/scan")) == (["a_scan", "scan", "b_scan"], [])
+    assert ids({"/a": "x"}, ("1st", "/a")) == (["x"], ["changed-id"])
+    assert ids({"/a": "x"}, ("y", "/a"), ("y", "/b")) == (["x"], ["changed-id"])
+    assert ids({"/a": "x"}, ("x", "/gone")) == (["x"], ["moved-id"])
+
+
+@given(
+    st.dictionaries(st.text("ab/1", min_size=1, max_size=4), st.text("ab/?", max_size=3)),
+    st.lists(st.tuples(st.text("ab1", max_size=2), st.text("ab/1", max_size=4))),
+)
+def test_ids_are_unique_names_that_a_second_run_keeps(
+    wishes: dict[str, str], existing: list[tuple[str, str]]
+) -> None:
+    first, _ = ids(wishes, *existing)
+    assert len({*first}) == len(first)
+    assert all(is_identifier(name) for name in first)
+    assert ids(wishes, *zip(first, wishes, strict=True)) == (first, [])
