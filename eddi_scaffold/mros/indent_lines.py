@@ -264,3 +264,12 @@ class Words:
             found.append(self.name("a name or ]"))
             self.accept_punct(",")
         return tuple(found)
+
+
+def skip_block(text: Text, line: Line) -> None:
+    """Read over what is below a line, however deep; what is never closed in it is an error."""
+    waiting = line.below[::-1]
+    while waiting:
+        inner = waiting.pop()
+        Words(text, inner).skip()
+        waiting += inner.below[::-1]

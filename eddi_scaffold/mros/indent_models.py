@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eddi_scaffold.mros.indent_keys import Keys
-from eddi_scaffold.mros.indent_lines import Line, Words, blocks_of
+from eddi_scaffold.mros.indent_lines import Line, Words, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     Artifact,
     Field,
@@ -101,16 +101,10 @@ class _ModelReader:
                     interfaces += [self._interface(one, _SECTIONS[key]) for one in inner.below]
                 else:
                     parameters += len(inner.below)
-                    self._skip(inner)
+                    skip_block(self.text, inner)
                 rest.end()
         node = None if node_name is None else Node(node_name, tuple(interfaces), parameters)
         return Artifact(name, node, *place)
-
-    def _skip(self, line: Line) -> None:
-        """Read over a block; what is never closed in it is an error all the same."""
-        for inner in line.below:
-            Words(self.text, inner).skip()
-            self._skip(inner)
 
     def _interface(self, line: Line, kind: Kind) -> Interface:
         words = Words(self.text, line)
@@ -131,7 +125,7 @@ class _ModelReader:
                 rest.skip()
             else:
                 rest.skip()
-                self._skip(inner)
+                skip_block(self.text, inner)
         if of is None:
             raise self.text.error(line.offset, f"the interface {quoted(name)} has no 'type:'")
         return Interface(kind, name, of, ns, *place, *type_place)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from eddi_scaffold.mros.indent_keys import Keys
-from eddi_scaffold.mros.indent_lines import Line, Words, blocks_of
+from eddi_scaffold.mros.indent_lines import Line, Words, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     Component,
     Connection,
@@ -126,15 +126,9 @@ class _SystemReader:
                 interfaces += [self._interface(one) for one in inner.below]
             else:
                 parameters += len(inner.below)
-                self._skip(inner)
+                skip_block(self.text, inner)
             rest.end()
         return Component(name, namespace, from_node, tuple(interfaces), parameters, *place)
-
-    def _skip(self, line: Line) -> None:
-        """Read over a block; what is never closed in it is an error all the same."""
-        for inner in line.below:
-            Words(self.text, inner).skip()
-            self._skip(inner)
 
     def _interface(self, line: Line) -> SystemInterface:
         words = Words(self.text, line)

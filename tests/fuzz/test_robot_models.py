@@ -70,8 +70,7 @@ def test_damaged_texts(one: tuple[str, bytes]) -> None:
 STARTS = [
     "",
     "RosSystem { Name a RosComponents (",
-    "RosSystem { Name a RosComponents ( ComponentInterface { name a RosParameters { RosParameter a {"
-    " RefParameter b value ",
+    "RosSystem { RosComponents ( ComponentInterface { RosParameters { RosParameter a { value ",
     "PackageSet {",
     "a:\n nodes:\n  ",
     "a:\n nodes:\n  b:\n   parameters:\n    - c: ",
