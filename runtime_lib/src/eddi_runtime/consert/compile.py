@@ -12,6 +12,7 @@ import math
 import re
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
+from ..plain_values import type_name
 from .graph import Graph
 from .values import (
     ABSENT,
@@ -22,7 +23,6 @@ from .values import (
     Interval,
     Leaf,
     judge,
-    type_name,
 )
 
 Step = Callable[[object], Tuple[bool, ...]]

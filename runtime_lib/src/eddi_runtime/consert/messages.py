@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, List, Optional, Sequence, Tuple
 
 from ..monitor import Tree
-from .values import plain
+from ..plain_values import plain
 
 
 def output_message(output: Any, published: Sequence[str]) -> Tuple[Tree, Tuple[str, ...]]:

@@ -8,9 +8,10 @@ exact types only and everything else is UNKNOWN.
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass
 from typing import Any, FrozenSet, Optional, Tuple, Union
+
+from ..plain_values import plain, show
 
 FALSE, UNKNOWN, TRUE = 0, 1, 2
 NAMES = ("FALSE", "UNKNOWN", "TRUE")
@@ -138,36 +139,6 @@ def judge(leaf: Leaf, raw: object) -> Judgement:
         return UNKNOWN, FAULT
 
 
-def plain(raw: object) -> Union[bool, int, float, str, None]:
-    """Return a bool, int, float or str of exactly that type; None for every other type.
-
-    Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
-    that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called.
-    """
-    kind = type(raw)
-    if kind is bool:
-        return raw  # type: ignore[return-value]  # "is bool" does not narrow object
-    numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
-    if numpy is not None and issubclass(kind, numpy.generic):
-        return _plain_numpy(raw, kind, numpy)
-    if issubclass(kind, float):
-        return float.__float__(raw)  # type: ignore[arg-type]  # a float, by the line above
-    if issubclass(kind, int):
-        return int.__int__(raw)  # type: ignore[arg-type]  # an int, by the line above
-    if issubclass(kind, str):
-        return str.__str__(raw)
-    return None
-
-
-def _plain_numpy(raw: Any, kind: type, numpy: Any) -> Union[bool, int, float, str, None]:
-    if issubclass(kind, numpy.timedelta64):  # a duration, though numpy calls it an integer
-        return None
-    item = numpy.generic.item(raw)
-    if type(item) is numpy.longdouble:  # it has no Python twin and is its own item
-        item = float(item)
-    return item if type(item) in (bool, int, float, str) else None
-
-
 def describe(leaf: Leaf, raw: object, why: str) -> str:
     """Return one line for people on why the leaf is not TRUE."""
     if why == MISSING:
@@ -181,28 +152,6 @@ def describe(leaf: Leaf, raw: object, why: str) -> str:
         return "the value is False"
     covered = leaf.text if len(leaf.text) <= 200 else f"{leaf.text[:197]}..."
     return f"the value {show(raw)} is not in {covered}"
-
-
-def show(raw: object) -> str:
-    """Return a short text of any value; never raises."""
-    try:
-        value = plain(raw)
-    except Exception:  # noqa: BLE001 - a hostile object
-        value = None
-    if value is None:
-        return f"an object of type {type_name(raw)}"
-    if isinstance(value, int) and value.bit_length() > 256:
-        return f"a whole number of {value.bit_length()} bits"
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def type_name(raw: object) -> str:
-    """Return the name of the type, also when its metaclass hides it."""
-    try:
-        return str(type.__dict__["__name__"].__get__(type(raw)))[:60]
-    except Exception:  # noqa: BLE001 - a hostile object
-        return "an unnamed type"
 
 
 def nearest_double(exact: Optional[Any], text: str) -> float:

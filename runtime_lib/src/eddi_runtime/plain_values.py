@@ -1,0 +1,62 @@
+"""Any value that an input may hold, as a plain Python value or as a short text.
+
+Robot messages and people's methods hand over numpy scalars, subclasses and proxies: all of them
+are asked here, by methods that they cannot override.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any, Union
+
+
+def plain(raw: object) -> Union[bool, int, float, str, None]:
+    """Return a bool, int, float or str of exactly that type; None for every other type.
+
+    Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
+    that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called.
+    """
+    kind = type(raw)
+    if kind is bool:
+        return raw  # type: ignore[return-value]  # "is bool" does not narrow object
+    numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
+    if numpy is not None and issubclass(kind, numpy.generic):
+        return _plain_numpy(raw, kind, numpy)
+    if issubclass(kind, float):
+        return float.__float__(raw)  # type: ignore[arg-type]  # a float, by the line above
+    if issubclass(kind, int):
+        return int.__int__(raw)  # type: ignore[arg-type]  # an int, by the line above
+    if issubclass(kind, str):
+        return str.__str__(raw)
+    return None
+
+
+def _plain_numpy(raw: Any, kind: type, numpy: Any) -> Union[bool, int, float, str, None]:
+    if issubclass(kind, numpy.timedelta64):  # a duration, though numpy calls it an integer
+        return None
+    item = numpy.generic.item(raw)
+    if type(item) is numpy.longdouble:  # it has no Python twin and is its own item
+        item = float(item)
+    return item if type(item) in (bool, int, float, str) else None
+
+
+def show(raw: object) -> str:
+    """Return a short text of any value; never raises."""
+    try:
+        value = plain(raw)
+    except Exception:  # noqa: BLE001 - a hostile object
+        value = None
+    if value is None:
+        return f"an object of type {type_name(raw)}"
+    if isinstance(value, int) and value.bit_length() > 256:
+        return f"a whole number of {value.bit_length()} bits"
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def type_name(raw: object) -> str:
+    """Return the name of the type, also when its metaclass hides it."""
+    try:
+        return str(type.__dict__["__name__"].__get__(type(raw)))[:60]
+    except Exception:  # noqa: BLE001 - a hostile object
+        return "an unnamed type"
