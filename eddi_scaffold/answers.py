@@ -91,8 +91,8 @@ def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
 
 def _runtime_names(inputs: Sequence[InputBinding]) -> list[str]:
     """Return what EDDIInput.py imports from the runtime."""
-    uses_lookup = any("by_id(" in (binding.expression or "") for binding in inputs)
-    return ["EDDIInputBase", "by_id"] if uses_lookup else ["EDDIInputBase"]
+    text = " ".join(binding.expression or "" for binding in inputs)
+    return ["EDDIInputBase", *(name for name in ("by_id", "joined") if f"{name}(" in text)]
 
 
 def identity_answers(package: str, description: str, config: Config | None) -> dict[str, JsonValue]:

@@ -6,6 +6,7 @@ What does not fit is a problem with the place in the configuration.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -33,6 +34,9 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "str": str,
     "state": str,
 }
+
+
+_MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
 
 
 @dataclass(frozen=True)
@@ -288,6 +292,8 @@ class _Binder:
     def _expression(self) -> str | None:
         """Return the expression of ``field:``, or of the only field where that fits."""
         entry = self.entry
+        if self.item.type == "float[]" and self.requires:
+            return self._numbers()
         if len(self.requires) != 1:
             if entry.field is not None:
                 message = (
@@ -301,17 +307,40 @@ class _Binder:
         of_type = self.fields.get(argument)
         if entry.field is None:
             return _only_fitting_field(argument, of_type, self.item.type)
+        return self._taken(argument, self.requires[0].type, entry.field)
+
+    def _numbers(self) -> str | None:
+        """Return the expression for a list of numbers, joined where several messages hold it.
+
+        A ``MultiArray`` is taken as a whole, because its layout says where its data begin.
+        """
+        field = self.entry.field
+        parts: list[str | None] = []
+        for argument, source in zip(self.arguments, self.requires, strict=True):
+            if field in {None, "data"} and _MULTI_ARRAY.fullmatch(source.type):
+                parts.append(argument)
+            elif field is not None:
+                parts.append(self._taken(argument, source.type, field))
+            else:
+                of_type = self.fields.get(argument)
+                parts.append(_only_fitting_field(argument, of_type, self.item.type))
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            return None
+        return known[0] if len(known) == 1 else f"joined({', '.join(known)})"
+
+    def _taken(self, argument: str, message: str, field: str) -> str | None:
+        """Return the expression that takes a field from a message."""
         try:
-            path = fields.parse_field(entry.field)
+            path = fields.parse_field(field)
         except ValueError as problem:
             self._error("K019", str(problem), "field")
             return None
-        self._check_path(path)
+        self._check_path(path, message)
         return fields.expression(argument, path)
 
-    def _check_path(self, path: fields.FieldPath) -> None:
+    def _check_path(self, path: fields.FieldPath, message: str) -> None:
         """Check a path with what is known of the message, also by the ROS of this machine."""
-        message = self.requires[0].type
         try:
             of = fields.type_at(path, message, self._fields_of)
         except ValueError as problem:

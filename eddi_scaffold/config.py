@@ -337,6 +337,7 @@ def options_of(file: ConfigFile | None) -> Options:
         return Options()
     config, section = file.config, file.config.Model
     values = {**(section.model_extra or {}), "parameters": section.parameters}
+    types = {source.id: source.type for source in config.SimulatorOutputs}
     inputs = tuple(
         DeclaredInput(
             id=item.id,
@@ -345,10 +346,12 @@ def options_of(file: ConfigFile | None) -> Options:
             default=item.default,
             has_expression=False,
             place=file.place("EDDIInputs", index),
+            messages=tuple(types[name] for name in item.requires),
         )
         for index, item in enumerate(config.EDDIInputs)
     )
     return Options(
+        section.id,
         {key: value for key, value in values.items() if value is not None},
         inputs,
         section.frequency,

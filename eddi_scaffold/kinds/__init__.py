@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from eddi_scaffold.problems import EddiError, Place, error
 
 if TYPE_CHECKING:
+    from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.readers.eddi import EddiDocument
     from eddi_scaffold.source import Source
@@ -92,6 +93,7 @@ class DeclaredInput:
 
     Attributes:
         has_expression: the value comes from an expression, not from a message.
+        messages: types of the messages it is made of (``std_msgs/Float32MultiArray``).
     """
 
     id: str
@@ -100,6 +102,7 @@ class DeclaredInput:
     default: JsonValue
     has_expression: bool
     place: Place
+    messages: tuple[str, ...] = ()
 
 
 def _nowhere(*_: str | int) -> Place:
@@ -115,6 +118,7 @@ class Options:
     """What a configuration says to a kind; as it is by default, there is none.
 
     Attributes:
+        id: ``Model: id:``, for models that have no name of their own.
         values: the keys of ``Model:`` that the kind declares, and ``parameters``; plain values.
         inputs: the entries of ``EDDIInputs``.
         frequency: steps per second.
@@ -122,6 +126,7 @@ class Options:
         read: opens a file that is named relative to the configuration; raises EddiError.
     """
 
+    id: str | None = None
     values: Mapping[str, JsonValue] = field(default_factory=dict)
     inputs: tuple[DeclaredInput, ...] = ()
     frequency: float | None = None
@@ -286,7 +291,7 @@ class Kind:
     data_files: Callable[[Model], Mapping[str, bytes]] = _nothing
     cross_check: Callable[[Model, str], CrossCheck] | None = None
     readme: Callable[[Model], Sequence[str]] = _none
-    diagram: Callable[[Model], Any] | None = None
+    diagram: Callable[[Model], Diagram] | None = None
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Iterable, TypeVar
+from typing import Any, Iterable, List, TypeVar
 
 T = TypeVar("T")
 
@@ -24,3 +24,19 @@ def by_id(items: Iterable[T], wanted: str) -> T:
         there.append(str(found))
     listed = ", ".join(there) if there else "nothing"
     raise LookupError(f"no element has the id {wanted!r}; there: {listed}")
+
+
+def joined(*parts: Any) -> List[Any]:
+    """Return the numbers of several parts as one list, in this order.
+
+    A part is a number, a sequence of numbers, or a message of ``std_msgs`` with ``layout`` and
+    ``data``, whose ``data_offset`` is honoured.
+    """
+    numbers: List[Any] = []
+    for part in parts:
+        data = part.data[part.layout.data_offset :] if hasattr(part, "layout") else part
+        if hasattr(data, "__iter__"):
+            numbers.extend(data)
+        else:
+            numbers.append(data)
+    return numbers

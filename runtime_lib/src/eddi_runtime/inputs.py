@@ -56,6 +56,13 @@ class InputState(NamedTuple):
     detail: str = ""
 
 
+class Messages(List[Any]):
+    """The values of all messages since the last step, oldest first: empty when none has come.
+
+    What tells it from one message that is a list itself.
+    """
+
+
 _NEW = InputState("missing", "no message yet")
 
 
@@ -139,14 +146,14 @@ class EDDIInputBase:
     ) -> None:
         """Call ``process`` once for each new message of the first id; never raises.
 
-        The attribute becomes the list of the values, oldest first; None stands in it for a
+        The attribute becomes ``Messages``, the values oldest first; None stands in it for a
         message that ``process`` could not use. Of the other ids the latest message is passed.
         It is None as a whole while a message is missing, or when the latest is too old.
         """
         spec = self.__specs.get(input_id)
         attribute = input_id if spec is None else spec.attribute
         before = self.states.get(input_id, _NEW)
-        values: Optional[List[Any]] = None
+        values: Optional[Messages] = None
         after: InputState
         try:
             messages = [simulator_outputs.get(name) for name in requires]
@@ -169,10 +176,10 @@ class EDDIInputBase:
         process: Callable[..., object],
         messages: Sequence[Any],
         requires: Sequence[str],
-    ) -> Tuple[List[Any], Optional[Exception]]:
+    ) -> Tuple[Messages, Optional[Exception]]:
         """Return the value of each new message, and what was raised last."""
         first = messages[:1] if self.__new is None else self.__new.get(requires[0], ())
-        values: List[Any] = []
+        values = Messages()
         problem: Optional[Exception] = None
         for message in first:
             setattr(self, attribute, None)

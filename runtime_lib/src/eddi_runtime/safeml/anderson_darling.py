@@ -1,0 +1,135 @@
+"""Anderson-Darling distance of windows to a reference, from ranks.
+
+A2 = 1/(n m) x sum over the distinct pooled values but the last of l (N M - n B)^2 / (B (N - B)):
+l values equal it, B are not above it, M of these are in the reference (Scholz and Stephens 1987,
+A2kN, equation 6). While F is passed with u window values behind, N M - n B = m B - N u, and the
+summand is  -m^2 + N (m - u)^2 / (N - B) + N u^2 / B.  So a stretch of untied reference values is a
+difference of harmonic numbers, and a step need not walk over the reference.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Optional
+
+import numpy as np
+
+from .arrays import Array, Backend
+
+
+class _Groups(NamedTuple):
+    """The values that stand in the reference more than once; each array is (K, Q).
+
+    Attributes:
+        below: reference values below the group.
+        size: how often the value is there; 1 fills up the rows.
+    """
+
+    below: Array
+    size: Array
+
+
+class AndersonDarling:
+    """A2, in time independent of n but for the values that are repeated in the reference."""
+
+    def __init__(self, backend: Backend, reference: Array, m: int) -> None:
+        self._backend = backend
+        self._tests, self._n = (int(size) for size in reference.shape)
+        self._m = m
+        self._total = self._n + m
+        harmonic = np.concatenate([[0.0], np.cumsum(1.0 / np.arange(1, self._total + 1))])
+        self._harmonic = backend.array(harmonic)
+        self._before = float(harmonic[self._total - 1])
+        self._all = float(harmonic[self._total])
+        self._b = backend.array(np.arange(1, m + 1, dtype=np.int64))
+        self._ahead = backend.array(2.0 * np.arange(1, m + 1) - 1.0)
+        self._behind = backend.array(2.0 * np.arange(m, 0, -1) - 1.0)
+        self._groups = _tied_groups(backend, reference)
+
+    def __call__(self, lower: Array, upper: Optional[Array], counts: Optional[Array]) -> Array:
+        """Return A2 (..., K) in float64."""
+        low = self._backend.sort(lower)
+        high = low if upper is None else self._backend.sort(upper)
+        if upper is None and counts is None:
+            scaled = self._without_ties(low)
+        else:
+            scaled = self._with_ties(low, high, self._b if counts is None else counts)
+        if self._groups is not None:
+            scaled = scaled + self._corrections(low, high, self._groups)
+        return scaled / float(self._n * self._m)
+
+    def _h(self, index: Array) -> Array:
+        """Return harmonic numbers; H of -1 may be anything, it is multiplied by 0."""
+        return self._backend.take(self._harmonic, index)
+
+    def _without_ties(self, low: Array) -> Array:
+        """Return n m A2 as Pettitt (1976) writes it."""
+        m, total = self._m, self._total
+        place = low + self._b
+        sums = self._h(place - 1) * self._ahead + self._h(total - place) * self._behind
+        constant = 2.0 * m * m * self._before - m * m * (total - 1.0) / total
+        return total * (constant - sums.sum(-1))
+
+    def _with_ties(self, low: Array, high: Array, counts: Array) -> Array:
+        """Return n m A2: window values, and the stretches of the reference around them."""
+        m, total = self._m, self._total
+        first, last = low[..., 0], high[..., -1]
+        outside = total * m * m * (self._before - self._h(total - 1 - first)) - m * m * first
+        outside = outside + total * m * m * (self._all - self._h(last + m))
+        outside = outside - m * m * (self._n - last)
+        start, u = high[..., :-1], counts[..., :-1]
+        # inside a group of equal window values the stretch is empty
+        end = self._backend.larger(low[..., 1:], start)
+        inside = self._h(end + u) - self._h(start + u)
+        inside = inside * (total * u * u) - m * m * (end - start)
+        below = self._h(total - 1 - start - u) - self._h(total - 1 - end - u)
+        inside = inside + below * (total * (m - u) * (m - u))
+        weights = 1 + (high - low) * (counts == self._b)
+        points = weights * self._summand(high + counts, counts)
+        return outside + inside.sum(-1) + points.sum(-1)
+
+    def _summand(self, passed: Array, u: Array) -> Array:
+        m, total = self._m, self._total
+        left = self._backend.at_least(total - passed, 1)  # 0 only behind the last, where u = m
+        return total * (m - u) * (m - u) / left + total * u * u / passed - m * m
+
+    def _corrections(self, low: Array, high: Array, groups: _Groups) -> Array:
+        """Return what tied reference values add to n m A2 beyond as many untied ones."""
+        m, total, start = self._m, self._total, groups.below
+        u = self._at_most(low, start)
+        between = u == self._at_most(high, start)  # else it equals a window value: a point
+        start = start + u
+        end = start + groups.size
+        left = self._backend.at_least(total - end, 1)
+        behind = self._h(total - 1 - start) - self._h(total - 1 - end)
+        ahead = self._h(end) - self._h(start)
+        more = (groups.size / left - behind) * (total * (m - u) * (m - u))
+        more = more + (groups.size / end - ahead) * (total * u * u)
+        return (more * between).sum(-1)
+
+    def _at_most(self, ranks: Array, bounds: Array) -> Array:
+        """Count in each row of ascending ranks (..., K, m) what is <= each bound (K, Q)."""
+        shape = tuple(ranks.shape[:-1])
+        count = int(np.prod(shape))
+        rows = self._backend.array(np.arange(count, dtype=np.int64).reshape((*shape, 1)))
+        # one ascending sequence of all rows: ranks reach from 0 to n
+        apart = rows * (self._n + 2)
+        found = self._backend.positions((ranks + apart).reshape(-1), bounds + apart)
+        return found - rows * self._m
+
+
+def _tied_groups(backend: Backend, reference: Array) -> Optional[_Groups]:
+    n = reference.shape[1]
+    found = []
+    for row in reference:
+        bounds = np.concatenate([[0], np.flatnonzero(row[1:] != row[:-1]) + 1, [n]])
+        sizes = np.diff(bounds)
+        found.append((bounds[:-1][sizes > 1], sizes[sizes > 1]))
+    longest = max(len(sizes) for _, sizes in found)
+    if longest == 0:
+        return None
+    below = np.zeros((len(found), longest), dtype=np.int64)
+    size = np.ones((len(found), longest), dtype=np.int64)  # a group of 1 corrects nothing
+    for k, (starts, sizes) in enumerate(found):
+        below[k, : len(starts)] = starts
+        size[k, : len(sizes)] = sizes
+    return _Groups(backend.array(below), backend.array(size))

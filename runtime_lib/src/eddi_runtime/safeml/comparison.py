@@ -1,0 +1,69 @@
+"""Windows against a reference, whatever the statistic."""
+
+from __future__ import annotations
+
+from typing import Any, Mapping, Optional
+
+from .anderson_darling import AndersonDarling
+from .arrays import NUMPY, Array, Backend
+from .statistics import CramerVonMises, KolmogorovSmirnov, Statistic
+
+_STATISTICS: Mapping[str, Any] = {
+    "ks": KolmogorovSmirnov,
+    "cvm": CramerVonMises,
+    "ad": AndersonDarling,
+}
+
+
+class Comparison:
+    """Statistics of windows of ``m`` values against fixed references, one per test.
+
+    Args:
+        metric: ``ks``, ``cvm`` or ``ad``.
+        reference: (K, n) of numpy, float64, each row ascending.
+        m: values of a window.
+        backend: of all arrays.
+
+    Attributes:
+        of_ranks: see :class:`Statistic`.
+        tests: K.
+        n: reference values of each test.
+        m: values of a window.
+    """
+
+    of_ranks: Statistic
+
+    def __init__(self, metric: str, reference: Array, m: int, backend: Backend = NUMPY) -> None:
+        self.metric = metric
+        self.backend = backend
+        self.tests, self.n = (int(size) for size in reference.shape)
+        self.m = m
+        self.reference = backend.array(reference)
+        self.of_ranks = _STATISTICS[metric](backend, reference, m)
+
+    def of_windows(self, windows: Array) -> Array:
+        """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
+        count = int(windows.shape[0])
+        values = windows.swapaxes(0, 1).reshape(self.tests, count * self.m)
+
+        def ranks(*, equal: bool) -> Array:
+            found = self.backend.ranks(self.reference, values, equal=equal)
+            return found.reshape(self.tests, count, self.m).swapaxes(0, 1)
+
+        lower, upper = ranks(equal=False), ranks(equal=True)
+        some = bool((lower != upper).any())
+        return self.of_ranks(lower, upper if some else None, self.counts(windows))
+
+    def counts(self, windows: Array) -> Optional[Array]:
+        """Return how many values of a window are <= each one, ascending; None if all differ."""
+        if self.metric == "ks":
+            return None  # not asked for
+        rows = self.backend.sort(windows)
+        if not bool((rows[..., 1:] == rows[..., :-1]).any()):
+            return None
+        flat = rows.reshape(-1, self.m)
+        return self.backend.ranks(flat, flat, equal=True).reshape(rows.shape)
+
+    def value(self, statistic: Any) -> float:
+        """Return a statistic on its usual scale: D = n m D / (n m) for Kolmogorov-Smirnov."""
+        return float(statistic) / (self.n * self.m) if self.metric == "ks" else float(statistic)

@@ -1,0 +1,108 @@
+"""What the robot says -> samples: any value is taken, and what is no sample is counted as such."""
+
+from __future__ import annotations
+
+from typing import Any, List, NamedTuple
+
+import numpy as np
+
+from ..inputs import Messages
+from .arrays import Array
+from .design import rounded
+
+EMPTY = "empty"
+NOT_FINITE = "not_finite"
+WRONG_LENGTH = "wrong_length"
+
+
+class Taken(NamedTuple):
+    """What one step brings.
+
+    Attributes:
+        rows: samples (d,), in the order in which they came.
+        bad: why each other one cannot be used (``empty``, ``not_finite``, ``wrong_length``).
+        fault: what was wrong with the first of these, for people.
+    """
+
+    rows: List[Array]
+    bad: List[str]
+    fault: str = ""
+
+
+def take(value: Any, features: int, *, single: bool) -> Taken:
+    """Read samples out of a value; never raises an Exception.
+
+    Args:
+        value: the messages since the last step; or one message: numbers (d,), rows (r, d), a
+            message of ``std_msgs`` with ``layout`` and ``data``, bytes.
+        features: d.
+        single: round to float32.
+    """
+    taken = Taken([], [])
+    faults: List[str] = []
+    for message in _messages(value):
+        try:
+            found = _array(message)
+        except Exception as problem:  # noqa: BLE001 - any object may be given
+            found = None
+            faults.append(f"it is no array: {type(problem).__name__}")
+        if found is None:
+            taken.bad.append(WRONG_LENGTH)
+            faults.append(f"{features} numbers are expected, not {type(message).__name__}")
+            continue
+        _sort_out(rounded(found, single=single), features, taken, faults)
+    return taken._replace(fault=faults[0] if faults else "")
+
+
+def _messages(value: Any) -> Any:
+    """Return what counts as one message each: a list of lists may have rows of any length."""
+    if isinstance(value, Messages):
+        return value
+    is_list = isinstance(value, (list, tuple)) and len(value) > 0
+    return value if is_list and isinstance(value[0], (list, tuple, np.ndarray)) else (value,)
+
+
+def _array(message: Any) -> Any:
+    """Return numbers as float64 (), (d,) or (r, d); None for anything else."""
+    shape: Any = None
+    if hasattr(message, "layout") and hasattr(message, "data"):
+        message, shape = _laid_out(message.layout, message.data)
+    if isinstance(message, (bytes, bytearray)):
+        message = np.frombuffer(message, dtype=np.uint8)
+    found = np.asarray(message)
+    if found.dtype.kind not in "fiub" or found.ndim > 2:
+        is_empty = found.size == 0 and found.dtype.kind in "fiub"
+        return np.zeros(0) if is_empty else None
+    found = found.astype(np.float64)
+    return found if shape is None else found.reshape(shape)
+
+
+def _laid_out(layout: Any, data: Any) -> Any:
+    """Return data behind the offset, and its shape where the layout has two dimensions."""
+    data = data[layout.data_offset :]
+    sizes = [dimension.size for dimension in layout.dim]
+    if len(sizes) == 2 and sizes[0] * sizes[1] == len(data):
+        return data, (sizes[0], sizes[1])
+    return data, None
+
+
+def _sort_out(found: Array, features: int, taken: Taken, faults: List[str]) -> None:
+    if found.size == 0:
+        taken.bad.append(EMPTY)
+        faults.append("it is empty")
+        return
+    if found.ndim == 2 and found.shape[1] == features:
+        rows = list(found)
+    elif found.size == features:
+        rows = [found.reshape(-1)]  # one sample that has a shape of its own, such as an image
+    else:
+        count, length = found.shape if found.ndim == 2 else (1, found.size)
+        taken.bad.extend([WRONG_LENGTH] * count)
+        faults.append(f"{features} numbers are expected, not {length}")
+        return
+    for row in rows:
+        if np.isfinite(row).all():
+            taken.rows.append(row)
+        else:
+            taken.bad.append(NOT_FINITE)
+            faults.append(f"feature {int(np.argmin(np.isfinite(row)))} is not a finite number")
