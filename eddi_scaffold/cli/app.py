@@ -11,6 +11,7 @@ from eddi_scaffold.cli import (
     answers,
     check,
     compose,
+    diagram,
     example,
     export,
     generate,
@@ -71,6 +72,7 @@ app.command("upgrade")(upgrade.upgrade)
 app.command("status")(status.status)
 app.command("trace")(trace.trace)
 app.command("regions")(regions.regions)
+app.command("diagram")(diagram.diagram)
 app.command("compose")(compose.compose)
 app.command("export")(export.export)
 app.command("answers")(answers.answers)

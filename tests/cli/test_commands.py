@@ -28,7 +28,7 @@ COMMANDS = [
         "regions",
         "compose",
     ),
-    *("export", "answers", "parse-rossystem"),
+    *("export", "answers", "parse-rossystem", "diagram"),
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"

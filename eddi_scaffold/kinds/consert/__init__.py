@@ -13,6 +13,7 @@ from eddi_scaffold.kinds.consert.marks import mark_defaults
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from eddi_scaffold.kinds.consert.options import KEYS, configure, settings
 from eddi_scaffold.kinds.consert.outline import counts, outline
+from eddi_scaffold.kinds.consert.picture import diagram
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
 from eddi_scaffold.kinds.consert.static import static_checks
 from eddi_scaffold.kinds.consert.to_yaml import to_yaml
@@ -101,5 +102,6 @@ KIND = Kind(
     options=KEYS,
     configure=configure,
     settings=settings,
+    diagram=lambda model: diagram(_consert(model)),
 )
 """What the generator knows of ConSerts."""

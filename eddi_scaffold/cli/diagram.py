@@ -1,0 +1,44 @@
+"""``eddi-scaffold diagram``: a picture of a model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import DefaultGuarantees, Name
+
+
+def diagram(
+    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="SVG file, or a folder for one picture per model."),
+    ] = None,
+    name: Name = None,
+    default_guarantee: DefaultGuarantees = None,
+) -> None:
+    """Draw a model as SVG; with several models in the file, one picture for each.
+
+    Example: eddi-scaffold diagram two_conserts.xml --name ConSertA -o conserta.svg
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.picturing import pictures
+    from eddi_scaffold.transaction import FileState, write
+
+    found = pictures(model, name, default_guarantee or (), single=_is_file(output))
+    if output is None:
+        console.data("\n".join(svg.rstrip("\n") for svg in found.values()))
+        return
+    files, folder = found, output
+    if _is_file(output):
+        files, folder = dict(zip([output.name], found.values(), strict=True)), output.parent
+    write(folder, {file: FileState(svg.encode()) for file, svg in files.items()})
+    for file in files:
+        console.success(f"{folder / file}")
+
+
+def _is_file(output: Path | None) -> bool:
+    """Tell whether one file is asked for; standard output is one."""
+    return output is None or output.suffix.lower() == ".svg"

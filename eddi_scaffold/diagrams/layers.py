@@ -1,0 +1,113 @@
+"""Layers of a graph: every edge leads to a later layer, long edges through bends in between.
+
+The steps of Sugiyama, Tagawa and Toda, "Methods for Visual Understanding of Hierarchical System
+Structures" (1981): break cycles, assign layers, reduce crossings, place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+Edge = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Nodes and bends by layer.
+
+    Attributes:
+        rows: numbers of nodes; bends have numbers from ``count`` on.
+        count: how many nodes are no bends.
+        chains: for each edge the numbers on its way, in the direction of the layers.
+        turned: whether the edge leads against the layers, because it closes a cycle.
+    """
+
+    rows: tuple[tuple[int, ...], ...]
+    count: int
+    chains: tuple[tuple[int, ...], ...]
+    turned: tuple[bool, ...]
+
+    def links(self) -> list[Edge]:
+        """Return the pieces of all edges between neighbouring layers, each once."""
+        pieces = [pair for chain in self.chains for pair in pairwise(chain)]
+        return list(dict.fromkeys(pieces))
+
+
+def layered(count: int, edges: Sequence[Edge]) -> Layers:
+    """Assign layers.
+
+    Args:
+        count: number of nodes, which are called 0, 1, ...
+        edges: from, to; loops at one node are drawn as no chain at all.
+    """
+    turned = _turned(count, edges)
+    forward = [(b, a) if back else (a, b) for (a, b), back in zip(edges, turned, strict=True)]
+    depth = _depths(count, [edge for edge in forward if edge[0] != edge[1]])
+    rows: list[list[int]] = [[] for _ in range(max(depth, default=-1) + 1)]
+    for node, row in enumerate(depth):
+        rows[row].append(node)
+    chains: list[tuple[int, ...]] = []
+    bends = count
+    for start, end in forward:
+        if start == end:
+            chains.append(())
+            continue
+        between = []
+        for row in range(depth[start] + 1, depth[end]):
+            rows[row].append(bends)
+            between.append(bends)
+            bends += 1
+        chains.append((start, *between, end))
+    return Layers(tuple(map(tuple, rows)), count, tuple(chains), tuple(turned))
+
+
+def _turned(count: int, edges: Sequence[Edge]) -> list[bool]:
+    """Mark the edges that lead back to a node from which the walk came."""
+    leaving: list[list[int]] = [[] for _ in range(count)]
+    for number, (start, _) in enumerate(edges):
+        leaving[start].append(number)
+    state = [0] * count
+    turned = [False] * len(edges)
+    for root in range(count):
+        if state[root]:
+            continue
+        state[root] = 1
+        walk = [(root, iter(leaving[root]))]
+        while walk:
+            node, rest = walk[-1]
+            edge = next(rest, None)
+            if edge is None:
+                state[node] = 2
+                walk.pop()
+                continue
+            target = edges[edge][1]
+            if state[target] == 1:
+                turned[edge] = target != node
+            elif not state[target]:
+                state[target] = 1
+                walk.append((target, iter(leaving[target])))
+    return turned
+
+
+def _depths(count: int, edges: Sequence[Edge]) -> list[int]:
+    """Return the longest way to each node; sources then move close to what they lead to."""
+    missing = [0] * count
+    following: list[list[int]] = [[] for _ in range(count)]
+    for start, end in edges:
+        missing[end] += 1
+        following[start].append(end)
+    depth = [0] * count
+    order = [node for node in range(count) if not missing[node]]
+    for node in order:
+        for target in following[node]:
+            depth[target] = max(depth[target], depth[node] + 1)
+            missing[target] -= 1
+            if not missing[target]:
+                order.append(target)
+    entered = {end for _, end in edges}
+    for node in reversed(order):
+        if node not in entered and following[node]:
+            depth[node] = min(depth[target] for target in following[node]) - 1
+    return depth

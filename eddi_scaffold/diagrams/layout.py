@@ -1,0 +1,141 @@
+"""A diagram with coordinates: boxes, and lines through points. No font is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from eddi_scaffold.diagrams.diagram import Diagram, DiagramEdge, DiagramNode
+from eddi_scaffold.diagrams.layers import layered
+from eddi_scaffold.diagrams.ordering import ordered
+from eddi_scaffold.diagrams.placing import placed
+
+LETTER, LINE = 6.7, 15.0
+"""Width of a letter and height of a line of 12 pixels, as browsers without our fonts draw them."""
+_PADDING_X, _PADDING_Y = 12.0, 8.0
+_GAP_X, _GAP_Y = 26.0, 44.0
+_BEND = 10.0
+_LONGEST = 28
+"""Letters of a line of a label."""
+_ROUND = {"ellipse": 1.25, "hexagon": 1.2, "and": 1.1, "or": 1.2, "not": 1.3}
+"""How much wider than its text a shape must be."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """Where a node stands: its middle, its size, and the lines of its label."""
+
+    node: DiagramNode
+    x: float
+    y: float
+    width: float
+    height: float
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """Where an edge runs: points from its source to its target."""
+
+    edge: DiagramEdge
+    points: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A diagram that can be drawn."""
+
+    boxes: tuple[Box, ...]
+    lines: tuple[Line, ...]
+    width: float
+    height: float
+
+
+def laid_out(diagram: Diagram) -> Layout:
+    """Give every node and edge of a diagram its place."""
+    nodes = diagram.nodes
+    number = {node.id: index for index, node in enumerate(nodes)}
+    edges = [edge for edge in diagram.edges if edge.source in number and edge.target in number]
+    ends = [(number[edge.source], number[edge.target]) for edge in edges]
+    layers = layered(len(nodes), ends)
+    rows = ordered(layers)
+    labels = [label_of(node) for node in nodes]
+    sizes = [_size(node, label) for node, label in zip(nodes, labels, strict=True)]
+    widths = {node: sizes[node][0] if node < len(nodes) else _BEND for row in rows for node in row}
+    middle = placed(rows, widths, layers.links(), _GAP_X)
+    heights = [
+        max((sizes[node][1] for node in row if node < len(nodes)), default=0.0) for row in rows
+    ]
+    y, total = _levels(heights, upward=diagram.direction == "up")
+    at = {node: (middle[node], y[row]) for row, found in enumerate(rows) for node in found}
+    boxes = tuple(
+        Box(node, *at[index], *sizes[index], labels[index]) for index, node in enumerate(nodes)
+    )
+    lines = tuple(
+        Line(edge, _points(boxes[a], boxes[b], [at[bend] for bend in _bends(chain, back)]))
+        for edge, (a, b), chain, back in zip(edges, ends, layers.chains, layers.turned, strict=True)
+    )
+    width = max((box.x + box.width / 2 for box in boxes), default=0.0)
+    return Layout(boxes, lines, max(width, *(x for x, _ in at.values()), 0.0), total)
+
+
+def label_of(node: DiagramNode) -> tuple[str, ...]:
+    """Return the lines of a label, wrapped between words or parts of a name, and cut."""
+    found: list[str] = []
+    for line in node.lines:
+        found += _wrapped(" ".join(line.split()))
+    return tuple(found)
+
+
+def _wrapped(text: str) -> list[str]:
+    if len(text) <= _LONGEST:
+        return [text]
+    cut = max(text.rfind(mark, 0, _LONGEST) for mark in " _-./")
+    if cut < _LONGEST // 2:
+        cut = _LONGEST - 1
+    first, rest = text[: cut + 1].rstrip(), text[cut + 1 :].lstrip()
+    return [first, rest if len(rest) <= _LONGEST else f"{rest[: _LONGEST - 1]}…"]
+
+
+def _size(node: DiagramNode, label: Sequence[str]) -> tuple[float, float]:
+    widest = max((len(line) for line in label), default=0) * LETTER
+    stretch = _ROUND.get(node.shape, 1.0)
+    return widest * stretch + 2 * _PADDING_X, len(label) * LINE * stretch + 2 * _PADDING_Y
+
+
+def _levels(heights: Sequence[float], *, upward: bool) -> tuple[list[float], float]:
+    """Return the middle of each row and the height of all; the first row is at the foot if up."""
+    total = sum(heights) + _GAP_Y * max(len(heights) - 1, 0)
+    found, edge = [], 0.0
+    for height in heights:
+        middle = edge + height / 2
+        found.append(total - middle if upward else middle)
+        edge += height + _GAP_Y
+    return found, total
+
+
+def _bends(chain: Sequence[int], turned: bool) -> Sequence[int]:
+    inner = chain[1:-1]
+    return inner[::-1] if turned else inner
+
+
+def _points(
+    start: Box, end: Box, between: Sequence[tuple[float, float]]
+) -> tuple[tuple[float, float], ...]:
+    """Return where a line leaves its source, bends, and meets its target."""
+    if start is end:
+        side = start.x + start.width / 2
+        return ((side, start.y - 6), (side + 22, start.y), (side, start.y + 6))
+    after = between[0] if between else (end.x, end.y)
+    before = between[-1] if between else (start.x, start.y)
+    return (_border(start, after), *between, _border(end, before))
+
+
+def _border(box: Box, towards: tuple[float, float]) -> tuple[float, float]:
+    """Return the point of a box's upper or lower side where a line meets it, near its middle."""
+    down = towards[1] > box.y
+    reach = box.width / 4
+    x = min(max(towards[0], box.x - reach), box.x + reach)
+    if box.node.shape in ("ellipse", "and", "or", "not", "hexagon"):
+        x = box.x
+    return x, box.y + (box.height / 2 if down else -box.height / 2)

@@ -1,0 +1,145 @@
+"""The layered layout keeps its rules on any graph, and the SVG of any label is an SVG."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from itertools import combinations, pairwise
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, drawn
+from eddi_scaffold.diagrams.layers import layered
+from eddi_scaffold.diagrams.layout import label_of, laid_out
+from eddi_scaffold.diagrams.ordering import crossings, ordered
+from eddi_scaffold.diagrams.placing import placed
+
+ROOT = Path(__file__).parents[2]
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@st.composite
+def graphs(draw: st.DrawFn) -> tuple[int, list[tuple[int, int]]]:
+    count = draw(st.integers(0, 12))
+    nodes = st.integers(0, max(count - 1, 0))
+    edges = st.lists(st.tuples(nodes, nodes), max_size=24, unique=True)
+    return count, draw(edges) if count else []
+
+
+@given(graphs())
+def test_every_piece_of_an_edge_leads_one_layer_on(
+    graph: tuple[int, list[tuple[int, int]]],
+) -> None:
+    count, edges = graph
+    layers = layered(count, edges)
+    row = {node: number for number, nodes in enumerate(layers.rows) for node in nodes}
+    assert {*range(count)} <= {*row}
+    for (start, end), chain, turned in zip(edges, layers.chains, layers.turned, strict=True):
+        if start == end:
+            assert chain == ()
+            continue
+        assert (chain[0], chain[-1]) == ((end, start) if turned else (start, end))
+        assert all(row[b] == row[a] + 1 for a, b in pairwise(chain))
+
+
+@given(graphs())
+def test_the_order_has_no_more_crossings_than_the_first_one(
+    graph: tuple[int, list[tuple[int, int]]],
+) -> None:
+    layers = layered(*graph)
+    below: dict[int, list[int]] = {}
+    for start, end in layers.links():
+        below.setdefault(start, []).append(end)
+    rows = ordered(layers)
+    assert [sorted(row) for row in rows] == [sorted(row) for row in layers.rows]
+    assert crossings(rows, below) <= crossings(layers.rows, below)
+
+
+def test_crossings_are_counted_as_by_hand() -> None:
+    below = {0: [4, 5], 1: [3], 2: [3, 4]}
+    by_hand = sum(
+        (a < c) != (b < d)
+        for (a, b), (c, d) in combinations([(s, t) for s, ts in below.items() for t in ts], 2)
+        if a != c and b != d
+    )
+    assert crossings([[0, 1, 2], [3, 4, 5]], below) == by_hand == 5
+    assert crossings([[1, 2, 0], [3, 4, 5]], below) == 0
+
+
+@given(st.lists(st.lists(st.floats(1, 50), min_size=1, max_size=5), min_size=1, max_size=4))
+def test_neighbours_of_a_row_never_overlap(widths: list[list[float]]) -> None:
+    rows, spans = [], {}
+    for row in widths:
+        rows.append([len(spans) + number for number in range(len(row))])
+        spans |= {len(spans) + number: width for number, width in enumerate(row)}
+    links = [(a, b) for upper, lower in pairwise(rows) for a in upper for b in lower]
+    middle = placed(rows, spans, links, 3.0)
+    for row in rows:
+        for a, b in pairwise(row):
+            assert middle[b] - middle[a] >= (spans[a] + spans[b]) / 2 + 3 - 1e-6
+
+
+def chain(count: int) -> Diagram:
+    """A network of 40 nodes as people draw them: a few parents each."""
+    names = [f"Node_{number}" for number in range(count)]
+    edges = [
+        DiagramEdge(names[start], names[end])
+        for end in range(1, count)
+        for start in sorted({(end - 1) // 2, end * 7 // 10})
+    ]
+    nodes = tuple(DiagramNode(name, (name, "low, high"), "table") for name in names)
+    return Diagram("Forty", nodes, tuple(edges))
+
+
+def test_forty_nodes_stand_apart_inside_the_picture() -> None:
+    layout = laid_out(chain(40))
+    for a, b in combinations(layout.boxes, 2):
+        apart_x = abs(a.x - b.x) >= (a.width + b.width) / 2
+        assert apart_x or abs(a.y - b.y) >= (a.height + b.height) / 2
+    for box in layout.boxes:
+        assert box.x - box.width / 2 >= 0
+        assert box.x + box.width / 2 <= layout.width
+        assert box.y - box.height / 2 >= 0
+        assert box.y + box.height / 2 <= layout.height + 1e-6
+    assert layout.width < 3000
+
+
+texts = st.text(max_size=60)
+
+
+@given(texts, st.lists(texts, min_size=1, max_size=3), st.booleans())
+def test_any_text_stays_text(title: str, lines: list[str], upward: bool) -> None:
+    nodes = (DiagramNode("a", tuple(lines)), DiagramNode("b", ("b",), "and"))
+    edges = (DiagramEdge("a", "b", title), DiagramEdge("b", "a"), DiagramEdge("a", "a"))
+    root = ET.fromstring(drawn(Diagram(title, nodes, edges, "up" if upward else "down")))
+    known = {"svg", "title", "desc", "style", "defs", "marker", "path", "rect", "text", "g"}
+    assert {one.tag.removeprefix(SVG) for one in root.iter()} <= known
+
+
+def test_long_labels_are_wrapped_and_cut() -> None:
+    assert label_of(DiagramNode("a", ("a" * 80,))) == ("a" * 28, f"{'a' * 27}…")
+    words = "the speed of the vehicle in front of us"
+    assert label_of(DiagramNode("a", (words,))) == ("the speed of the vehicle in", "front of us")
+
+
+def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
+    code = (
+        "from tests.diagrams.test_diagrams import chain, drawn; import hashlib; "
+        "print(hashlib.sha256(drawn(chain(40)).encode()).hexdigest())"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed, locale in (("1", "C"), ("2", "de_DE.UTF-8"))
+    }
+    assert len(found) == 1

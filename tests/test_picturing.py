@@ -1,0 +1,28 @@
+"""Which pictures a file gives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from eddi_scaffold import picturing
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.picturing import pictures
+from eddi_scaffold.problems import EddiError
+from tests.checkouts import HERE
+
+MODEL = HERE / "examples" / "two-conserts" / "two_conserts.xml"
+
+
+def test_one_picture_for_each_model() -> None:
+    assert list(pictures(MODEL, None, (), single=False)) == ["ConSertA.svg", "ConSertB.svg"]
+    assert list(pictures(MODEL, "ConSertB", (), single=True)) == ["ConSertB.svg"]
+
+
+def test_a_kind_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = {name: replace(kind, diagram=None) for name, kind in kinds().items()}
+    monkeypatch.setattr(picturing, "kinds", lambda: plain)
+    with pytest.raises(EddiError) as refused:
+        pictures(MODEL, None, (), single=False)
+    assert [problem.code for problem in refused.value.problems] == ["G018"]
