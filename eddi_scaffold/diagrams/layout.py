@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramEdge, DiagramNode
@@ -12,6 +12,8 @@ from eddi_scaffold.diagrams.placing import placed
 
 LETTER, LINE = 6.7, 15.0
 """Width of a letter and height of a line of 12 pixels, as browsers without our fonts draw them."""
+RULE = 6.0
+"""Space around the line below the heading of a table."""
 _PADDING_X, _PADDING_Y = 12.0, 8.0
 _GAP_X, _GAP_Y = 26.0, 44.0
 _BEND = 10.0
@@ -68,12 +70,13 @@ def laid_out(diagram: Diagram) -> Layout:
     ]
     y, total = _levels(heights, upward=diagram.direction == "up")
     at = {node: (middle[node], y[row]) for row, found in enumerate(rows) for node in found}
+    half = {y[row]: height / 2 for row, height in enumerate(heights)}
     boxes = tuple(
         Box(node, *at[index], *sizes[index], labels[index]) for index, node in enumerate(nodes)
     )
     lines = tuple(
-        Line(edge, _points(boxes[a], boxes[b], [at[bend] for bend in _bends(chain, back)]))
-        for edge, (a, b), chain, back in zip(edges, ends, layers.chains, layers.turned, strict=True)
+        Line(edge, _points(boxes[a], boxes[b], _bends([at[bend] for bend in chain[1:-1]], half)))
+        for edge, (a, b), chain in zip(edges, ends, layers.chains, strict=True)
     )
     width = max((box.x + box.width / 2 for box in boxes), default=0.0)
     return Layout(boxes, lines, max(width, *(x for x, _ in at.values()), 0.0), total)
@@ -100,7 +103,9 @@ def _wrapped(text: str) -> list[str]:
 def _size(node: DiagramNode, label: Sequence[str]) -> tuple[float, float]:
     widest = max((len(line) for line in label), default=0) * LETTER
     stretch = _ROUND.get(node.shape, 1.0)
-    return widest * stretch + 2 * _PADDING_X, len(label) * LINE * stretch + 2 * _PADDING_Y
+    rule = RULE if node.shape == "table" and len(label) > 1 else 0.0
+    height = len(label) * LINE * stretch + 2 * _PADDING_Y + rule
+    return widest * stretch + 2 * _PADDING_X, height
 
 
 def _levels(heights: Sequence[float], *, upward: bool) -> tuple[list[float], float]:
@@ -114,9 +119,11 @@ def _levels(heights: Sequence[float], *, upward: bool) -> tuple[list[float], flo
     return found, total
 
 
-def _bends(chain: Sequence[int], turned: bool) -> Sequence[int]:
-    inner = chain[1:-1]
-    return inner[::-1] if turned else inner
+def _bends(
+    middles: Sequence[tuple[float, float]], half: Mapping[float, float]
+) -> list[tuple[float, float]]:
+    """Return two points for each bend, so that a line passes its row upright between the boxes."""
+    return [(x, y + side * half[y]) for x, y in middles for side in (-1, 1)]
 
 
 def _points(
@@ -126,6 +133,8 @@ def _points(
     if start is end:
         side = start.x + start.width / 2
         return ((side, start.y - 6), (side + 22, start.y), (side, start.y + 6))
+    upward = start.y > end.y
+    between = sorted(between, key=lambda point: -point[1] if upward else point[1])
     after = between[0] if between else (end.x, end.y)
     before = between[-1] if between else (start.x, start.y)
     return (_border(start, after), *between, _border(end, before))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from xml.sax.saxutils import escape
 
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramNode, LegendEntry, Shape, Tone
-from eddi_scaffold.diagrams.layout import LETTER, LINE, Box, Line, laid_out
+from eddi_scaffold.diagrams.layout import LETTER, LINE, RULE, Box, Line, laid_out
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
 _TONES: dict[Tone, tuple[str, str]] = {
@@ -97,13 +97,15 @@ def _node(box: Box) -> Iterable[str]:
 def _label(node: DiagramNode, box: Box) -> Iterable[str]:
     top = box.y - len(box.lines) * LINE / 2
     if node.shape == "table" and len(box.lines) > 1:
-        y = _n(top + LINE + 2)
+        top -= RULE / 2
+        y = _n(top + LINE + RULE / 2)
         left, right = _n(box.x - box.width / 2), _n(box.x + box.width / 2)
         colour = _TONES[node.tone][1]
         yield f'<path d="M{left} {y}H{right}" stroke="{colour}" stroke-width="1"/>'
     for number, line in enumerate(box.lines):
         style = ' class="head"' if number == 0 else ""
-        y = _n(top + number * LINE + 11.5)
+        below = RULE if number and node.shape == "table" else 0.0
+        y = _n(top + number * LINE + 11.5 + below)
         yield f'<text{style} x="{_n(box.x)}" y="{y}">{escape(_printable(line))}</text>'
 
 
