@@ -1,0 +1,47 @@
+"""The canonical form: every operator in parentheses, durations in whole ms or ns."""
+
+from __future__ import annotations
+
+from eddi_scaffold.events.syntax import OPERATORS, PREFIXES, File, Node
+
+_MS = 10**6
+
+
+def canonical(file: File, root: int) -> str:
+    """Return the canonical form of the expression that ends at a node."""
+    texts: list[str] = []
+    for node in file.nodes[: root + 1]:
+        texts.append(_text(node, [texts[k] for k in node.args]))
+        for k in node.args:
+            texts[k] = ""  # each is used once: what is printed can go
+    return texts[root]
+
+
+def number_text(value: float) -> str:
+    """Return the shortest text that gives this number again: ``100``, ``0.5``, ``1e-07``."""
+    text = repr(float(value))
+    return text.removesuffix(".0")
+
+
+def duration_text(ns: int) -> str:
+    """Return a duration as it stands in the canonical form."""
+    return f"{ns}ns" if ns % _MS else f"{ns // _MS}ms"
+
+
+def _text(node: Node, args: list[str]) -> str:
+    if node.op in OPERATORS:
+        return f"({args[0]} {OPERATORS[node.op]} {args[1]})"
+    if node.op in PREFIXES:
+        return f"({PREFIXES[node.op]}{args[0]})"
+    if node.op == "number":
+        return number_text(float(node.text)) + (f" {node.unit}" if node.unit else "")
+    if node.op == "truth":
+        return node.text.upper()
+    if node.op == "name":
+        return node.text
+    inside = [*args]
+    if node.window:
+        inside.append(duration_text(node.window))
+    if node.coverage is not None:
+        inside.append(f"COVERAGE {number_text(node.coverage)}")
+    return f"{node.op.upper()}({', '.join(inside)})"

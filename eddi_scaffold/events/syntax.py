@@ -1,0 +1,168 @@
+"""What a text of events says: declarations, and expressions as flat lists of nodes.
+
+The nodes of all expressions stand in one tuple, each behind its operands, so that every walk over
+them is a loop: a text of 10,000 nodes may be a chain as deep as it is long.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Node:
+    """One operation, literal or name.
+
+    Attributes:
+        op: ``number``, ``truth``, ``name``, ``neg``, ``not``, an operator (``add``, ``lt``,
+            ``and``, ...) or a function (``average``, ``latch``, ...).
+        args: indices of the operands.
+        start: offset of its first character, with the parenthesis around it.
+        at: offset of the operator or of the function's name.
+        text: name, number or truth value as it stands there.
+        unit: of a number.
+        wrapped: it stands in parentheses of its own.
+        window: nanoseconds of a window.
+        window_at: offset of the duration.
+        coverage: share of known samples that is enough.
+    """
+
+    op: str
+    args: tuple[int, ...]
+    start: int
+    at: int
+    text: str = ""
+    unit: str | None = None
+    wrapped: bool = False
+    window: int = 0
+    window_at: int = 0
+    coverage: float | None = None
+
+
+@dataclass(frozen=True)
+class Named:
+    """A name and where it stands."""
+
+    name: str
+    at: int
+
+
+@dataclass(frozen=True)
+class EnumDeclaration(Named):
+    """``ENUM Mode { AUTO, MANUAL }``."""
+
+    literals: tuple[Named, ...]
+
+
+@dataclass(frozen=True)
+class Bound:
+    """One end of a RANGE, or the value of a CONST."""
+
+    value: float
+    unit: str | None
+    at: int
+
+
+@dataclass(frozen=True)
+class VarDeclaration(Named):
+    """``VAR x : NUMBER UNIT degC RATE 10 Hz TIMEOUT 500ms RANGE 0 .. 100 ALLOW INF``.
+
+    Attributes:
+        type: ``NUMBER``, ``BOOL`` or the name of an ENUM, with its place.
+        unit: with its place.
+        rate: samples per second.
+        timeout: nanoseconds.
+        range: both ends.
+        infinite: ALLOW INF.
+    """
+
+    type: Named
+    unit: Named | None = None
+    rate: float | None = None
+    timeout: int | None = None
+    range: tuple[Bound, Bound] | None = None
+    infinite: bool = False
+
+
+@dataclass(frozen=True)
+class ConstDeclaration(Named):
+    """``CONST limit = 5 m``."""
+
+    value: Bound
+
+
+@dataclass(frozen=True)
+class EventDeclaration(Named):
+    """``EVENT hot (EVIDENCE) := x > 5``, or a bare expression.
+
+    Attributes:
+        polarity: ``EVIDENCE`` or ``HAZARD``, None when not said.
+        first: index of the expression's first node.
+        root: index of its last node.
+        anonymous: a bare expression.
+    """
+
+    polarity: str | None
+    first: int
+    root: int
+    anonymous: bool = False
+
+
+@dataclass(frozen=True)
+class File:
+    """A text that was parsed.
+
+    Attributes:
+        nodes: of all expressions.
+    """
+
+    nodes: tuple[Node, ...]
+    enums: tuple[EnumDeclaration, ...]
+    variables: tuple[VarDeclaration, ...]
+    constants: tuple[ConstDeclaration, ...]
+    events: tuple[EventDeclaration, ...]
+
+
+OPERATORS = {
+    "implies": "IMPLIES",
+    "or": "OR",
+    "xor": "XOR",
+    "and": "AND",
+    "lt": "<",
+    "le": "<=",
+    "gt": ">",
+    "ge": ">=",
+    "eq": "==",
+    "ne": "!=",
+    "add": "+",
+    "sub": "-",
+    "mul": "*",
+    "div": "/",
+}
+"""Operation with two operands -> how it is written."""
+PREFIXES = {"not": "NOT ", "neg": "-"}
+WINDOWS = {
+    "AVERAGE": "average",
+    "AVG": "average",
+    "MAX": "max",
+    "MIN": "min",
+    "SUM": "sum",
+    "COUNT": "count",
+    "RATE": "rate",
+    "STDDEV": "stddev",
+    "MEDIAN": "median",
+    "TIME": "time",
+    "ONCE": "once",
+}
+FUNCTIONS = {
+    "ABS": 1,
+    "ELAPSED": 1,
+    "RISE": 1,
+    "FALL": 1,
+    "EDGE": 1,
+    "LATCH": 2,
+    "HYSTERESIS": 3,
+    "KNOWN": 1,
+    "AGE": 1,
+}
+"""Function -> number of its arguments."""

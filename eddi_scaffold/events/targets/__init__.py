@@ -1,0 +1,1 @@
+"""Standalone monitors from the intermediate form: one printer per language."""

@@ -1,0 +1,337 @@
+"""Windows in C99, the same algorithms as ``eddi_runtime.event.windows`` in the same order.
+
+Buffers are rings whose size is a power of two; the arrays lie in the monitor's struct and are
+passed beside the ring, so that a struct can be copied as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+TYPES = """\
+typedef struct {
+    uint32_t head;      /* index of the oldest sample */
+    uint32_t size;      /* samples */
+    uint32_t front;     /* samples of the old stack, sums only */
+    uint32_t known;     /* known samples, COVERAGE only */
+    uint32_t overflows; /* samples that had to go too early */
+    int64_t bad;        /* time of the last sample that makes the window UNKNOWN */
+    double high;        /* sum or mean of the new stack */
+    double low;         /* what was rounded off, or squares, of the new stack */
+} event_ring;
+
+typedef struct {
+    int64_t last;
+    int64_t unknown;
+} event_hold;
+"""
+
+_RING = """\
+static void ring_reset(event_ring *r)
+{
+    r->head = 0u;
+    r->size = 0u;
+    r->front = 0u;
+    r->known = 0u;
+    r->bad = INT64_MIN;
+    r->high = 0.0;
+    r->low = 0.0;
+}
+"""
+_QUEUE = """\
+static void ring_drop(event_ring *r, uint32_t capacity)
+{
+    r->head = (r->head + 1u) & (capacity - 1u);
+    r->size--;
+}
+
+static void ring_expire(event_ring *r, const int64_t *ts, uint32_t capacity, int64_t start)
+{
+    while (r->size > 0u && ts[r->head] <= start) {
+        ring_drop(r, capacity);
+    }
+}
+
+static uint32_t ring_append(event_ring *r, int64_t *ts, uint32_t capacity, int64_t t)
+{
+    uint32_t at;
+    if (r->size == capacity) {
+        ring_drop(r, capacity);
+        r->overflows++;
+        r->bad = t;
+    }
+    at = (r->head + r->size) & (capacity - 1u);
+    ts[at] = t;
+    r->size++;
+    return at;
+}
+"""
+_PLAIN = """\
+static void queue_add(event_ring *r, int64_t *ts, double *xs, uint32_t capacity, int64_t t,
+                      double x)
+{
+    xs[ring_append(r, ts, capacity, t)] = x;
+}
+"""
+_EXTREME = """\
+static void {name}_add(event_ring *r, int64_t *ts, double *xs, uint32_t capacity, int64_t t,
+                    double x)
+{{
+    while (r->size > 0u && xs[(r->head + r->size - 1u) & (capacity - 1u)] {sign} x) {{
+        r->size--;
+    }}
+    queue_add(r, ts, xs, capacity, t, x);
+}}
+"""
+_RATE = """\
+static double rate_value(const event_ring *r, const int64_t *ts, const double *xs,
+                         uint32_t capacity)
+{
+    uint32_t last = (r->head + r->size - 1u) & (capacity - 1u);
+    double value;
+    if (ts[r->head] == ts[last]) {
+        return NAN;
+    }
+    value = (xs[last] - xs[r->head]) / ((double)(ts[last] - ts[r->head]) / 1e9);
+    return isfinite(value) ? value : NAN;
+}
+"""
+_MEDIAN = """\
+/* The first index in a sorted array whose value is not less than x. */
+static uint32_t sorted_place(const double *sorted, uint32_t size, double x)
+{
+    uint32_t low = 0u, high = size;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2u;
+        if (sorted[middle] < x) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+static void sorted_remove(double *sorted, uint32_t size, double x)
+{
+    uint32_t k;
+    for (k = sorted_place(sorted, size, x); k + 1u < size; k++) {
+        sorted[k] = sorted[k + 1u];
+    }
+}
+
+static void median_expire(event_ring *r, const int64_t *ts, const double *xs, double *sorted,
+                          uint32_t capacity, int64_t start)
+{
+    while (r->size > 0u && ts[r->head] <= start) {
+        sorted_remove(sorted, r->size, xs[r->head]);
+        ring_drop(r, capacity);
+    }
+}
+
+/* Worst case: as many moves as there are samples. */
+static void median_add(event_ring *r, int64_t *ts, double *xs, double *sorted, uint32_t capacity,
+                       int64_t t, double x)
+{
+    uint32_t k, place;
+    if (r->size == capacity) {
+        sorted_remove(sorted, r->size, xs[r->head]);
+    }
+    queue_add(r, ts, xs, capacity, t, x);
+    place = sorted_place(sorted, r->size - 1u, x);
+    for (k = r->size - 1u; k > place; k--) {
+        sorted[k] = sorted[k - 1u];
+    }
+    sorted[place] = x;
+}
+
+static double median_value(const event_ring *r, const double *sorted)
+{
+    uint32_t middle = r->size / 2u;
+    double high = sorted[middle];
+    double low = (r->size % 2u) ? high : sorted[middle - 1u];
+    double value;
+    if (low == high) {
+        return high;
+    }
+    value = 0.5 * low + 0.5 * high;
+    return isfinite(value) ? value : NAN;
+}
+"""
+_STACKS = """\
+static void {name}_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+                     double *lows, uint32_t capacity, int64_t start)
+{{
+    uint32_t k, count = 0u;
+    r->high = 0.0;
+    r->low = 0.0;
+    for (k = r->size; k > 0u; k--) {{
+        uint32_t at = (r->head + k - 1u) & (capacity - 1u);
+        if (ts[at] <= start) {{
+            break;
+        }}
+        count++;
+        {name}_gather(r, xs[at], count);
+        highs[at] = r->high;
+        lows[at] = r->low;
+    }}
+    r->head = (r->head + r->size - count) & (capacity - 1u);
+    r->size = count;
+    r->front = count;
+    r->high = 0.0;
+    r->low = 0.0;
+}}
+
+/* Worst case once in a turn of the window: as many sums as there are samples. */
+static void {name}_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+                       double *lows, uint32_t capacity, int64_t start)
+{{
+    while (r->front > 0u && ts[r->head] <= start) {{
+        ring_drop(r, capacity);
+        r->front--;
+    }}
+    if (r->front == 0u && r->size > 0u && ts[r->head] <= start) {{
+        {name}_turn(r, ts, xs, highs, lows, capacity, start);
+    }}
+}}
+
+static void {name}_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
+                    uint32_t capacity, int64_t t, double x)
+{{
+    if (r->size == capacity) {{
+        if (r->front == 0u) {{
+            {name}_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
+        }}
+        r->front--;
+    }}
+    queue_add(r, ts, xs, capacity, t, x);
+    {name}_gather(r, x, r->size - r->front);
+}}
+"""
+_SUM = """\
+/* Compensated (Neumaier 1974). */
+static void sum_gather(event_ring *r, double x, uint32_t count)
+{
+    double total = r->high + x;
+    (void)count;
+    if (fabs(r->high) >= fabs(x)) {
+        r->low += (r->high - total) + x;
+    } else {
+        r->low += (x - total) + r->high;
+    }
+    r->high = total;
+}
+
+"""
+_SUM_VALUE = """\
+static double sum_value(const event_ring *r, const double *highs, const double *lows)
+{
+    double total, rest, high;
+    if (r->front == 0u) {
+        total = r->high + r->low;
+    } else {
+        high = highs[r->head];
+        total = high + r->high;
+        if (fabs(high) >= fabs(r->high)) {
+            rest = (high - total) + r->high;
+        } else {
+            rest = (r->high - total) + high;
+        }
+        total += rest + (lows[r->head] + r->low);
+    }
+    return isfinite(total) ? total : NAN;
+}
+"""
+_STDDEV = """\
+/* Mean and squares (Welford 1962). */
+static void stddev_gather(event_ring *r, double x, uint32_t count)
+{
+    double away = x - r->high;
+    r->high += away / (double)count;
+    r->low += away * (x - r->high);
+}
+
+"""
+_STDDEV_VALUE = """\
+static double stddev_value(const event_ring *r, const double *means, const double *squares)
+{
+    uint32_t fresh = r->size - r->front;
+    double value = r->low;
+    if (r->size < 2u) {
+        return NAN;
+    }
+    if (r->front > 0u) {
+        value = squares[r->head] + value;
+        if (fresh > 0u) { /* Chan, Golub, LeVeque 1979 */
+            double away = r->high - means[r->head];
+            value += away * away * ((double)r->front * (double)fresh / (double)(r->front + fresh));
+        }
+    }
+    value = value / (double)(r->size - 1u);
+    return isfinite(value) ? sqrt(value) : NAN;
+}
+"""
+_COVERED = """\
+/* All samples and which are known; the windows over the known ones stand beside. */
+static void covered_add(event_ring *r, int64_t *ts, bool *ks, uint32_t capacity, int64_t t,
+                        int64_t start, bool known)
+{
+    while (r->size > 0u && ts[r->head] <= start) {
+        r->known -= ks[r->head] ? 1u : 0u;
+        ring_drop(r, capacity);
+    }
+    if (r->size == capacity) {
+        r->known -= ks[r->head] ? 1u : 0u;
+    }
+    ks[ring_append(r, ts, capacity, t)] = known;
+    r->known += known ? 1u : 0u;
+}
+"""
+_HOLD = """\
+/* TIME (dominant 0) and ONCE (dominant 2): AND and OR by the last times of two values. */
+static int hold_push(event_hold *h, int64_t start, int64_t t, bool full, int dominant, int x)
+{
+    if (x == dominant) {
+        h->last = t;
+    } else if (x == 1) {
+        h->unknown = t;
+    }
+    if (h->last > start) {
+        return dominant;
+    }
+    if (!full || h->unknown > start) {
+        return 1;
+    }
+    return 2 - dominant;
+}
+"""
+_EXACT = """\
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int greatest(int a, int b)
+{
+    return a > b ? a : b;
+}
+"""
+_AND_OR = ("and", "or", "implies", "rise", "fall", "edge", "latch")
+
+
+def functions(ops: Iterable[str], *, covered: bool) -> str:
+    """Return the static functions that these operations need."""
+    used = set(ops)
+    buffered = used & {"average", "sum", "max", "min", "median", "stddev", "rate", "count"}
+    parts = [_EXACT] if used & set(_AND_OR) else []
+    parts += [_RING, _QUEUE] if buffered else []
+    parts += [_PLAIN] if buffered - {"count"} else []
+    parts += [_EXTREME.format(name="max", sign="<=")] if "max" in used else []
+    parts += [_EXTREME.format(name="min", sign=">=")] if "min" in used else []
+    parts += [_RATE] if "rate" in used else []
+    parts += [_MEDIAN] if "median" in used else []
+    parts += [_SUM + _STACKS.format(name="sum"), _SUM_VALUE] if used & {"sum", "average"} else []
+    parts += [_STDDEV + _STACKS.format(name="stddev"), _STDDEV_VALUE] if "stddev" in used else []
+    parts += [_COVERED] if covered else []
+    parts += [_HOLD] if used & {"time", "once"} else []
+    return "\n".join(parts)

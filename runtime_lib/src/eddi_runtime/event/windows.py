@@ -1,0 +1,412 @@
+"""Sliding windows over time: the samples of the last ``length`` nanoseconds, O(1) amortised a step.
+
+A window at time t holds the samples in (t - length, t]. It is full when the time since the first
+sample (after the start, a gap, or a clock that went back) is at least ``need`` = length - period.
+An UNKNOWN sample is NaN; it makes the window UNKNOWN as long as it is inside. Sums and moments are
+kept in two stacks, as sums from the newest sample to each older one, and as a sum of what came
+since: nothing is ever subtracted, so that a spike that has left leaves no error behind.
+
+The classes stand in generated modules as they are here (``inspect.getsource``).
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, insort
+from collections import deque
+from typing import Deque, List, Tuple, Union
+
+NEVER = -(1 << 64)
+"""Before any time that fits into 64 bits."""
+
+nan = math.nan
+"""A number that is UNKNOWN."""
+
+
+class Window:
+    """What all windows share.
+
+    Attributes:
+        length: nanoseconds.
+        need: time since the first sample from which on it is full.
+        bad: time of the last sample that makes it UNKNOWN.
+        capacity: samples that fit; a host may step twice as often as the rate says.
+        overflows: how often the oldest sample had to go too early. The window is UNKNOWN until
+            the time of the overflow has left it.
+    """
+
+    __slots__ = ("bad", "capacity", "length", "need", "overflows")
+
+    def __init__(self, length: int, need: int, capacity: int) -> None:
+        self.length = length
+        self.need = need
+        self.capacity = capacity
+        self.overflows = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        self.bad = NEVER
+        self._clear()
+
+    def push(self, t: int, age: int, x: float) -> float:
+        """Take a sample and return the value of the window, NaN for UNKNOWN.
+
+        Args:
+            t: time of the step, later than the one before.
+            age: time since the first sample.
+            x: the sample, NaN for UNKNOWN.
+        """
+        start = t - self.length
+        self.expire(start)
+        if x == x:  # noqa: PLR0124 - not NaN
+            self.add(t, x)
+        else:
+            self.bad = t
+        if age < self.need or self.bad > start:
+            return nan
+        return self.value()
+
+    def expire(self, start: int) -> None:
+        """Drop the samples up to a time."""
+        raise NotImplementedError
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        raise NotImplementedError
+
+    def value(self) -> float:
+        """Return the value over the samples; there is one at least."""
+        raise NotImplementedError
+
+    def _clear(self) -> None:
+        raise NotImplementedError
+
+    def _overflow(self, t: int) -> None:
+        self.overflows += 1
+        self.bad = t
+
+
+class Covered:
+    """A window that may hold UNKNOWN samples, as long as enough of its samples are known."""
+
+    __slots__ = ("_coverage", "_known", "_samples", "_window", "bad", "capacity", "overflows")
+
+    def __init__(self, window: Window, coverage: float) -> None:
+        self._window = window
+        self._coverage = coverage
+        self.capacity = window.capacity
+        self.overflows = 0
+        self._samples: Deque[Tuple[int, bool]] = deque()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        self.bad = NEVER
+        self._known = 0
+        self._samples.clear()
+        self._window.reset()
+
+    def push(self, t: int, age: int, x: float) -> float:
+        """Take a sample and return the value over the known ones; see ``Window.push``."""
+        window = self._window
+        samples = self._samples
+        start = t - window.length
+        while samples and samples[0][0] <= start:
+            self._known -= samples.popleft()[1]
+        if len(samples) == self.capacity:
+            self._known -= samples.popleft()[1]
+            self.overflows += 1
+            self.bad = t
+        known = x == x  # noqa: PLR0124 - not NaN
+        samples.append((t, known))
+        window.expire(start)
+        if known:
+            self._known += 1
+            window.add(t, x)
+        if age < window.need or self.bad > start or window.bad > start:
+            return nan
+        return window.value() if self._known / len(samples) >= self._coverage else nan
+
+
+class Queue(Window):
+    """Samples in the order of time."""
+
+    __slots__ = ("_samples",)
+
+    def _clear(self) -> None:
+        self._samples: Deque[Tuple[int, float]] = deque()
+
+    def expire(self, start: int) -> None:
+        """Drop the samples up to a time."""
+        samples = self._samples
+        while samples and samples[0][0] <= start:
+            samples.popleft()
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        samples = self._samples
+        if len(samples) == self.capacity:
+            samples.popleft()
+            self._overflow(t)
+        samples.append((t, x))
+
+
+class Maximum(Queue):
+    """MAX: the samples that no later one reaches, so that the first is the greatest."""
+
+    __slots__ = ()
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        samples = self._samples
+        while samples and samples[-1][1] <= x:
+            samples.pop()
+        super().add(t, x)
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        return self._samples[0][1]
+
+
+class Minimum(Queue):
+    """MIN: the samples that no later one reaches, so that the first is the least."""
+
+    __slots__ = ()
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        samples = self._samples
+        while samples and samples[-1][1] >= x:
+            samples.pop()
+        super().add(t, x)
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        return self._samples[0][1]
+
+
+class Rate(Queue):
+    """RATE: (last - first) / (time between them), per second."""
+
+    __slots__ = ()
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        first, last = self._samples[0], self._samples[-1]
+        if first[0] == last[0]:
+            return nan
+        value = (last[1] - first[1]) / ((last[0] - first[0]) / 1e9)
+        return value if value - value == 0.0 else nan
+
+
+class Count(Queue):
+    """COUNT: how many samples are true (2); a false one is 0."""
+
+    __slots__ = ()
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        if x:
+            super().add(t, x)
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        return float(len(self._samples))
+
+
+class Median(Queue):
+    """MEDIAN: the samples by time and by value."""
+
+    __slots__ = ("_sorted",)
+
+    def _clear(self) -> None:
+        super()._clear()
+        self._sorted: List[float] = []
+
+    def expire(self, start: int) -> None:
+        """Drop the samples up to a time."""
+        samples, ordered = self._samples, self._sorted
+        while samples and samples[0][0] <= start:
+            del ordered[bisect_left(ordered, samples.popleft()[1])]
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        if len(self._samples) == self.capacity:
+            del self._sorted[bisect_left(self._sorted, self._samples[0][1])]
+        super().add(t, x)
+        insort(self._sorted, x)
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        ordered = self._sorted
+        middle = len(ordered) // 2
+        high = ordered[middle]
+        low = high if len(ordered) % 2 else ordered[middle - 1]
+        if low == high:
+            return high
+        value = 0.5 * low + 0.5 * high
+        return value if value - value == 0.0 else nan
+
+
+class Stacks(Window):
+    """Two stacks: old samples with what was gathered from the newest of them, and new samples."""
+
+    __slots__ = ("_back", "_front")
+
+    def _clear(self) -> None:
+        self._front: List[Tuple[int, float, float]] = []
+        self._back: List[Tuple[int, float]] = []
+        self._start_back()
+
+    def expire(self, start: int) -> None:
+        """Drop the samples up to a time."""
+        front = self._front
+        while front and front[-1][0] <= start:
+            front.pop()
+        if not front and self._back and self._back[0][0] <= start:
+            self._turn(start)
+
+    def add(self, t: int, x: float) -> None:
+        """Take a known sample."""
+        if len(self._front) + len(self._back) == self.capacity:
+            if not self._front:
+                self._turn(NEVER)
+            self._front.pop()
+            self._overflow(t)
+        self._back.append((t, x))
+        self._gather(x, len(self._back))
+
+    def _turn(self, start: int) -> None:
+        """Move the new samples to the old ones, gathering from the newest on."""
+        front = self._front
+        back, self._back = self._back, []
+        self._start_back()
+        for t, x in reversed(back):
+            if t <= start:
+                break
+            self._gather(x, len(front) + 1)
+            front.append((t, *self._gathered()))
+        self._start_back()
+
+    def _start_back(self) -> None:
+        raise NotImplementedError
+
+    def _gather(self, x: float, count: int) -> None:
+        raise NotImplementedError
+
+    def _gathered(self) -> Tuple[float, float]:
+        raise NotImplementedError
+
+
+class Sum(Stacks):
+    """SUM: compensated (Neumaier 1974), as a rounded sum and the sum of what was rounded off."""
+
+    __slots__ = ("_high", "_low")
+
+    def _start_back(self) -> None:
+        self._high = self._low = 0.0
+
+    def _gather(self, x: float, count: int) -> None:
+        high = self._high
+        total = high + x
+        if abs(high) >= abs(x):
+            self._low += (high - total) + x
+        else:
+            self._low += (x - total) + high
+        self._high = total
+
+    def _gathered(self) -> Tuple[float, float]:
+        return self._high, self._low
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        if not self._front:
+            total = self._high + self._low
+        else:
+            _, high, low = self._front[-1]
+            total = high + self._high
+            if abs(high) >= abs(self._high):
+                rest = (high - total) + self._high
+            else:
+                rest = (self._high - total) + high
+            total += rest + (low + self._low)
+        return total if total - total == 0.0 else nan
+
+
+class Average(Sum):
+    """AVERAGE: the sum by the number of samples."""
+
+    __slots__ = ()
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        return super().value() / (len(self._front) + len(self._back))
+
+
+class Deviation(Stacks):
+    """STDDEV: sample standard deviation (n - 1), from means and squares (Welford 1962)."""
+
+    __slots__ = ("_mean", "_squares")
+
+    def _start_back(self) -> None:
+        self._mean = self._squares = 0.0
+
+    def _gather(self, x: float, count: int) -> None:
+        away = x - self._mean
+        self._mean += away / count
+        self._squares += away * (x - self._mean)
+
+    def _gathered(self) -> Tuple[float, float]:
+        return self._mean, self._squares
+
+    def value(self) -> float:
+        """Return the value over the samples."""
+        old, new = len(self._front), len(self._back)
+        if old + new < 2:
+            return nan
+        squares = self._squares
+        if old:
+            _, mean, front = self._front[-1]
+            squares = front + squares
+            if new:  # Chan, Golub, LeVeque 1979
+                away = self._mean - mean
+                squares += away * away * (float(old) * float(new) / float(old + new))
+        value = squares / float(old + new - 1)
+        return math.sqrt(value) if value - value == 0.0 else nan
+
+
+class Hold:
+    """TIME and ONCE: AND and OR over a window, by the last times of two of the three values."""
+
+    __slots__ = ("_dominant", "_last", "_unknown", "length", "need")
+
+    capacity = 0
+    overflows = 0
+
+    def __init__(self, length: int, need: int, dominant: int) -> None:
+        self.length = length
+        self.need = need
+        self._dominant = dominant
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all samples."""
+        self._last = self._unknown = NEVER
+
+    def push(self, t: int, age: int, x: int) -> int:
+        """Take a truth value (0, 1, 2) and return that of the window."""
+        start = t - self.length
+        dominant = self._dominant
+        if x == dominant:
+            self._last = t
+        elif x == 1:
+            self._unknown = t
+        if self._last > start:
+            return dominant
+        if age < self.need or self._unknown > start:
+            return 1
+        return 2 - dominant
+
+
+AnyWindow = Union[Window, Covered, Hold]
