@@ -4,56 +4,88 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import Value, build
 
+from eddi_scaffold.bags import Bag, frames_of
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.plotting.svg import plot
 from eddi_scaffold.plotting.tracks import tracks_of
-from eddi_scaffold.recording import Recording, frames, replay
+from eddi_scaffold.recording import Frame, Recording, frames
+
+_PATIENCE = 2.0
+"""Seconds of work after which a person is told how far it is."""
+
+Play = Callable[[RuntimeMonitor], Iterator[Frame]]
+"""Plays what was recorded to a monitor, one frame for each of its steps."""
 
 
-def steps(monitor: Monitor, recording: Recording) -> Iterator[tuple[float, Any]]:
-    """Yield (time in seconds, output as JSON) for each row of a recording."""
+def of_recording(recording: Recording) -> Play:
+    """Return what plays a CSV recording."""
+    return lambda running: frames(running, recording)
+
+
+def of_bag(monitor: Monitor, bag: Bag) -> Play:
+    """Return what plays a bag."""
+    return lambda running: frames_of(monitor, running, bag)
+
+
+def watched(play: Play, say: Callable[[str], None]) -> Play:
+    """Say from time to time how far a long recording is."""
+
+    def told(running: RuntimeMonitor) -> Iterator[Frame]:
+        said = time.monotonic()
+        for frame in play(running):
+            yield frame
+            if time.monotonic() - said >= _PATIENCE:
+                said = time.monotonic()
+                say(f"{frame.t:.0f} s of the recording are played")
+
+    return told
+
+
+def steps(monitor: Monitor, play: Play) -> Iterator[tuple[float, Any]]:
+    """Yield (time in seconds, output as JSON) for each step."""
     running = compiled(monitor)
-    return ((t, running.as_json(output)) for t, output in replay(running, recording))
+    return ((frame.t, running.as_json(frame.output)) for frame in play(running))
 
 
-def changes(monitor: Monitor, recording: Recording) -> Iterator[str]:
+def changes(monitor: Monitor, play: Play) -> Iterator[str]:
     """Yield a line for the first step and for each one whose output differs from the last.
 
     A line says which inputs keep outputs from being given.
     """
     running = compiled(monitor)
     last: object = None
-    for t, output in replay(running, recording):
-        values = running.series(output)
+    for frame in play(running):
+        values = running.series(frame.output)
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
         if shown != last:
-            yield f"{t:10.3f}  {shown}{_blocking(running)}".rstrip()
+            yield f"{frame.t:10.3f}  {shown}{_blocking(running)}".rstrip()
         last = shown
 
 
-def table(monitor: Monitor, recording: Recording) -> Iterator[str]:
+def table(monitor: Monitor, play: Play) -> Iterator[str]:
     """Yield the lines of a CSV: time, then every named value of the output in each step."""
     running = compiled(monitor)
-    for number, (t, output) in enumerate(replay(running, recording)):
-        values = running.series(output)
+    for number, frame in enumerate(play(running)):
+        values = running.series(frame.output)
         if number == 0:
             yield _csv_line(["t", *values])
-        yield _csv_line([repr(t), *(_cell(value) for value in values.values())])
+        yield _csv_line([repr(frame.t), *(_cell(value) for value in values.values())])
 
 
-def picture(monitor: Monitor, recording: Recording) -> str:
+def picture(monitor: Monitor, play: Play) -> str:
     """Return an SVG of inputs and outputs over time."""
     running = compiled(monitor)
     inputs: list[tuple[float, Mapping[str, object]]] = []
     outputs: list[tuple[float, Mapping[str, object]]] = []
-    for frame in frames(running, recording):
+    for frame in play(running):
         inputs.append((frame.t, {k: v for k, v in frame.inputs.items() if not _is_list(v)}))
         outputs.append((frame.t, running.series(frame.output)))
     title = f"{monitor.kind.title} {monitor.model.name}"

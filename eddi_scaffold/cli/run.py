@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
 
+if TYPE_CHECKING:
+    from eddi_scaffold.binding import Monitor
+    from eddi_scaffold.problems import Problem
+    from eddi_scaffold.running import Play
+
 
 def run(
     model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
     inputs: Annotated[
-        Path, typer.Option("-i", "--inputs", help="CSV with a column t and one per input.")
-    ],
+        Path | None,
+        typer.Option("-i", "--inputs", help="CSV with a column t and one per input."),
+    ] = None,
+    bag: Annotated[
+        Path | None, typer.Option("--bag", help="ROS 1 bag with the topics of the configuration.")
+    ] = None,
     config: Annotated[
         Path | None, typer.Option("-c", "--config", help="eddi_config.yml: ages, defaults, units.")
     ] = None,
@@ -37,30 +47,59 @@ def run(
     from eddi_scaffold.assembly import monitors_of
     from eddi_scaffold.console import console
     from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.recording import read_recording
-    from eddi_scaffold.running import changes, picture, steps, table
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.running import changes, picture, steps, table, watched
     from eddi_scaffold.transaction import FileState, write
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
+    if (inputs is None) == (bag is None):
+        raise EddiError(error("G020", "give either --inputs FILE.csv or --bag FILE.bag"))
     configs = [config] if config is not None else []
     monitors, problems = monitors_of(model, configs, name, default_guarantee or ())
     if len(monitors) != 1:
         names = ", ".join(monitor.model.name for monitor in monitors)
         message = f"the file holds several models: {names}"
         raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
-    types = {binding.model.id: binding.model.type for binding in monitors[0].inputs}
-    recording, found = read_recording(read_source(inputs), types)
-    if recording is None:
+    (monitor,) = monitors
+    play, found = _from_bag(monitor, bag) if bag is not None else _from_csv(monitor, inputs)
+    if play is None:
         raise EddiError(*problems, *found)
     console.problems([*problems, *found])
+    play = watched(play, console.progress)
     if as_json:
-        for t, output in steps(monitors[0], recording):
+        for t, output in steps(monitor, play):
             console.data(json.dumps({"t": t, "outputs": output}))
     else:
-        for line in (table if as_csv else changes)(monitors[0], recording):
+        for line in (table if as_csv else changes)(monitor, play):
             console.data(line)
     if plot is not None:
-        drawn = FileState(picture(monitors[0], recording).encode())
+        drawn = FileState(picture(monitor, play).encode())
         write(plot.parent, {plot.name: drawn})
+
+
+def _from_csv(monitor: Monitor, path: Path | None) -> tuple[Play | None, Sequence[Problem]]:
+    from eddi_scaffold.recording import read_recording
+    from eddi_scaffold.running import of_recording
+    from eddi_scaffold.source import read_source
+
+    assert path is not None
+    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
+    recording, found = read_recording(read_source(path), types)
+    return (of_recording(recording) if recording is not None else None), found
+
+
+def _from_bag(monitor: Monitor, path: Path) -> tuple[Play | None, Sequence[Problem]]:
+    from eddi_scaffold.bags import absent, read_bag, written_by_hand
+    from eddi_scaffold.problems import EddiError, error, warning
+    from eddi_scaffold.running import of_bag
+
+    if monitor.config is None:
+        raise EddiError(error("G020", "--bag needs the topics of a configuration: -c"))
+    wanted = {one.id: one for binding in monitor.inputs for one in binding.requires}
+    bag = read_bag(path, monitor.config, list(wanted.values()))
+    problems = [absent(path, bag, list(wanted.values()))]
+    by_hand = written_by_hand(monitor)
+    if by_hand:
+        message = f"only hand-written code gives {', '.join(by_hand)}: unknown here"
+        problems.append(warning("I014", message, hint="a `field:` needs no code"))
+    return of_bag(monitor, bag), problems
