@@ -101,9 +101,9 @@ def test_forty_nodes_stand_apart_inside_the_picture() -> None:
         apart_x = abs(a.x - b.x) >= (a.width + b.width) / 2
         assert apart_x or abs(a.y - b.y) >= (a.height + b.height) / 2
     for box in layout.boxes:
-        assert box.x - box.width / 2 >= 0
+        assert box.x - box.width / 2 >= -1e-6
         assert box.x + box.width / 2 <= layout.width + 1e-6
-        assert box.y - box.height / 2 >= 0
+        assert box.y - box.height / 2 >= -1e-6
         assert box.y + box.height / 2 <= layout.height + 1e-6
     assert layout.width < 3000
 
