@@ -1,0 +1,154 @@
+"""The functions of the kind: what is read, found and told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.kinds import DeclaredInput, Model, ModelInput, Options, Reading
+from eddi_scaffold.kinds.safeml import report, runtime_model
+from eddi_scaffold.kinds.safeml.model import Connection, Plan, Planned, SafeMLFile
+from eddi_scaffold.kinds.safeml.plan import plan
+from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
+from eddi_scaffold.kinds.safeml.settings import read_settings
+from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order
+from eddi_scaffold.source import Source, read_source
+
+NAME = "safeml"
+DEFAULT_INPUT = "sample"
+_PERIODS = 10
+"""Steps without a sample after which a window is too old, unless ``max_age`` says otherwise."""
+
+_DOUBLE = "std_msgs/Float64"
+
+
+def read_file(source: Source, _: Sequence[str]) -> Reading:
+    """Read ``safeml_config.yml`` and the reference that it names, relative to it."""
+    settings, problems = read_settings(source)
+    if settings is None:
+        return Reading((), tuple(in_order(problems)))
+    where = settings.place("reference_sample_file")
+    path = Path(source.name).parent / settings.reference_sample_file
+    try:
+        reference, found = read_reference(read_source(path, MAX_BYTES))
+    except EddiError as failure:
+        reasons = "; ".join(problem.message for problem in failure.problems)
+        text = f"reference_sample_file {settings.reference_sample_file!r}: {reasons}"
+        hint = "it is looked for beside this file"
+        return Reading((), (error("S004", text, where, hint),))
+    if reference is None:
+        return Reading((), tuple(in_order(found)))
+    file = SafeMLFile(settings, reference)
+    return Reading((Model(NAME, source.stem, file, source, settings.place("")),), ())
+
+
+def check(model: Model) -> Sequence[Problem]:
+    """Return what is wrong with tests and thresholds, whatever the configuration says."""
+    return _planned(model, single=_file(model).settings.input_dtype == "float32").problems
+
+
+def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+    """Find thresholds for the type of the messages; the configuration's id becomes the name."""
+    settings = _file(model).settings
+    problems = [
+        error(
+            "S014",
+            f"a SafeML monitor has one input, {item.id!r} is one more",
+            item.place,
+            "let the first one require several messages: their numbers are joined",
+        )
+        for item in options.inputs[1:]
+    ]
+    single = settings.input_dtype == "float32" or (
+        settings.input_dtype == "auto" and _is_single(options.inputs[:1])
+    )
+    planned = _planned(model, single=single)
+    problems += planned.problems
+    if planned.plan is None or has_errors(problems):
+        return None, problems
+    max_age = settings.max_age
+    if max_age is None and options.frequency is not None:
+        max_age = _PERIODS / options.frequency
+    input_id = options.inputs[0].id if options.inputs else DEFAULT_INPUT
+    connection = Connection(planned.plan, input_id, max_age, options.frequency)
+    return replace(model, name=options.id or model.name, options=connection), problems
+
+
+def _is_single(inputs: Sequence[DeclaredInput]) -> bool:
+    """Tell whether numbers may come as float32, the usual type of messages.
+
+    Rounding both the reference and what comes as float64 does no harm; comparing what was rounded
+    with what was not does.
+    """
+    types = [name for item in inputs for name in item.messages]
+    return any(not name.startswith(_DOUBLE) for name in types)
+
+
+def inputs(model: Model) -> Sequence[ModelInput]:
+    """Return the one input, which takes every message."""
+    features = _file(model).reference.rows.shape[1]
+    connection: Connection | None = model.options
+    return (
+        ModelInput(
+            connection.input_id if connection is not None else DEFAULT_INPUT,
+            "float[]",
+            safety=False,  # the monitor itself empties a window that is too old
+            description=f"Samples of {features} numbers, or rows of as many; each counts once",
+            every_message=True,
+        ),
+    )
+
+
+def model_part(model: Model) -> dict[str, Any]:
+    """Return the ``model`` part of ``config/model.json``."""
+    return runtime_model.runtime_model(_file(model), _connection(model).plan)
+
+
+def settings(model: Model) -> dict[str, Any]:
+    """Return the ``settings`` part of ``config/model.json``."""
+    return runtime_model.settings(_connection(model))
+
+
+def data_files(model: Model) -> Mapping[str, bytes]:
+    """Return the reference and the configuration."""
+    return runtime_model.data_files(_file(model), model.source)
+
+
+def export(model: Model) -> Mapping[str, str]:
+    """Return configuration and reference."""
+    return runtime_model.export(_file(model), model.source.stem)
+
+
+def counts(model: Model) -> Mapping[str, int]:
+    """Return what ``show`` counts."""
+    return report.counts(_file(model))
+
+
+def outline(model: Model) -> Sequence[str]:
+    """Return the lines that ``show`` prints."""
+    single = _file(model).settings.input_dtype == "float32"
+    made: Plan | None = _planned(model, single=single).plan
+    return report.outline(_file(model), made)
+
+
+def readme(model: Model) -> Sequence[str]:
+    """Return lines of Markdown for the package's README."""
+    connection = _connection(model)
+    return report.readme(connection.plan, connection.frequency)
+
+
+def _file(model: Model) -> SafeMLFile:
+    file: SafeMLFile = model.data
+    return file
+
+
+def _connection(model: Model) -> Connection:
+    connection: Connection = model.options
+    return connection
+
+
+def _planned(model: Model, *, single: bool) -> Planned:
+    file = _file(model)
+    return plan(file.settings, file.reference, single=single)

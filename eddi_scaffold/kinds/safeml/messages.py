@@ -1,0 +1,38 @@
+"""ROS messages of SafeML monitors.
+
+``SafeMLOutput`` is frozen: packages made by the tools of SESAME D7.2 use it, and any change of a
+field changes the MD5 and cuts them off. Facts that D7.2 does not publish stand in a message of
+their own.
+"""
+
+from __future__ import annotations
+
+SAFEML_OUTPUT = "bool omission\nbool odd_violation\nfloat32 significance_level\n"
+
+SAFEML_STATUS = """\
+# The facts behind a SafeMLOutput. Numbers that do not exist are NaN.
+std_msgs/Header header
+bool omission
+bool odd_violation
+# There is no verdict now, odd_violation is the last one.
+bool held
+string metric
+# The largest distance of all tests, and from which on it is a violation.
+float64 statistic
+float64 threshold
+float64 threshold_theoretical
+# Which test that was, -1 for none.
+int32 component
+float64 p_value_bound
+uint64 accepted
+uint64 rejected
+uint32 filled
+uint32 window_size
+# Of an omission: filling, empty, not_finite, wrong_length or stale.
+string reason
+# Neither an omission nor a violation: what the evidence of a ConSert can be made of.
+bool in_scope
+"""
+
+MESSAGES = {"SafeMLOutput": SAFEML_OUTPUT, "SafeMLStatus": SAFEML_STATUS}
+"""ROS message name -> text of its ``.msg`` file."""

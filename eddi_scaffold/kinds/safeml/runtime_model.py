@@ -1,0 +1,120 @@
+"""SafeML -> ``config/model.json`` and the reference beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from eddi_scaffold.kinds.safeml.model import (
+    METRIC_NAMES,
+    Connection,
+    Plan,
+    Reference,
+    SafeMLFile,
+)
+from eddi_scaffold.kinds.safeml.plan import upwards
+from eddi_scaffold.source import Source
+
+REFERENCE_FILE = "reference.csv"
+"""Name of the reference beside ``model.json``, whatever it was called before."""
+
+CONFIG_FILE = "safeml_config.yml"
+"""Name of the configuration beside it, for people."""
+
+
+def runtime_model(file: SafeMLFile, plan: Plan) -> dict[str, Any]:
+    """Return the ``model`` part: axes and sorted values are made of the reference on the robot.
+
+    Their last bits differ between machines, and a package must not.
+    """
+    settings, reference = file.settings, file.reference
+    value, test = plan.autocorrelation
+    return {
+        "reference": _reference(reference),
+        "metric": METRIC_NAMES[settings.metric],
+        "window_size": settings.window_size,
+        "stride": settings.stride,
+        "significance_level": settings.significance_level,
+        "level_per_test": upwards(plan.level),
+        "tests": plan.tests,
+        "reference_size": plan.n,
+        "components": plan.spec.components,
+        "standardize": plan.spec.standardize,
+        "residual_test": plan.spec.residual,
+        "halves": plan.spec.halves,
+        "input_dtype": "float32" if plan.spec.single else "float64",
+        "method": plan.method,
+        "calibration_windows": plan.calibration.windows if plan.calibration else 0,
+        "autocorrelation": {"value": round(value, 6), "test": plan.labels[test]},
+        "constant_features": list(plan.constant),
+        **_thresholds(plan),
+    }
+
+
+def settings(connection: Connection) -> dict[str, Any]:
+    """Return the ``settings`` part."""
+    own = connection.plan.settings
+    return {
+        "on_omission": own.on_omission,
+        "max_age": connection.max_age,
+        "array_backend": own.array_backend,
+    }
+
+
+def data_files(file: SafeMLFile, config: Source) -> Mapping[str, bytes]:
+    """Return the reference and the configuration as they were given."""
+    return {REFERENCE_FILE: file.reference.source.data, CONFIG_FILE: config.data}
+
+
+def export(file: SafeMLFile, name: str) -> Mapping[str, str]:
+    """Return configuration and reference, the first with every key written out."""
+    settings = file.settings
+    lines = [
+        f"window_size: {settings.window_size}",
+        f"reference_sample_file: {REFERENCE_FILE}",
+        f"significance_level: {settings.significance_level!r}",
+        f"distance_metric: {METRIC_NAMES[settings.metric]}",
+        f"n_components: {_yaml(settings.n_components)}",
+        f"standardize: {_yaml(settings.standardize)}",
+        f"residual_test: {_yaml(settings.residual_test)}",
+        f"calibration: {settings.calibration}",
+        f"stride: {settings.stride}",
+        f"on_omission: {settings.on_omission}",
+        f"input_dtype: {settings.input_dtype}",
+        f"array_backend: {settings.array_backend}",
+    ]
+    if settings.calibration_stride is not None:
+        lines.append(f"calibration_stride: {settings.calibration_stride}")
+    if settings.max_age is not None:
+        lines.append(f"max_age: {settings.max_age!r}")
+    text = file.reference.source.data.decode("utf-8-sig")
+    return {f"{name}.yml": "\n".join(lines) + "\n", REFERENCE_FILE: text}
+
+
+def _yaml(value: float | None) -> str:
+    return "null" if value is None else str(value).lower()
+
+
+def _reference(reference: Reference) -> dict[str, Any]:
+    rows, features = reference.rows.shape
+    return {
+        "file": REFERENCE_FILE,
+        "name": reference.source.file_name,
+        "sha256": reference.source.sha256,
+        "rows": int(rows),
+        "features": int(features),
+    }
+
+
+def _thresholds(plan: Plan) -> dict[str, Any]:
+    """Return thresholds as people know them, and those of Kolmogorov-Smirnov as n m D."""
+    quantile = plan.calibration.quantile if plan.calibration else None
+    found: dict[str, Any] = {
+        "threshold": upwards(plan.scale(plan.threshold)),
+        "threshold_theoretical": upwards(plan.scale(plan.theoretical)),
+        "calibration_quantile": None if quantile is None else upwards(plan.scale(quantile)),
+    }
+    if plan.settings.metric == "ks":
+        found["threshold_scaled"] = int(plan.threshold)
+        found["threshold_theoretical_scaled"] = int(plan.theoretical)
+    return found

@@ -1,0 +1,190 @@
+"""Reading ``safeml_config.yml``: every key with its type and range, all problems at once."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from eddi_runtime.safeml.arrays import NAMES as BACKENDS
+
+from eddi_scaffold.kinds.safeml.model import METRICS, Settings
+from eddi_scaffold.problems import Problem, did_you_mean, error
+from eddi_scaffold.source import Source
+from eddi_scaffold.yaml_nodes import (
+    Map,
+    Node,
+    Scalar,
+    as_text,
+    describe,
+    is_null,
+    read_map,
+    value_11,
+)
+
+MAX_WINDOW = 1_000_000
+REQUIRED = ("window_size", "reference_sample_file", "significance_level", "distance_metric")
+"""The keys of SESAME D7.2 Fig 23 without which nothing can be compared."""
+
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+
+
+class _Wrong(Exception):  # noqa: N818 - control flow inside this module
+    """A value is not what its key expects; the text says what would be."""
+
+
+def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:
+    """Read a configuration.
+
+    Returns:
+        The settings, ``None`` when a problem is an error (S001 to S003), and all problems.
+    """
+    root, problems = read_map(source, "S001")
+    if root is None:
+        return None, problems
+    problems += _unknown(root)
+    problems += [
+        error("S001", f"the key {key!r} is missing", root.place, f"write `{key}: {_SHOWN[key]}`")
+        for key in REQUIRED
+        if root.get(key) is None
+    ]
+    values: dict[str, Any] = {}
+    for key, node in root.entries:
+        if key.text in _KEYS:
+            try:
+                values[key.text] = _KEYS[key.text](node)
+            except _Wrong as wrong:
+                problems.append(_problem(key.text, node, str(wrong)))
+    if problems:
+        return None, problems
+    values["metric"] = values.pop("distance_metric")
+    places = {key.text: node.place for key, node in root.entries}
+    return Settings(**values, places={"": root.place, **places}), []
+
+
+def _unknown(root: Map) -> list[Problem]:
+    return [
+        error(
+            "S001",
+            f"unknown key {key.text!r}",
+            key.place,
+            did_you_mean(key.text, _KEYS) or f"known keys: {', '.join(_KEYS)}",
+        )
+        for key, _ in root.entries
+        if key.text not in _KEYS
+    ]
+
+
+def _problem(key: str, node: Node, expected: str) -> Problem:
+    if key != "distance_metric":
+        text = f"{key}: {expected} is expected, not {describe(node)}"
+        return error("S002", text, node.place)
+    given = as_text(node)
+    near = did_you_mean(given, METRICS) if given is not None else None
+    text = f"{key}: {describe(node)} is no metric"
+    return error("S003", text, node.place, near or f"there are: {', '.join(METRICS)}")
+
+
+def _number(node: Node) -> float:
+    """Return a number; a text is one when it reads as one (YAML 1.1 takes ``1e-3`` as a text)."""
+    value = value_11(node) if isinstance(node, Scalar) else None
+    if isinstance(value, str) and len(value) <= 64 and _NUMBER.fullmatch(value):
+        value = float(value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise _Wrong
+    if isinstance(value, float) and not math.isfinite(value):
+        raise _Wrong
+    return value
+
+
+def _whole(low: int, high: int, expected: str) -> Callable[[Node], int]:
+    def read(node: Node) -> int:
+        try:
+            value = _number(node)
+        except _Wrong:
+            raise _Wrong(expected) from None
+        if value != int(value) or not low <= value <= high:
+            raise _Wrong(expected)
+        return int(value)
+
+    return read
+
+
+def _components(node: Node) -> int | None:
+    if is_null(node):
+        return None
+    expected = "a whole number of components, or null to test the features themselves,"
+    return _whole(0, 10**9, expected)(node) or None
+
+
+def _between(expected: str, high: float) -> Callable[[Node], float]:
+    def read(node: Node) -> float:
+        try:
+            value = _number(node)
+        except _Wrong:
+            raise _Wrong(expected) from None
+        if not 0.0 < value < high:
+            raise _Wrong(expected)
+        return float(value)
+
+    return read
+
+
+def _text(expected: str) -> Callable[[Node], str]:
+    def read(node: Node) -> str:
+        text = as_text(node)
+        if not text or "\0" in text:
+            raise _Wrong(expected)
+        return text
+
+    return read
+
+
+def _boolean(node: Node) -> bool:
+    value = value_11(node) if isinstance(node, Scalar) else None
+    if not isinstance(value, bool):
+        raise _Wrong("true or false")
+    return value
+
+
+def _one_of(*known: str) -> Callable[[Node], str]:
+    def read(node: Node) -> str:
+        text = as_text(node)
+        if text not in known:
+            raise _Wrong(" or ".join(known) if len(known) < 3 else f"one of {', '.join(known)}")
+        return text
+
+    return read
+
+
+def _metric(node: Node) -> str:
+    text = as_text(node)
+    if text is None or text not in METRICS:
+        raise _Wrong
+    return METRICS[text]
+
+
+_FROM_1 = "a whole number from 1 on"
+_KEYS: Mapping[str, Callable[[Node], Any]] = {
+    "window_size": _whole(1, MAX_WINDOW, f"a whole number of samples from 1 to {MAX_WINDOW}"),
+    "reference_sample_file": _text("the name of a CSV file"),
+    "significance_level": _between("a probability between 0 and 1", 1.0),
+    "distance_metric": _metric,
+    "n_components": _components,
+    "standardize": _boolean,
+    "residual_test": _boolean,
+    "calibration": _one_of("auto", "stream", "iid"),
+    "calibration_stride": _whole(1, 10**9, _FROM_1),
+    "stride": _whole(1, 10**6, _FROM_1),
+    "on_omission": _one_of("hold", "clear"),
+    "max_age": _between("a number of seconds above 0", 1e18),
+    "input_dtype": _one_of("auto", "float32", "float64"),
+    "array_backend": _one_of(*BACKENDS),
+}
+_SHOWN = {
+    "window_size": "100",
+    "reference_sample_file": "reference_sample.csv",
+    "significance_level": "0.1",
+    "distance_metric": "KolmogorovSmirnovDistance",
+}

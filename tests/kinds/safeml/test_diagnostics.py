@@ -1,0 +1,138 @@
+"""Each diagnostic of SafeML: a configuration and a reference that earn it, and its exact text.
+
+The cases stand in ``diagnostics.txt``: ``### NAME``; keys that replace those of one sound
+configuration (``= KEY`` leaves one out); rows of the reference after ``@`` (``@b`` bytes in hex,
+``@ ramp N`` a drift of N rows, ``@ walk N`` dependent ones); ``>>>``; what is reported.
+``UPDATE_DIAGNOSTICS=1`` writes what is reported now.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.config import options_of, read_config
+from eddi_scaffold.kinds.safeml import KIND
+from eddi_scaffold.problems import Problem, in_order
+from eddi_scaffold.source import Source, read_source
+
+CASES_FILE = Path(__file__).with_name("diagnostics.txt")
+SOUND = {
+    "window_size": "4",
+    "reference_sample_file": "reference.csv",
+    "significance_level": "0.2",
+    "distance_metric": "KolmogorovSmirnovDistance",
+}
+_RANDOM = random.Random(5)
+ROWS = "\n".join(f"{_RANDOM.gauss(0, 1):.4f},{_RANDOM.gauss(0, 1):.4f}" for _ in range(40))
+CASES = dict(
+    part.split("\n", 1) for part in re.split(r"(?m)^### ", CASES_FILE.read_text("utf-8"))[1:]
+)
+
+
+def lay(given: str, folder: Path, *, whole: bool) -> Path:
+    """Write configuration and reference, and return the first."""
+    lines = given.splitlines()
+    keys = dict(SOUND)
+    own = [line for line in lines if line and line[0] not in "@="]
+    for line in own:
+        keys[line.partition(":")[0]] = line.partition(":")[2].strip()
+    for line in lines:
+        keys.pop(line.removeprefix("= "), None)
+    text = "\n".join(own if whole else (f"{key}: {value}" for key, value in keys.items()))
+    (folder / "safeml_config.yml").write_text(text + "\n", "utf-8")
+    (folder / "reference.csv").write_bytes(reference_of(lines))
+    return folder / "safeml_config.yml"
+
+
+def reference_of(lines: list[str]) -> bytes:
+    rows = [line[2:] for line in lines if line.startswith("@ ")]
+    if any(line.startswith("@b ") for line in lines):
+        return bytes.fromhex(next(line[3:] for line in lines if line.startswith("@b ")))
+    if rows and rows[0].startswith("ramp"):
+        rows = [f"{k + (k % 3) / 7},{(k * 7) % 11}" for k in range(int(rows[0].split()[1]))]
+    if rows and rows[0].startswith("walk"):
+        rows = walk(int(rows[0].split()[1]))
+    return ("\n".join(rows) if rows else ROWS).encode()
+
+
+def walk(count: int) -> list[str]:
+    """Return samples each of which resembles the one before (autocorrelation 0.9)."""
+    chance, value, rows = random.Random(3), 0.0, []
+    for _ in range(count):
+        value = 0.9 * value + chance.gauss(0, 1)
+        rows.append(f"{value:.4f}")
+    return rows
+
+
+def shown(problem: Problem, folder: Path) -> str:
+    place = problem.place
+    where = ":".join(str(one) for one in (place.file, place.line, place.col) if one is not None)
+    hint = f"\n  hint: {problem.hint}" if problem.hint else ""
+    text = f"{where}: {problem.level}: {problem.message} [{problem.code}]{hint}"
+    return text.replace(f"{folder}/", "")
+
+
+def problems_of(path: Path) -> list[Problem]:
+    reading = KIND.read_file(read_source(path), ())
+    return in_order([*reading.problems, *(p for m in reading.models for p in KIND.check(m))])
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
+    given, _, expected = CASES[name].partition(">>>\n")
+    problems = problems_of(lay(given, tmp_path, whole="(whole file)" in name))
+    printed = "\n".join(shown(problem, tmp_path) for problem in problems)
+    if os.environ.get("UPDATE_DIAGNOSTICS"):
+        text = CASES_FILE.read_text("utf-8")
+        old = f"### {name}\n{CASES[name]}"
+        CASES_FILE.write_text(text.replace(old, f"### {name}\n{given}>>>\n{printed}\n\n"), "utf-8")
+        return
+    assert {problem.code for problem in problems} >= {name[:4]}
+    assert printed == expected.rstrip("\n")
+
+
+def test_every_code_has_a_case() -> None:
+    assert {name[:4] for name in CASES} == {f"S{number:03}" for number in range(1, 14)}
+
+
+def test_s014_a_second_input(tmp_path: Path) -> None:
+    path = lay("", tmp_path, whole=False)
+    text = (
+        "Model: {id: scope, type: SafeML}\n"
+        "SimulatorOutputs: [{id: a, type: std_msgs.Float32MultiArray, topic: /a}]\n"
+        "EDDIInputs: [{id: x, requires: [a]}, {id: y, requires: [a]}]\n"
+    )
+    config, problems = read_config(Source("c.yml", text.encode()))
+    assert problems == []
+    (model,) = KIND.read_file(read_source(path), ()).models
+    configured, problems = KIND.configure(model, options_of(config))
+    assert configured is None
+    (problem,) = problems
+    assert (problem.code, problem.place.line) == ("S014", 3)
+
+
+def test_the_sound_files_have_no_problem(tmp_path: Path) -> None:
+    assert problems_of(lay("", tmp_path, whole=False)) == []
+
+
+def test_figure_23_as_it_is_printed(tmp_path: Path) -> None:
+    """SESAME D7.2 Fig 23, with as many features as it asks components for."""
+    (tmp_path / "reference_sample.csv").write_text(
+        "\n".join(",".join(f"{_RANDOM.gauss(0, 1):.18e}" for _ in range(12)) for _ in range(400))
+    )
+    path = tmp_path / "safeml_config.yml"
+    path.write_text(
+        "# Constants to specify at design time\n"
+        "window_size : 100 #[steps]\n"
+        "reference_sample_file : 'reference_sample.csv'\n"
+        "significance_level: 0.1\n"
+        "distance_metric : 'KolmogorovSmirnovDistance'\n"
+        "n_components : 10\n"
+    )
+    assert KIND.sniff(read_source(path))
+    assert problems_of(path) == []
