@@ -1,0 +1,75 @@
+"""Other array libraries decide as numpy does; without them numpy takes their place."""
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="SafeML needs numpy")
+from eddi_runtime.safeml import arrays  # noqa: E402 - numpy comes first
+from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
+
+from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
+
+
+@pytest.mark.parametrize("name", ["torch", "cupy"])
+def test_an_absent_library_is_said_and_numpy_used(name, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, name, None)
+    with pytest.warns(RuntimeWarning, match=f"numpy is used, because {name} cannot be"):
+        assert arrays.backend(name).name == "numpy"
+
+
+def cases():
+    chance = np.random.RandomState(9)
+    for levels in (None, 6):
+        pooled = chance.normal(size=(3, 80 + 5 * 12))
+        pooled = pooled if levels is None else np.round(pooled * levels) / levels
+        windows = pooled[:, 80:].reshape(3, 5, 12).swapaxes(0, 1)
+        yield np.sort(pooled[:, :80], axis=1), np.ascontiguousarray(windows)
+
+
+@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
+@pytest.mark.parametrize("name", ["torch", "cupy"])
+def test_same_decisions(name, metric):
+    pytest.importorskip(name, reason=f"{name} is not installed")
+    backend = arrays.backend(name)
+    for reference, windows in cases():
+        expected = Comparison(metric, reference, 12).of_windows(windows)
+        there = Comparison(metric, reference, 12, backend)
+        found = backend.numpy(there.of_windows(backend.array(windows)))
+        np.testing.assert_allclose(found, expected, rtol=1e-12 if metric == "ad" else 0.0)
+
+
+@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
+@pytest.mark.parametrize("name", ["torch", "cupy"])
+def test_a_monitor_on_another_library(name, metric):
+    pytest.importorskip(name, reason=f"{name} is not installed")
+    rows = np.random.RandomState(3).normal(size=(60, 2)).tolist()
+    one = monitor(rows, metric=metric)
+    other = monitor(rows, metric=metric, settings={"array_backend": name})
+    assert other.backend == name
+    for row in rows:
+        mine, its = step(one, row), step(other, row)
+        assert (mine.omission, mine.odd_violation) == (its.omission, its.odd_violation)
+        assert mine.omission or mine.statistic == pytest.approx(its.statistic, rel=1e-12)
+
+
+class Renamed(arrays.NumpyLike):
+    """Stands for an array library of another name: nothing may go by lists or numpy's own ways."""
+
+    def __init__(self):
+        super().__init__(np, "renamed")
+
+    def numpy(self, values):
+        return values
+
+
+@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
+def test_the_way_of_other_libraries(metric):
+    from eddi_runtime.safeml.window import Window
+
+    for reference, windows in cases():
+        there = Comparison(metric, reference, 12, Renamed())
+        window = Window(there)
+        for sample in windows[0].T:
+            window.push(np.ascontiguousarray(sample))
+        expected = Comparison(metric, reference, 12).of_windows(windows)
+        np.testing.assert_array_equal(window.statistics(), expected[0])
+        np.testing.assert_array_equal(there.of_windows(windows), expected)

@@ -1,0 +1,290 @@
+"""The monitor: window, omission, holding, age, explanation, messages."""
+
+import math
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="SafeML needs numpy")
+from eddi_runtime import EDDIInputBase  # noqa: E402 - numpy comes first
+from eddi_runtime.inputs import Messages  # noqa: E402
+from eddi_runtime.model_file import ModelError  # noqa: E402
+from eddi_runtime.safeml.design import Design, DesignSpec  # noqa: E402
+
+from runtime_lib.tests.safeml.monitors import document, give, monitor, step  # noqa: E402
+
+ROWS = [[k / 10] for k in range(10)]
+NAN = float("nan")
+
+
+def filled(**more):
+    """Return a monitor whose window holds four usual samples."""
+    one = monitor(ROWS, **more)
+    for value in (0.05, 0.45, 0.75, 0.35):
+        step(one, [value])
+    return one
+
+
+def violated(**more):
+    one = filled(**more)
+    for value in (5.0, 6.0, 7.0, 8.0):
+        result = step(one, [value])
+    assert result.odd_violation
+    return one
+
+
+def test_no_verdict_before_the_window_is_full():
+    one = monitor(ROWS)
+    for count in range(3):
+        result = step(one, [0.5])
+        assert (result.omission, result.odd_violation, result.reason) == (True, False, "filling")
+        assert result.component == -1
+        assert math.isnan(result.statistic)
+        assert result.accepted == count + 1
+    assert not step(one, [0.5]).omission
+
+
+def test_a_verdict_has_its_numbers():
+    result = step(filled(), [0.2])
+    assert (result.omission, result.odd_violation, result.component) == (False, False, 0)
+    assert (result.threshold, result.threshold_theoretical) == (0.7, 0.6)
+    assert result.significance_level == 0.1
+    assert 0.0 < result.p_value_bound <= 1.0
+    assert result.reason == ""
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [([], "empty"), ([NAN], "not_finite"), ([1.0, 2.0], "wrong_length"), ("x", "wrong_length")],
+)
+def test_what_is_no_sample_is_an_omission_and_changes_nothing(bad, reason):
+    one = filled()
+    before = step(one, [0.2])
+    result = step(one, bad)
+    assert (result.omission, result.reason, result.rejected) == (True, reason, 1)
+    assert one.faults()["sample"]
+    assert one.blocked() == {"sample": ("odd_violation",)}
+    again = step(one, Messages())
+    assert again == result  # nothing new: nothing changes
+    after = step(one, [0.2])
+    assert not after.omission
+    assert after.accepted == before.accepted + 1
+    assert one.faults() == {}
+    assert one.blocked() == {}
+
+
+def test_nothing_new_repeats_the_verdict():
+    one = violated()
+    before = one._last
+    assert step(one, Messages()) is before
+
+
+def test_hold_keeps_the_verdict_and_clear_does_not():
+    assert step(violated(), []).odd_violation
+    assert not step(violated(settings={"on_omission": "clear"}), []).odd_violation
+
+
+def test_rows_with_a_bad_one_are_pushed_and_the_step_is_an_omission():
+    one = filled()
+    result = step(one, [[0.1], [NAN], [0.2]])
+    assert (result.omission, result.accepted, result.rejected) == (True, 6, 1)
+
+
+def test_more_rows_than_the_window_holds():
+    one, other = filled(), filled()
+    rows = [[k / 7] for k in range(9)]
+    for row in rows:
+        expected = step(other, row)
+    assert step(one, rows) == expected
+
+
+def test_age_empties_the_window():
+    one = violated(settings={"max_age": 1.0})
+    assert step(one, Messages(), 1.0).reason == ""
+    stale = step(one, Messages(), 1.1)
+    assert (stale.omission, stale.odd_violation, stale.reason) == (True, True, "stale")
+    assert one.status_message()[1]["filled"] == 0
+    assert one.status_message()[1]["held"] is True
+    assert step(one, Messages(), 1.2).reason == "stale"
+    assert step(one, [0.5], 1.3).reason == "filling"
+
+
+def test_a_sample_after_a_long_gap_begins_a_new_window():
+    one = filled(settings={"max_age": 1.0})
+    result = step(one, [0.5], 60.0)
+    assert (result.omission, result.reason) == (True, "filling")
+    assert one.status_message()[1]["filled"] == 1
+
+
+def test_a_clock_that_jumps_back_begins_the_age_anew():
+    one = filled(settings={"max_age": 1.0})
+    one.reset()
+    for value in (0.1, 0.2, 0.3, 0.4):
+        step(one, [value], 100.0)
+    assert not step(one, Messages(), 10.0).omission
+    assert not step(one, Messages(), 11.0).omission
+    assert step(one, Messages(), 11.5).reason == "stale"
+
+
+def test_none_is_an_unknown_source():
+    one = monitor(ROWS)
+    assert step(one, None).reason == "filling"
+    assert step(filled(), None).reason == "stale"
+
+
+def test_stride_takes_every_third_sample():
+    one = monitor(ROWS, stride=3)
+    values = [k / 13 for k in range(12)]
+    for value in values:
+        result = step(one, [value])
+    other = monitor(ROWS)
+    for value in values[::3]:
+        expected = step(other, [value])
+    assert result.statistic == expected.statistic
+    assert result.accepted == 12
+    assert step(monitor(ROWS, stride=3), [[v] for v in values]).statistic == expected.statistic
+
+
+def test_reset_forgets_all():
+    one = violated()
+    one.reset()
+    assert step(one, None) == step(monitor(ROWS), None)
+
+
+def test_explain_says_which_test_and_why():
+    rows = [[float(k % 7), float(k % 5), float(k)] for k in range(40)]
+    one = monitor(rows, threshold_scaled=70)
+    assert one.explain() == ()
+    for _ in range(4):
+        step(one, [3.0, 2.0, 90.0])
+    first, *others = one.explain()
+    assert (first.label, first.violated, first.statistic) == ("feature 2", True, 1.0)
+    assert first.p_value < 0.01
+    assert len(others) == 2
+    assert str(first).startswith("feature 2: distance 1 >= threshold")
+    step(one, [])
+    assert one.explain() == ()
+
+
+def test_explain_names_the_features_of_a_component():
+    chance = np.random.RandomState(1)
+    rows = (chance.normal(size=(60, 3)) * [1.0, 5.0, 0.1]).tolist()
+    one = monitor(rows, components=1, residual_test=True, halves=True)
+    for row in rows[:4]:
+        step(one, row)
+    by_label = {test.label: test for test in one.explain()}
+    assert set(by_label) == {"component 0", "residual"}
+    assert by_label["component 0"].weights[0][0] == 1
+    assert "mostly feature 1 (+1.00)" in str(by_label["component 0"])
+    assert by_label["residual"].weights == ()
+
+
+def test_messages():
+    one = filled()
+    result = step(one, [0.2])
+    fields = {"omission": False, "odd_violation": False, "significance_level": 0.1}
+    assert one.message(result) == ("SafeMLOutput", fields)
+    name, status = one.status_message()
+    assert name == "SafeMLStatus"
+    assert status["in_scope"] is True
+    assert (status["filled"], status["window_size"]) == (4, 4)
+    assert one.message("spoilt")[1]["omission"] is True
+    assert one.output_faults()
+    assert one.message(result)[1]["omission"] is False
+    assert one.output_faults() == ()
+
+
+def test_json_and_series():
+    one = monitor(ROWS)
+    result = step(one, [0.5])
+    assert one.as_json(result)["statistic"] is None
+    assert one.series(result) == {
+        "statistic": None,
+        "threshold": 0.7,
+        "odd_violation": False,
+        "omission": True,
+    }
+
+
+def test_every_message_counts_once():
+    """Through EDDIInput, as the node feeds it."""
+
+    class Input(EDDIInputBase):
+        sample = None
+
+        def process(self, message):
+            self.sample = message
+
+    one, eddi_input = monitor(ROWS), Input()
+    eddi_input.bind(one.inputs)
+
+    def go(messages, new):
+        eddi_input.begin_step({}, {"a": new})
+        eddi_input.update_each("sample", eddi_input.process, messages, ("a",))
+        return one.execute_step(eddi_input, 0)
+
+    assert go({}, []).reason == "filling"
+    assert go({"a": [0.3]}, [[0.1], [0.2], [0.3]]).accepted == 3
+    assert go({"a": [0.3]}, []).accepted == 3
+    assert not go({"a": [0.4]}, [[0.4]]).omission
+    assert go({"a": []}, [[]]).reason == "empty"
+
+
+def test_a_property_that_raises_is_unknown():
+    class Broken:
+        @property
+        def sample(self):
+            raise RuntimeError
+
+    assert monitor(ROWS).execute_step(Broken(), 0).omission
+
+
+def test_without_a_time():
+    assert monitor(ROWS).execute_step(give([0.1])).accepted == 1
+
+
+def test_a_sample_equal_to_a_row_has_equal_values():
+    """Else rounding noise makes quantised samples differ from their own reference."""
+    chance = np.random.RandomState(6)
+    rows = np.round(chance.normal(size=(80, 12)), 1)
+    design = Design(rows, DesignSpec(components=5, residual=True, halves=True))
+    for k, row in enumerate(rows[:40]):
+        values = design.values(row)
+        for test, value in enumerate(values):
+            assert value in design.reference[test], (k, test)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"metric": "Wasserstein"}, "the metric 'Wasserstein' is not known"),
+        ({"window_size": 0}, "'window_size' of the model is below 1"),
+        ({"stride": True}, "'stride' of the model has the wrong type bool"),
+        ({"threshold_scaled": 0.5}, "'threshold_scaled' of the model has the wrong type float"),
+        ({"settings": {"max_age": -1}}, "'max_age' is not a number of seconds above 0"),
+        ({"settings": {"on_omission": "x"}}, "'on_omission' is 'x', not one of hold, clear"),
+        ({"reference": {"file": "reference.csv", "sha256": "0", "features": 1}}, "changed since"),
+        ({"csv": b"1\n2,3"}, "the rows differ in length"),
+        ({"csv": b"1\nx"}, "could not convert"),
+        ({"csv": b"1,2\n3,4"}, "has 2 features, the model other ones"),
+    ],
+)
+def test_damaged_models_are_refused(change, reason):
+    from eddi_runtime.model_file import check_document, digest_of
+    from eddi_runtime.monitor import build
+
+    made, files = document(ROWS, **{k: v for k, v in change.items() if k in {"settings", "csv"}})
+    made["model"].update({k: v for k, v in change.items() if k not in {"settings", "csv"}})
+    made["sha256"] = digest_of(made)
+    with pytest.raises(ModelError, match=reason):
+        build(check_document(made, "model.json", files))
+
+
+def test_two_inputs_are_refused():
+    from eddi_runtime.model_file import check_document, digest_of
+    from eddi_runtime.monitor import build
+
+    made, files = document(ROWS)
+    made["inputs"].append({"id": "b", "attribute": "b", "requires": []})
+    made["sha256"] = digest_of(made)
+    with pytest.raises(ModelError, match="one input is expected, not 2"):
+        build(check_document(made, "model.json", files))

@@ -1,0 +1,131 @@
+"""Any value is taken as samples, or counted as none; no value ends the monitor."""
+
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+np = pytest.importorskip("numpy", reason="SafeML needs numpy")
+from eddi_runtime import joined  # noqa: E402 - numpy comes first
+from eddi_runtime.inputs import Messages  # noqa: E402
+from eddi_runtime.safeml.samples import take  # noqa: E402
+
+from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
+
+
+def multi_array(data, *sizes, offset=0):
+    """Return what a MultiArray of std_msgs looks like."""
+    dim = [SimpleNamespace(size=size, stride=0, label="") for size in sizes]
+    return SimpleNamespace(layout=SimpleNamespace(dim=dim, data_offset=offset), data=data)
+
+
+def rows_of(value, features=2, *, single=False):
+    taken = take(value, features, single=single)
+    return [row.tolist() for row in taken.rows], taken.bad
+
+
+@pytest.mark.parametrize(
+    ("value", "rows", "bad"),
+    [
+        ([1, 2.5], [[1.0, 2.5]], []),
+        ((1, 2), [[1.0, 2.0]], []),
+        (np.array([1, 2], dtype=np.int8), [[1.0, 2.0]], []),
+        ([[1, 2], [3, 4]], [[1.0, 2.0], [3.0, 4.0]], []),
+        (np.array([[1.0, 2.0], [3.0, 4.0]]), [[1.0, 2.0], [3.0, 4.0]], []),
+        (np.array([[1.0], [2.0]]), [[1.0, 2.0]], []),
+        (b"\x01\x02", [[1.0, 2.0]], []),
+        (multi_array((1.0, 2.0)), [[1.0, 2.0]], []),
+        (multi_array((9.0, 1.0, 2.0), offset=1), [[1.0, 2.0]], []),
+        (multi_array((1.0, 2.0, 3.0, 4.0), 2, 2), [[1.0, 2.0], [3.0, 4.0]], []),
+        (multi_array((1.0, 2.0), 2, 1), [[1.0, 2.0]], []),
+        (multi_array(()), [], ["empty"]),
+        ([], [], ["empty"]),
+        ([[]], [], ["empty"]),
+        (b"", [], ["empty"]),
+        ([1.0], [], ["wrong_length"]),
+        ([1, 2, 3], [], ["wrong_length"]),
+        (np.zeros((3, 3)), [], ["wrong_length"] * 3),
+        (np.zeros((1, 1, 2)), [], ["wrong_length"]),
+        ([1.0, float("nan")], [], ["not_finite"]),
+        ([1.0, float("inf")], [], ["not_finite"]),
+        ([[1.0, 2.0], [float("nan"), 0.0]], [[1.0, 2.0]], ["not_finite"]),
+        ([[1.0, 2.0], [3.0]], [[1.0, 2.0]], ["wrong_length"]),
+        ("12", [], ["wrong_length"]),
+        (["1", "2"], [], ["wrong_length"]),
+        ([1.0, None], [], ["wrong_length"]),
+        ([10**400, 1], [], ["wrong_length"]),
+        ([1j, 2], [], ["wrong_length"]),
+        ({1: 2}, [], ["wrong_length"]),
+        (object(), [], ["wrong_length"]),
+        (7.0, [], ["wrong_length"]),
+        (Messages(), [], []),
+        (Messages([[1.0, 2.0], None, []]), [[1.0, 2.0]], ["wrong_length", "empty"]),
+    ],
+    ids=repr,
+)
+def test_values(value, rows, bad):
+    assert rows_of(value) == (rows, bad)
+
+
+def test_one_feature_may_be_a_plain_number():
+    assert rows_of(7.0, 1) == ([[7.0]], [])
+    assert rows_of(float("nan"), 1) == ([], ["not_finite"])
+
+
+def test_float32_is_rounded_before_it_is_judged():
+    assert rows_of([0.1], 1, single=True)[0] == [[float(np.float32(0.1))]]
+    assert rows_of([1e300], 1, single=True) == ([], ["not_finite"])
+
+
+def test_joined():
+    assert joined(1.5, (2.0, 3.0), multi_array((0.0, 4.0), offset=1)) == [1.5, 2.0, 3.0, 4.0]
+
+
+class Awkward:
+    """Raises wherever it is touched."""
+
+    def __getattr__(self, name):
+        raise RuntimeError(name)
+
+    def __len__(self):
+        raise RuntimeError
+
+
+ANYTHING = st.recursive(
+    st.one_of(
+        st.none(), st.booleans(), st.integers(), st.floats(), st.text(), st.binary(),
+        st.complex_numbers(), st.builds(Awkward), st.just(np.array(None, dtype=object)),
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner), st.lists(inner).map(Messages), st.tuples(inner, inner),
+        st.dictionaries(st.text(), inner),
+    ),
+    max_leaves=6,
+)  # fmt: skip
+
+
+@given(st.lists(ANYTHING, max_size=6))
+def test_nothing_raises_and_nothing_bad_enters_the_window(values):
+    one = monitor([[float(k), float(k % 3)] for k in range(10)])
+    for value in values:
+        accepted = one._last.accepted
+        filled = one._window.filled
+        result = step(one, value)
+        assert isinstance(result.omission, bool)
+        assert one._window.filled == min(4, filled + result.accepted - accepted)
+        assert np.isfinite(one._window._lower).all()
+        one.status_message()
+        one.faults()
+
+
+def test_ten_thousand_unusable_messages_do_not_touch_the_window():
+    one = monitor([[float(k)] for k in range(10)])
+    for k in range(4):
+        step(one, [float(k)])
+    before = one._window._lower.copy()
+    bad = [[], [float("nan")], [1.0, 2.0], None, "x", [float("inf")]]
+    for k in range(10_000):
+        assert step(one, bad[k % len(bad)]).omission
+    np.testing.assert_array_equal(one._window._lower, before)
+    assert step(one, [0.0]).rejected == 8333  # None is no message

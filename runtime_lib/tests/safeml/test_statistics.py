@@ -1,0 +1,133 @@
+"""Every statistic equals its definition, from whatever side it is computed."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+np = pytest.importorskip("numpy", reason="SafeML needs numpy")
+from eddi_runtime.safeml.comparison import Comparison  # noqa: E402 - numpy comes first
+from eddi_runtime.safeml.statistics import CramerVonMises  # noqa: E402
+from eddi_runtime.safeml.window import Window  # noqa: E402
+
+from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
+
+METRICS = tuple(LITERAL)
+# few different values give ties of every sort; -0.0 equals 0.0
+VALUES = st.one_of(
+    st.integers(-3, 3).map(float),
+    st.sampled_from([-0.0, 0.0, 0.1, 0.2]),
+    st.floats(-1e6, 1e6, allow_nan=False),
+)
+SAMPLES = st.lists(VALUES, min_size=1, max_size=40)
+
+
+def one(metric, reference, window):
+    found = Comparison(metric, np.sort(np.array([reference], dtype=float)), len(window))
+    return float(found.of_windows(np.array([[window]], dtype=float))[0, 0])
+
+
+@pytest.mark.parametrize("metric", METRICS)
+@given(SAMPLES, SAMPLES)
+def test_definition(metric, reference, window):
+    expected = LITERAL[metric](reference, window)
+    assert one(metric, reference, window) == pytest.approx(expected, rel=1e-10, abs=1e-10)
+
+
+@pytest.mark.parametrize("metric", METRICS)
+@pytest.mark.parametrize("levels", [2, 10, 100, None])
+def test_definition_on_larger_samples(metric, levels):
+    chance = np.random.RandomState(3)
+    for _ in range(4):
+        n, m = chance.randint(1, 200), chance.randint(1, 50)
+        pooled = chance.normal(size=n + m)
+        pooled = pooled if levels is None else np.round(pooled * levels) / levels
+        reference, window = pooled[:n].tolist(), pooled[n:].tolist()
+        expected = LITERAL[metric](reference, window)
+        assert one(metric, reference, window) == pytest.approx(expected, rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.parametrize("metric", METRICS)
+@given(SAMPLES, SAMPLES, st.randoms(use_true_random=False))
+def test_order_and_increasing_maps_do_not_matter(metric, reference, window, chance):
+    before = one(metric, reference, window)
+    places = {value: k for k, value in enumerate(sorted({*reference, *window}))}
+    chance.shuffle(reference)
+    chance.shuffle(window)
+    moved = one(metric, [places[x] ** 3 for x in reference], [places[w] ** 3 for w in window])
+    assert moved == pytest.approx(before, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("metric", METRICS)
+@pytest.mark.parametrize("values", [[1.0], [2.0, 2.0, 2.0], [1.0, 2.0, 3.0]])
+def test_equal_samples_have_no_distance(metric, values):
+    assert one(metric, values, values) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_the_smallest_samples():
+    assert [one(metric, [1.0], [2.0]) for metric in METRICS] == [1.0, 0.25, pytest.approx(1.0)]
+
+
+def test_sums_that_do_not_fit_into_64_bits():
+    """Whole numbers or doubles: the same to 1e-10."""
+    chance = np.random.RandomState(1)
+    reference = np.sort(chance.normal(size=(1, 3000)), axis=1)
+    window = chance.normal(0.2, size=(1, 1, 200))
+    exact = Comparison("cvm", reference, 200).of_windows(window)
+    comparison = Comparison("cvm", reference, 200)
+    made = pytest.MonkeyPatch()
+    made.setattr("eddi_runtime.safeml.statistics._EXACT", 1)
+    comparison.of_ranks = CramerVonMises(comparison.backend, reference, 200)
+    made.undo()
+    np.testing.assert_allclose(comparison.of_windows(window), exact, rtol=1e-10)
+
+
+@pytest.mark.parametrize("metric", METRICS)
+@pytest.mark.parametrize("levels", [None, 8])
+@pytest.mark.parametrize("listed", [True, False])
+def test_the_window_equals_its_last_values(metric, levels, listed, monkeypatch):
+    """The ring against a comparison of what it should hold, while it is also cleared at times."""
+    if not listed:
+        monkeypatch.setattr("eddi_runtime.safeml.window._MOST_LISTED", 0)
+    chance = np.random.RandomState(2)
+    tests, m = 3, 7
+
+    def some(*shape):
+        values = chance.normal(size=shape)
+        return values if levels is None else np.round(values * levels) / levels
+
+    comparison = Comparison(metric, np.sort(some(tests, 50), axis=1), m)
+    window, last = Window(comparison), []
+    for count in range(2000):
+        if count % 701 == 700:
+            window.clear()
+            last = []
+        sample = some(tests)
+        window.push(sample)
+        last = [*last, sample][-m:]
+        assert window.is_full == (len(last) == m)
+        if window.is_full and count % 5 == 0:
+            expected = comparison.of_windows(np.array(last).T[None])[0]
+            np.testing.assert_allclose(window.statistics(), expected, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("metric", METRICS)
+def test_a_million_steps_do_not_drift(metric, request):
+    """No growth and no drift: a long profile for the million, some thousand else."""
+    is_long = request.config.getoption("--hypothesis-profile", default=None) == "long"
+    steps = 1_000_000 if is_long else 20_000
+    chance = np.random.RandomState(4)
+    samples = np.round(chance.normal(size=(1009, 2)), 2)
+    comparison = Comparison(metric, np.sort(np.round(chance.normal(size=(2, 200)), 2), axis=1), 20)
+    window = Window(comparison)
+    before = vars(window).keys()
+    for count in range(steps):
+        window.push(samples[count % 1009])
+        if count % 97 == 0 and window.is_full:
+            window.statistics()
+    fresh = Window(comparison)
+    for count in range(steps - 20, steps):
+        fresh.push(samples[count % 1009])
+    np.testing.assert_array_equal(window.statistics(), fresh.statistics())
+    assert (window._tied, window._equal) == (fresh._tied, fresh._equal)
+    assert vars(window).keys() == before
+    assert len(window._ties) == 20
