@@ -26,6 +26,7 @@ from eddi_scaffold.regions.generated import (
     recorded_generated,
     save_generated_edits,
 )
+from eddi_scaffold.regions.store import save_orphan
 from eddi_scaffold.regions.sync import Refusal, next_base, sync_package
 from eddi_scaffold.transaction import FileState
 from eddi_scaffold.unpacking import unpacked
@@ -137,9 +138,12 @@ def _bring_one(
         notes += saved
         work.attention = work.attention or bool(saved)
     _lay(rendered, staged)
+    for body in package.saved:
+        save_orphan(staged, body)
     report = sync_package(staged)
     _refuse(report.refused, target)
     for name, data in package.files.items():
+        (staged / name).parent.mkdir(parents=True, exist_ok=True)
         (staged / name).write_bytes(data)
     after = transaction.tree_of(staged)
     _check_python(after, target)

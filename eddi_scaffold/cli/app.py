@@ -8,10 +8,12 @@ import typer
 
 from eddi_scaffold import __version__
 from eddi_scaffold.cli import (
+    adopt,
     answers,
     check,
     compose,
     diagram,
+    event,
     example,
     export,
     generate,
@@ -69,6 +71,7 @@ app.command("parse-rossystem")(parse_rossystem.parse_rossystem)
 app.command("run")(run.run)
 app.command("generate")(generate.generate)
 app.command("upgrade")(upgrade.upgrade)
+app.command("adopt")(adopt.adopt)
 app.command("status")(status.status)
 app.command("trace")(trace.trace)
 app.command("regions")(regions.regions)
@@ -76,3 +79,4 @@ app.command("diagram")(diagram.diagram)
 app.command("compose")(compose.compose)
 app.command("export")(export.export)
 app.command("answers")(answers.answers)
+app.command("event")(event.event)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.config import Config
     from eddi_scaffold.kinds import JsonValue
     from eddi_scaffold.problems import Problem
+    from eddi_scaffold.regions.result import Orphan
 
 
 @dataclass(frozen=True)
@@ -31,11 +32,13 @@ class PackageAnswers:
         folder: where it goes, relative to the destination of the platform, POSIX form.
         answers: all answers of its template, in the order in which they are written.
         files: path in the package -> bulk data that Copier does not render.
+        saved: bodies that are waiting for their regions.
     """
 
     folder: str
     answers: Mapping[str, JsonValue]
     files: Mapping[str, bytes] = field(default_factory=dict)
+    saved: Sequence[Orphan] = ()
 
 
 @dataclass(frozen=True)

@@ -25,13 +25,14 @@ COMMANDS = [
         "run",
         "generate",
         "upgrade",
+        "adopt",
         "status",
         "trace",
         "regions",
         "diagram",
         "compose",
     ),
-    *("export", "answers"),
+    *("export", "answers", "event"),
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"

@@ -1,0 +1,176 @@
+"""One Python module of an old package: its class, the methods that people edited, and the rest.
+
+Nothing is executed: syntax trees and lines of text only.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.document import split_lines
+from eddi_scaffold.regions.markers import indent_of
+from eddi_scaffold.source import read_source
+
+_MARKER = re.compile(r"-{3,}\s*Manual edit (begin|end)\s*-{3,}", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Body:
+    """What a person wrote into a method.
+
+    Attributes:
+        text: lines, with their line ends.
+        indent: blanks before it.
+        line: where it begins.
+    """
+
+    text: str
+    indent: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Method:
+    """One method of a class.
+
+    Attributes:
+        tree: its syntax tree.
+        body: between the markers; ``None`` where there are none.
+        outside: its statements that lie outside of the markers.
+    """
+
+    name: str
+    tree: ast.FunctionDef
+    body: Body | None
+    outside: tuple[ast.stmt, ...]
+
+
+@dataclass(frozen=True)
+class Module:
+    """One module.
+
+    Attributes:
+        path: of the file.
+        text: of the file; line ends are line feeds.
+        methods: of its classes, by name.
+        other: statements that are neither an import, a class nor a docstring.
+        imports: import statements.
+    """
+
+    path: Path
+    text: str
+    methods: dict[str, Method]
+    other: tuple[ast.stmt, ...]
+    imports: tuple[ast.stmt, ...]
+
+    def segment(self, node: ast.AST) -> str:
+        """Return the source of a statement."""
+        return ast.get_source_segment(self.text, node, padded=True) or ""
+
+
+def read_module(path: Path) -> Module:
+    """Read a module.
+
+    Raises:
+        EddiError: it is no UTF-8 text or no Python (A001).
+    """
+    data = read_source(path).data
+    try:
+        text = data.decode("utf-8-sig").replace("\r\n", "\n")
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError) as failed:
+        line = getattr(failed, "lineno", None)
+        message = f"this is no Python: {getattr(failed, 'msg', failed)}"
+        place = Place(str(path), line, getattr(failed, "offset", None))
+        hint = "mend it first: nothing was adopted"
+        raise EddiError(error("A001", message, place, hint)) from None
+    lines = split_lines(text)
+    methods: dict[str, Method] = {}
+    other: list[ast.stmt] = []
+    imports: list[ast.stmt] = []
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            functions = (one for one in node.body if isinstance(one, ast.FunctionDef))
+            methods |= {one.name: _method(one, lines) for one in functions}
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            imports.append(node)
+        elif not _is_text(node):
+            other.append(node)
+    return Module(path, text, methods, tuple(other), tuple(imports))
+
+
+def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
+    marks = list(_marks(tree, lines))
+    found = _between(marks)
+    statements = tuple(one for one in tree.body if not _is_text(one))
+    if found is None:
+        return Method(tree.name, tree, None, statements)
+    begin, end = found
+    text = "".join(lines[begin:end])
+    indent = indent_of(lines[begin - 1])
+    outside = tuple(one for one in statements if not begin < one.lineno <= end)
+    return Method(tree.name, tree, Body(text, indent, begin + 1), outside)
+
+
+def _marks(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[str, int]]:
+    """Yield what a marker says and its line: a string alone on its line, or a comment."""
+    for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
+        match = _MARKER.search(lines[number - 1])
+        before = lines[number - 1][: match.start()].strip() if match else "x"
+        if match and before in {"", "#", "'''", '"""', "'", '"'}:
+            yield match[1].lower(), number
+
+
+def _between(marks: Sequence[tuple[str, int]]) -> tuple[int, int] | None:
+    """Return the lines of the first begin and of the last end as slice bounds."""
+    begins = [line for what, line in marks if what == "begin"]
+    ends = [line for what, line in marks if what == "end"]
+    if not begins or not ends or ends[-1] <= begins[0]:
+        return None
+    return begins[0], ends[-1] - 1
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def whole_body(method: Method, module: Module) -> Body | None:
+    """Return all statements of a method without markers, its comments included.
+
+    ``None`` for one that holds nothing but the assignment of None that was generated.
+    """
+    statements = [one for one in method.tree.body if not _is_text(one)]
+    real = [one for one in statements if not isinstance(one, ast.Pass)]
+    if not real or (len(real) == 1 and _assigns_none(real[0])):
+        return None
+    lines = split_lines(module.text)
+    first = method.tree.body[0].lineno
+    start = next(
+        (
+            n
+            for n in range(method.tree.lineno + 1, first + 1)
+            if lines[n - 1].strip().startswith("#")
+        ),
+        first,
+    )
+    text = [
+        line
+        for line in lines[start - 1 : method.tree.end_lineno]
+        if line.strip().upper() != "# TODO"
+    ]
+    if text and not text[-1].endswith("\n"):
+        text[-1] += "\n"
+    return Body("".join(text), indent_of(lines[first - 1]), start)
+
+
+def _assigns_none(node: ast.stmt) -> bool:
+    return (
+        isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Constant)
+        and node.value.value is None
+    )

@@ -1,0 +1,82 @@
+"""The files of an old package: what each is, and what is left aside."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.adopting.modules import Module, read_module
+from eddi_scaffold.problems import EddiError, Place, error
+
+_MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
+_NO_MODELS = {"package.xml"}
+
+
+@dataclass(frozen=True)
+class OldPackage:
+    """An old package.
+
+    Attributes:
+        eddi_input: ``EDDIInput.py``.
+        config: ``bayesian_network_config.py``.
+        node: the ROS node's script.
+        models: files that may hold the model, the best one first.
+        files: every file, relative to the folder.
+    """
+
+    folder: Path
+    eddi_input: Module | None
+    config: Module | None
+    node: Module | None
+    models: tuple[Path, ...]
+    files: tuple[Path, ...]
+
+
+def read_old_package(folder: Path) -> OldPackage:
+    """Find out what a folder holds.
+
+    Raises:
+        EddiError: it is no folder (F001), holds nothing of an old package (A002) or one of its
+            modules twice (A003), or a module is no Python (A001).
+    """
+    if not folder.is_dir():
+        raise EddiError(
+            error("F001", "cannot read the package: no such folder", Place(str(folder)))
+        )
+    files = tuple(_files(folder))
+    eddi_input = _only(folder, files, "EDDIInput.py")
+    config = _only(folder, files, "bayesian_network_config.py")
+    if eddi_input is None and config is None:
+        message = "there is neither an EDDIInput.py nor a bayesian_network_config.py below it"
+        hint = "name the folder that the old generator wrote"
+        raise EddiError(error("A002", message, Place(str(folder)), hint))
+    near = config.path.parent if config is not None else folder
+    models = [
+        folder / file
+        for file in files
+        if file.suffix.lower() in _MODELS and file.name not in _NO_MODELS
+    ]
+    models.sort(key=lambda path: (_MODELS.index(path.suffix.lower()), path.parent != near, path))
+    node = _only(folder, files, "RosNode.py")
+    return OldPackage(folder, eddi_input, config, node, tuple(models), files)
+
+
+def _files(folder: Path) -> Sequence[Path]:
+    skipped = {".git", "__pycache__"}
+    found = []
+    for root, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if name not in skipped)
+        found += [Path(root, name).relative_to(folder) for name in sorted(names)]
+    return found
+
+
+def _only(folder: Path, files: Sequence[Path], name: str) -> Module | None:
+    found = [file for file in files if file.name == name]
+    if len(found) > 1:
+        listed = ", ".join(map(str, found))
+        message = f"there are several {name}: {listed}"
+        hint = "adopt one network at a time: name the folder of one"
+        raise EddiError(error("A003", message, Place(str(folder)), hint))
+    return read_module(folder / found[0]) if found else None

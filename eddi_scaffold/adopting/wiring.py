@@ -1,0 +1,203 @@
+"""How an old ROS node was connected: topics, types, rate and inputs, read from its text."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from eddi_scaffold.adopting.modules import Module
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.yaml_nodes import dump_plain
+
+_TYPES = {bool: "bool", int: "int", float: "float", str: "str"}
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A topic that the node listens to.
+
+    Attributes:
+        type: ``package/Type``; empty when the import of its class was not found.
+    """
+
+    id: str
+    type: str
+    topic: str
+
+
+@dataclass(frozen=True)
+class OldInput:
+    """An input of the monitor.
+
+    Attributes:
+        default: value before the first message.
+        requires: ids of topics.
+    """
+
+    id: str
+    default: JsonValue
+    requires: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What a configuration says, as far as it could be read."""
+
+    frequency: float | None = None
+    topics: tuple[Topic, ...] = ()
+    outputs: tuple[tuple[str, str], ...] = ()
+    inputs: tuple[OldInput, ...] = ()
+    lost: tuple[str, ...] = field(default=())
+
+    def as_yaml(self, name: str, kind: str, model: str) -> str:
+        """Return the text of an ``eddi_config.yml``.
+
+        Args:
+            name: id of the model.
+            kind: spelling of its type in configurations.
+            model: file of the model, relative to the configuration.
+        """
+        section: dict[str, JsonValue] = {"id": name, "type": kind}
+        if self.frequency is not None:
+            section["frequency"] = self.frequency
+        section["parameters"] = [{"model": model}]
+        document = {
+            "Model": section,
+            "SimulatorOutputs": [
+                {"id": one.id, "type": one.type.replace("/", "."), "topic": one.topic}
+                for one in self.topics
+            ],
+            "EDDIInputs": [_input(one) for one in self.inputs],
+            "EDDIOutputs": [{"id": name, "topic": topic} for name, topic in self.outputs],
+        }
+        return dump_plain(document)
+
+
+def _input(one: OldInput) -> dict[str, JsonValue]:
+    found: dict[str, JsonValue] = {"id": one.id}
+    of = _TYPES.get(type(one.default))
+    if of is not None:
+        found["type"] = of
+    found["requires"] = list(one.requires)
+    if one.default is not None:
+        found["default"] = one.default
+    return found
+
+
+def read_wiring(node: Module | None, eddi_input: Module | None) -> Wiring:
+    """Read the connections of a node script and of its input class."""
+    inputs = tuple(_inputs(eddi_input)) if eddi_input is not None else ()
+    if node is None:
+        return Wiring(inputs=inputs)
+    classes = dict(_message_classes(node))
+    stored = dict(_stored(node))
+    lost: list[str] = []
+    topics: dict[str, Topic] = {}
+    outputs: dict[str, str] = {}
+    for call, target in _calls(node):
+        words = [_constant(argument) for argument in call.args]
+        name = _name_of(call.func)
+        if name.endswith("Subscriber") and len(call.args) > 2:
+            callback = _name_of(call.args[2]).rpartition(".")[2]
+            id_ = stored.get(callback, callback.removesuffix("_callback"))
+            of = classes.get(_name_of(call.args[1]).rpartition(".")[2], "")
+            if isinstance(words[0], str) and of:
+                topics.setdefault(id_, Topic(id_, of, words[0]))
+            else:
+                lost.append(f"{node.path.name}:{call.lineno}: topic or message type of {id_!r}")
+        elif name.endswith("Publisher") and words and isinstance(words[0], str):
+            outputs.setdefault(target.removesuffix("_pub") or "output", words[0])
+    frequency = next(_rates(node), None)
+    if frequency is None:
+        lost.append(f"{node.path.name}: the rate of the loop")
+    for one in inputs:
+        lost += [
+            f"{node.path.name}: the topic of {name!r}, which {one.id} needs"
+            for name in one.requires
+            if name not in topics
+        ]
+    kept = tuple(
+        OldInput(one.id, one.default, tuple(name for name in one.requires if name in topics))
+        for one in inputs
+    )
+    return Wiring(frequency, tuple(topics.values()), tuple(outputs.items()), kept, tuple(lost))
+
+
+def _message_classes(module: Module) -> Iterator[tuple[str, str]]:
+    for node in module.imports:
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.endswith(".msg"):
+            package = node.module.removesuffix(".msg")
+            for alias in node.names:
+                yield alias.asname or alias.name, f"{package}/{alias.name}"
+
+
+def _stored(module: Module) -> Iterator[tuple[str, str]]:
+    """Yield callback -> key under which it keeps the message."""
+    for name, method in module.methods.items():
+        for node in ast.walk(method.tree):
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
+                key = _constant(node.targets[0].slice)
+                if isinstance(key, str) and name.endswith("_callback"):
+                    yield name, key
+
+
+def _calls(module: Module) -> Iterator[tuple[ast.Call, str]]:
+    """Yield every call with the attribute that it is assigned to, in the order of the file."""
+    for method in module.methods.values():
+        for node in ast.walk(method.tree):
+            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+                yield node.value, _name_of(node.targets[0]).rpartition(".")[2]
+            elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+                yield node.value, ""
+
+
+def _rates(module: Module) -> Iterator[float]:
+    for call, _ in _calls(module):
+        if _name_of(call.func).endswith("Rate") and call.args:
+            value = _constant(call.args[0])
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                yield value
+
+
+def _inputs(module: Module) -> Iterator[OldInput]:
+    defaults = dict(_defaults(module))
+    required = dict(_required(module))
+    names = [
+        name.removeprefix("process_") for name in module.methods if name.startswith("process_")
+    ]
+    for name in dict.fromkeys([*defaults, *names]):
+        yield OldInput(name, defaults.get(name), required.get(name, ()))
+
+
+def _defaults(module: Module) -> Iterator[tuple[str, JsonValue]]:
+    method = module.methods.get("__init__")
+    for node in method.tree.body if method else ():
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
+            value = _constant(node.value)
+            if not isinstance(value, bytes) and value is not Ellipsis:
+                yield node.targets[0].attr, value
+
+
+def _required(module: Module) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield input -> ids of the messages that ``processing`` passes to its method."""
+    method = module.methods.get("processing")
+    for node in ast.walk(method.tree) if method else ():
+        if isinstance(node, ast.Call):
+            name = _name_of(node.func).rpartition(".")[2]
+            keys = [_constant(one.slice) for one in node.args if isinstance(one, ast.Subscript)]
+            if name.startswith("process_"):
+                yield name.removeprefix("process_"), tuple(k for k in keys if isinstance(k, str))
+
+
+def _constant(node: ast.expr) -> JsonValue:
+    try:
+        return ast.literal_eval(node)
+    except (ValueError, TypeError, MemoryError, RecursionError):
+        return None
+
+
+def _name_of(node: ast.AST) -> str:
+    if isinstance(node, ast.Attribute):
+        return f"{_name_of(node.value)}.{node.attr}"
+    return node.id if isinstance(node, ast.Name) else ""

@@ -1,0 +1,102 @@
+"""The new package of an adoption, its configuration and its model, written as one step."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from eddi_scaffold.adopting.adopt import Adoption, leftover
+from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.generation import Outcome, bring
+from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.platforms import PackageAnswers, Platform
+from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.project import Template
+from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.transaction import FileState, write
+
+
+@dataclass(frozen=True)
+class Result:
+    """What an adoption wrote, or would write."""
+
+    outcome: Outcome
+    problems: Sequence[Problem]
+    told: Sequence[str]
+
+
+def bring_in(
+    adoption: Adoption, platform: Platform, place: Path, template: Template, *, dry_run: bool
+) -> Result:
+    """Generate the new package with the old bodies in its regions.
+
+    Raises:
+        EddiError: the new package is there already (A005), or cannot be generated.
+    """
+    root = place / platform.root
+    package = package_name(adoption.model.name)
+    if (root / package).exists():
+        hint = "move it away: adopting is for packages that are not ours yet"
+        raise EddiError(
+            error("A005", "the package is there already", Place(str(root / package)), hint)
+        )
+    model_name = adoption.model_file.name
+    config_name = f"{package}_config.yml"
+    text = adoption.config(model_name)
+    files = {config_name: text.encode(), model_name: adoption.model_file.read_bytes()}
+    with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
+        for name, data in files.items():
+            Path(scratch, name).write_bytes(data)
+        configs = [Path(scratch, config_name)]
+        try:
+            monitors, problems = monitors_of(None, configs, adoption.model.name)
+            assembly = assemble(monitors, platform, root, problems)
+        except EddiError as failed:
+            raise EddiError(*(_shown(one, place) for one in failed.problems)) from None
+    packages = [_with_bodies(one, package, adoption) for one in assembly.packages]
+    outcome = bring(root, packages, template, dry_run=dry_run)
+    told: list[str] = []
+    look = outcome.attention
+    if not dry_run:
+        write(place, {name: FileState(data) for name, data in files.items()})
+        states = {one.id: one.state for one in list_regions(root / package)}
+        told = _report(adoption, states, [place / name for name in files])
+        look = look or _needs_look(adoption, states)
+    shown = [_shown(one, place) for one in assembly.problems]
+    return Result(replace(outcome, attention=look), shown, told)
+
+
+def _with_bodies(one: PackageAnswers, package: str, adoption: Adoption) -> PackageAnswers:
+    if one.folder != package:
+        return one
+    rejects = {f".eddi/rejects/{name}": text.encode() for name, text in adoption.rejects.items()}
+    return replace(one, saved=adoption.bodies, files={**one.files, **rejects})
+
+
+def _needs_look(adoption: Adoption, states: Mapping[str, str]) -> bool:
+    return bool(adoption.rejects) or any(
+        states.get(one.id, "orphaned") != "edited" for one in adoption.bodies
+    )
+
+
+def _report(adoption: Adoption, states: Mapping[str, str], written: Sequence[Path]) -> list[str]:
+    lines = [f"written: {path}" for path in written]
+    for body in adoption.bodies:
+        state = states.get(body.id)
+        if state == "edited":
+            lines.append(f"{body.id}: the body is in its region")
+        else:
+            lines.append(f"{body.id}: no region of that name, the body is kept in .eddi/orphans")
+    lines.append("the old files are not needed any more, and were left as they are:")
+    lines += [f"  {file}" for file in leftover(adoption.old, [adoption.model_file])]
+    return lines
+
+
+def _shown(problem: Problem, folder: Path) -> Problem:
+    """Name a file where it will stand, not where it was tried out."""
+    where = problem.place
+    if not where.file:
+        return problem
+    return replace(problem, place=replace(where, file=str(folder / Path(where.file).name)))

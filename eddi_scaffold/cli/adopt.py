@@ -1,0 +1,54 @@
+"""``eddi-scaffold adopt``: a package made by the D7.2 tools becomes one of ours."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import DryRun, Name, OptionalModelFile
+
+
+def adopt(
+    package: Annotated[Path, typer.Argument(help="Folder of the old package.")],
+    workspace: Annotated[
+        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace to put it into.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to put it into, as plain Python.")
+    ] = None,
+    model: OptionalModelFile = None,
+    name: Name = None,
+    dry_run: DryRun = False,
+) -> None:
+    """Take over a package made by the D7.2 tools, with every hand-written body in its place.
+
+    The old package is only read. Model and configuration are recovered from it and written beside
+    the new one.
+
+    Example: eddi-scaffold adopt old/bn_monitor -o monitors
+    """
+    from eddi_scaffold.adopting.adopt import adopt as adopted
+    from eddi_scaffold.adopting.writing import bring_in
+    from eddi_scaffold.cli.reporting import finish
+    from eddi_scaffold.console import console
+    from eddi_scaffold.platforms import chosen
+    from eddi_scaffold.problems import EddiError, Place, error
+    from eddi_scaffold.project import own_template
+
+    if (workspace is None) == (output is None):
+        raise EddiError(error("G006", "say where it goes: -w WORKSPACE, or -o FOLDER"))
+    target = chosen("ros1" if workspace is not None else "plain")
+    place = workspace or output
+    assert place is not None
+    if workspace is not None and not workspace.is_dir():
+        hint = f"mkdir -p {workspace}/src"
+        where = Place(str(workspace))
+        raise EddiError(error("G007", "there is no such catkin workspace", where, hint))
+    found = adopted(package, model, name)
+    result = bring_in(found, target, place, own_template(), dry_run=dry_run)
+    console.problems(result.problems)
+    for line in (*found.told, *result.told):
+        console.say(line)
+    finish(result.outcome, dry_run=dry_run)

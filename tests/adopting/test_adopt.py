@@ -1,0 +1,153 @@
+"""An old package becomes one of ours; what a person wrote is in its place, or kept and said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
+from tests.cli.command import example, files_below, run
+
+
+@pytest.fixture
+def old(tmp_path: Path) -> Path:
+    """An old package of ConSertA, in a folder with a workspace."""
+    example(tmp_path)
+    assert (
+        run("export", "two_conserts.xml", "--name", "ConSertA", "-o", "yml", cwd=tmp_path).status
+        == 0
+    )
+    model = (tmp_path / "yml" / "ConSertA.yml").read_text("utf-8")
+    (tmp_path / "ws" / "src").mkdir(parents=True)
+    return write_old_ros_package(tmp_path / "old", model)
+
+
+def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
+    folder = old.parent
+    before = files_below(old)
+    result = run("adopt", "old", "-w", "ws", cwd=folder)
+    assert result.status == 3, result.err  # a helper stands outside of the regions
+    assert files_below(old) == before
+    package = folder / "ws" / "src" / "eddi_monitor" / "conserta"
+    text = (package / "src" / "conserta" / "EDDIInput.py").read_text("utf-8")
+    assert (
+        "        self.RtE_A_E0 = RtE_E0.data and not math.isnan(self.tilt())\n"
+        "        '''-----Manual edit end-----'''  # region: input:RtE_A_E0\n"
+    ) in text
+    assert (
+        "        for guarantee in consertb.guarantees:\n"
+        "            if guarantee.id == 'System_A_G0_c2':\n"
+        "                # the one that matters\n"
+        "                self.RtE_A_D0 = guarantee.active\n"
+        "        '''-----Manual edit end-----'''  # region: input:RtE_A_D0\n"
+    ) in text
+    compile(text, "EDDIInput.py", "exec")
+    kept = (package / ".eddi" / "rejects" / "EDDIInput.py.adopted").read_text("utf-8")
+    assert "def level(message):" in kept
+    assert "this import is not carried over: import math" in result.err
+    assert "old/scripts/EDDIMonitor.py" in result.err
+    config = yaml.safe_load((folder / "ws" / "conserta_config.yml").read_text("utf-8"))
+    assert config == {
+        "Model": {
+            "id": "ConSertA",
+            "type": "ConSert",
+            "frequency": 20,
+            "parameters": [{"model": "ConSertA.yml"}],
+        },
+        "SimulatorOutputs": [
+            {
+                "id": "consertb",
+                "type": "eddi_messages.ConSertOutput",
+                "topic": "/consertb/guarantees",
+            },
+            {"id": "RtE_E0", "type": "std_msgs.Bool", "topic": "/rte/e0a"},
+        ],
+        "EDDIInputs": [
+            {"id": "RtE_A_D0", "type": "bool", "requires": ["consertb"], "default": False},
+            {"id": "RtE_A_E0", "type": "bool", "requires": ["RtE_E0"], "default": False},
+        ],
+        "EDDIOutputs": [{"id": "conserta", "topic": "/conserta/guarantees"}],
+    }
+
+
+def test_what_was_adopted_survives_the_next_generation(old: Path) -> None:
+    folder = old.parent
+    run("adopt", "old", "-w", "ws", cwd=folder)
+    text = folder / "ws" / "src" / "eddi_monitor" / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    before = text.read_text("utf-8")
+    assert run("generate", "-w", "ws", "-c", "ws/conserta_config.yml", cwd=folder).status in (0, 3)
+    assert text.read_text("utf-8") == before
+    listed = run("regions", "ws", "--json", cwd=folder).out
+    assert listed.count('"state": "edited"') == 2
+
+
+def test_a_body_without_a_region_is_kept(old: Path) -> None:
+    script = old / "scripts" / "EDDIInput.py"
+    lines = EDDI_INPUT.replace("process_RtE_A_E0(self", "process_Gone(self")
+    script.write_text(lines.replace("self.process_RtE_A_E0(", "self.process_Gone("), "utf-8")
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert result.status == 3
+    assert "not recovered: the input 'Gone', which the model does not have" in result.err
+    package = old.parent / "ws" / "src" / "eddi_monitor" / "conserta"
+    (kept,) = (package / ".eddi" / "orphans").iterdir()
+    assert "self.RtE_A_E0 = RtE_E0.data and not" in kept.read_text("utf-8")
+
+
+def test_a_default_that_counts_as_good_evidence_is_left_out(old: Path) -> None:
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_text(EDDI_INPUT.replace("self.RtE_A_E0 = False", "self.RtE_A_E0 = True"), "utf-8")
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert "the default True of 'RtE_A_E0': it counted as good evidence" in result.err
+    config = yaml.safe_load((old.parent / "ws" / "conserta_config.yml").read_text("utf-8"))
+    assert "default" not in config["EDDIInputs"][1]
+
+
+def test_a_dry_run_writes_nothing(old: Path) -> None:
+    before = files_below(old.parent)
+    result = run("adopt", "old", "-w", "ws", "--dry-run", cwd=old.parent)
+    assert files_below(old.parent) == before
+    assert "+        self.RtE_A_E0 = RtE_E0.data and not" in result.out
+
+
+def test_crlf_and_stripped_blanks_change_nothing(old: Path) -> None:
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_bytes(script.read_bytes().replace(b"\n", b"\r\n"))
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert "input:RtE_A_E0: the body is in its region" in result.err
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "words"),
+    [
+        (
+            {"scripts/EDDIInput.py": "def x(:\n"},
+            "A001",
+            "EDDIInput.py:1:7: error: this is no Python",
+        ),
+        ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),
+        ({"other/EDDIInput.py": "x = 1\n"}, "A003", "several EDDIInput.py"),
+        ({"ConSertA.yml": None}, "A004", "no model is in the package"),
+    ],
+)
+def test_what_cannot_be_adopted(
+    old: Path, change: dict[str, str | None], code: str, words: str
+) -> None:
+    for name, text in change.items():
+        path = old / name
+        path.parent.mkdir(exist_ok=True)
+        path.unlink(missing_ok=True)
+        if text is not None:
+            path.write_text(text, "utf-8")
+    before = files_below(old.parent)
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert (result.status, f"[{code}]" in result.err) == (2, True), result.err
+    assert words in result.err
+    assert files_below(old.parent) == before
+
+
+def test_a_second_adoption_is_refused(old: Path) -> None:
+    run("adopt", "old", "-w", "ws", cwd=old.parent)
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert (result.status, "[A005]" in result.err) == (2, True)
