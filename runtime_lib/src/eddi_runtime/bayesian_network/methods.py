@@ -1,0 +1,138 @@
+"""The methods ``node_<name>`` in which a person turns data into evidence (SESAME D7.2 Fig 15)."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
+
+from .evidence import EvidenceError, Finding, outcomes_finding
+from .model import Network
+
+
+class Answer(NamedTuple):
+    """What the methods of one step said.
+
+    Attributes:
+        findings: node -> its evidence; nodes that were left at zero are not in it.
+        outputs: nodes that were flagged as outputs.
+        problems: node -> why its method gave nothing.
+    """
+
+    findings: Dict[int, Finding]
+    outputs: Set[int]
+    problems: Dict[int, str]
+
+
+class _Data:
+    """What ``update_dra_data`` gets: D7.2's methods take ``.data`` of it."""
+
+    __slots__ = ("data",)
+
+    def __init__(self) -> None:
+        self.data: object = None
+
+
+class Methods:
+    """The methods of an object, one per node that has one.
+
+    Attributes:
+        observed: nodes whose method sets an outcome, as far as the source tells.
+        outputs: nodes whose method sets ``is_bn_output``.
+    """
+
+    def __init__(self, hooks: Any, network: Network, *, virtual: bool) -> None:
+        self._hooks = hooks
+        self._virtual = virtual
+        self._data = _Data()
+        self._states = network.states
+        names = [f"node_{attribute}" for attribute in network.attributes]
+        self._names = [(node, name) for node, name in enumerate(names) if hasattr(hooks, name)]
+        self.observed: Set[int] = set()
+        self.outputs: Set[int] = set()
+        for node, name in self._names:
+            observed, output = _assigned(hooks, name)
+            self.observed.update([node] if observed else [])
+            self.outputs.update([node] if output else [])
+
+    def ask(self, eddi_input: object) -> Answer:
+        """Call every method once; what one raises is noted and its node is not observed."""
+        answer = Answer({}, set(), {})
+        hooks, data = self._hooks, self._data
+        data.data = eddi_input
+        try:
+            hooks.update_dra_data(data)
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            reason = f"update_dra_data raised {_one_line(problem)}"
+            answer.problems.update((node, reason) for node, _ in self._names)
+            return answer
+        for node, name in self._names:
+            reason = self._ask_one(node, name, answer)
+            if reason:
+                answer.problems[node] = reason
+        return answer
+
+    def _ask_one(self, node: int, name: str, answer: Answer) -> str:
+        """Call one method and return what was wrong with it."""
+        try:
+            is_output, outcomes = getattr(self._hooks, name)()
+            if is_output:
+                answer.outputs.add(node)
+            found = outcomes_finding(outcomes, self._states[node], virtual=self._virtual)
+        except EvidenceError as problem:
+            return f"{name}: {problem}"
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            return f"{name} raised {_one_line(problem)}"
+        if found is not None:
+            answer.findings[node] = found
+        elif not self._virtual and any(outcomes.values()):
+            return f"{name}: evidence_mode d7.2 drops its outcomes"
+        return ""
+
+
+def _one_line(problem: Exception) -> str:
+    try:
+        text = " ".join(str(problem).split())[:200]
+    except Exception:  # noqa: BLE001 - an exception may fail to print itself
+        text = ""
+    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
+
+
+def _assigned(hooks: Any, name: str) -> Tuple[bool, bool]:
+    """Tell whether a method sets an outcome and whether it sets the flag, by its source.
+
+    A wrong answer costs one slow step, when the first evidence comes. Without source: (False,
+    False).
+    """
+    try:
+        source = textwrap.dedent(inspect.getsource(getattr(hooks, name)))
+        tree = ast.parse(source)
+    except (OSError, TypeError, SyntaxError, ValueError):
+        return False, False
+    observed = output = False
+    for target, value in _assignments(tree):
+        constant = value.value if isinstance(value, ast.Constant) else None
+        if target.startswith("outcome_"):
+            observed |= constant != 0.0 or not isinstance(value, ast.Constant)
+        elif target == "is_bn_output":
+            output |= constant is not False
+    return observed, output
+
+
+def _assignments(tree: ast.AST) -> Iterator[Tuple[str, ast.expr | None]]:
+    for item in ast.walk(tree):
+        targets: List[ast.expr] = []
+        value = None
+        if isinstance(item, ast.Assign):
+            targets, value = item.targets, item.value
+        elif isinstance(item, (ast.AugAssign, ast.AnnAssign, ast.NamedExpr)):
+            targets = [item.target]
+            value = None if isinstance(item, ast.AugAssign) else item.value
+        elif isinstance(item, (ast.For, ast.withitem)):
+            wanted = item.target if isinstance(item, ast.For) else item.optional_vars
+            targets = [] if wanted is None else [wanted]
+        for target in targets:
+            for part in ast.walk(target):
+                if isinstance(part, ast.Name):
+                    yield part.id, value if part is target else None

@@ -1,0 +1,280 @@
+"""The monitor of a Bayesian network: inputs to evidence, evidence to posteriors."""
+
+from __future__ import annotations
+
+import time
+from typing import (
+    Any,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Union,
+)
+
+from ..inputs import InputSpec
+from ..model_file import ModelError, ModelFile
+from ..monitor import Tree
+from . import outputs as out
+from .engine import Posteriors
+from .evidence import Finding
+from .explain import Explanation, explain
+from .inference import Evidence, Inference
+from .methods import Answer, Methods
+from .model import read_model_part
+from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
+from .sources import make_sources, read_attribute
+from .width import TooWideError
+
+Output = List[BayesianNetworkOutput]
+_ACTOR = 0
+_NO_ANSWER = Answer({}, set(), {})
+
+
+def build(model_file: ModelFile, hooks: Any = None) -> BayesianNetworkMonitor:
+    """Compile a Bayesian network.
+
+    Args:
+        model_file: the model.
+        hooks: instance of the package's ``BayesianNetworkConfig``; None: declarations only.
+
+    Raises:
+        ModelError: the model is wrong or too wide, or needs numpy and it is not installed.
+    """
+    return BayesianNetworkMonitor(model_file, hooks)
+
+
+class _Step:
+    """What the last step saw."""
+
+    __slots__ = ("answer", "inconsistent", "problem", "raw", "states", "weights")
+
+    def __init__(self, missing: Sequence[int]) -> None:
+        self.raw: List[object] = []
+        self.states = list(missing)
+        self.weights: Dict[int, List[float]] = {}
+        self.answer = _NO_ANSWER
+        self.inconsistent = False
+        self.problem = ""
+
+
+class BayesianNetworkMonitor(Monitor):
+    """One compiled Bayesian network. Not thread-safe: the thread that steps it also asks it.
+
+    Attributes:
+        model_id: id of the model: ``bayesian_network_id`` of the output.
+        digest: SHA-256 of the model file's content.
+        kind: ``bayesian_network``.
+        inputs: what ``execute_step`` reads, one attribute each.
+        inference: posteriors by name, without inputs and methods.
+    """
+
+    kind = "bayesian_network"
+
+    def __init__(self, model_file: ModelFile, hooks: Any = None) -> None:
+        self.model_id = model_file.id
+        self.digest = model_file.digest
+        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
+        self._model = model = read_model_part(model_file)
+        self._sources = make_sources(model, self.inputs)
+        self._timed = any(source.reader.timed for source in self._sources)
+        self._methods = None
+        outputs: Set[int] = set(model.outputs)
+        observed: Set[int] = {source.node for source in self._sources}
+        observed.update(model.observed or ())
+        if hooks is not None:
+            self._methods = Methods(hooks, model.network, virtual=model.virtual)
+            observed |= self._methods.observed
+            outputs |= self._methods.outputs
+        try:
+            self.inference = Inference(model.network, outputs, observed)
+        except (TooWideError, ImportError) as problem:
+            raise ModelError(model_file.path, str(problem)) from None
+        self._good: Optional[Tuple[Posteriors, Set[int]]] = None
+        self._output_faults: Tuple[str, ...] = ()
+        self._prepare()
+
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
+        """Evaluate once; never raises an Exception.
+
+        Reads one attribute per input and calls every method of a person. Absent, None, NaN and
+        whatever is no value for an input leave its node unobserved, so that its prior speaks.
+
+        Args:
+            eddi_input: holds one attribute per input; ``data`` of what the methods get.
+            t_ns: time in nanoseconds, for ``missing: hold``.
+
+        Returns:
+            One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
+            list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
+        """
+        now = 0
+        if self._timed:
+            now = time.monotonic_ns() if t_ns is None else t_ns
+        last = self._last
+        last.answer = _NO_ANSWER if self._methods is None else self._methods.ask(eddi_input)
+        last.problem = ""
+        findings, flagged, failed = last.answer
+        if (findings or flagged) and not self._foreseen(flagged, findings):
+            return []
+        states = list(self._missing)
+        weights: Dict[int, List[float]] = {}
+        raw: List[object] = []
+        for node, position, attribute, reader in self._readers:
+            value, found = read_attribute(reader, eddi_input, attribute, now)
+            raw.append(value)
+            if node in findings or node in failed:
+                continue  # its method has spoken, or would have said what is not known
+            if type(found) is int:
+                states[position] = found
+            else:
+                weights[position] = found  # type: ignore[assignment]  # no int, by the line above
+        for node, finding in findings.items():
+            position = self._positions[node]
+            if type(finding) is int:
+                states[position] = finding
+            else:
+                weights[position] = finding  # type: ignore[assignment]  # no int, as above
+        last.raw, last.states, last.weights = raw, states, weights
+        rows = self.inference.engine.infer(states, weights)
+        last.inconsistent = rows is None
+        if rows is not None:
+            self._good = rows, flagged
+        elif self._model.on_inconsistent == "prior":
+            rows = self.inference.engine.infer(self._missing)
+        elif self._model.on_inconsistent == "hold" and self._good is not None:
+            rows, flagged = self._good
+        return [] if rows is None else self._output(rows, flagged)
+
+    def as_json(self, output: Output) -> Optional[List[Dict[str, Any]]]:
+        """Return an output as JSON; None when no posterior was given."""
+        return out.as_json(output)
+
+    def series(self, output: Output) -> Dict[str, Union[bool, float, str, None]]:
+        """Return ``Node=state`` -> probability; None for what was not given."""
+        found: Dict[str, Union[bool, float, str, None]] = {
+            f"{title}={name}": None for _, title, states in self._titles for name in states
+        }
+        for one in output:
+            for node in one.output_nodes:
+                found.update((f"{node.title}={two.name}", two.value) for two in node.outcomes)
+        return found
+
+    def message(self, output: Any) -> Union[Tree, List[Tree], None]:
+        """Return an output as a ``BayesianNetworkOutput`` tree; None when there is no posterior."""
+        tree, self._output_faults = out.output_message(output)
+        return tree
+
+    def output_faults(self) -> Tuple[str, ...]:
+        """Return what kept posteriors from being published, and which methods failed."""
+        last = self._last
+        problems = sorted(set(last.answer.problems.values()))
+        if last.problem:
+            problems.append(last.problem)
+        if last.inconsistent:
+            shown = ", ".join(f"{name}={value}" for name, value in self._evidence().items())
+            problems.append(f"the evidence has probability zero: {shown}")
+        return (*problems, *self._output_faults)
+
+    def status(self) -> int:
+        """Return OK 0, PARTIAL 1, PRIOR 2, INCONSISTENT 3 or ERROR 4 for the last step."""
+        last = self._last
+        if last.inconsistent:
+            return out.INCONSISTENT
+        if last.answer.problems or last.problem:
+            return out.ERROR
+        unobserved = len(self._unobserved())
+        if not unobserved and self._missing:
+            return out.OK
+        return out.PRIOR if unobserved == len(self._missing) else out.PARTIAL
+
+    def status_message(self) -> Tree:
+        """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
+        relevance = self.explain().relevance if self._model.explain else {}
+        return out.status_message(self.model_id, self.status(), self._unobserved(), relevance)
+
+    def explain(self) -> Explanation:
+        """Return what was known in the last step, and how much each observed node mattered."""
+        return explain(self.inference.engine, self._last.states, self._last.weights)
+
+    def posteriors(self, evidence: Mapping[str, Evidence]) -> Dict[str, Tuple[float, ...]]:
+        """Return the posteriors for evidence by name; see ``Inference.posteriors``."""
+        found = self.inference.posteriors(evidence)
+        self._prepare()
+        return found
+
+    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+        """Return nothing: a node that is not observed keeps no posterior from being given."""
+        return {}
+
+    def faults(self) -> Dict[str, str]:
+        """Return input id -> what was wrong with its value in the last step."""
+        found: Dict[str, str] = {}
+        for source, value in zip(self._sources, self._last.raw):
+            try:
+                reason = source.reader.fault(value)
+            except Exception:  # noqa: BLE001 - a hostile object
+                reason = "the value cannot be read"
+            if reason is not None:
+                found.setdefault(source.spec.id, reason)
+        return found
+
+    def reset(self) -> None:
+        """Forget former steps."""
+        for source in self._sources:
+            source.reader.reset()
+        self._good, self._output_faults = None, ()
+        self._last = _Step(self._missing)
+
+    def _foreseen(self, flagged: Set[int], findings: Mapping[int, Finding]) -> bool:
+        """Compile again if need be; False when the network is too wide for it."""
+        if self.inference.covers(flagged, findings):
+            return True
+        try:
+            self.inference.grow(flagged, findings)
+        except (TooWideError, ImportError) as problem:
+            fresh = _Step(self._missing)
+            fresh.answer, fresh.problem = self._last.answer, str(problem)
+            self._last = fresh
+            return False
+        self._good = None
+        self._prepare()
+        return True
+
+    def _prepare(self) -> None:
+        """Take over what depends on the compiled engine."""
+        engine, network = self.inference.engine, self._model.network
+        names, states = network.shape.names, network.states
+        self._missing = engine.missing
+        self._positions = {node: k for k, node in enumerate(engine.observable)}
+        self._titles = [(node, names[node], states[node]) for node in engine.outputs]
+        self._readers = [
+            (one.node, self._positions[one.node], one.spec.attribute, one.reader)
+            for one in self._sources
+        ]
+        self._last = _Step(self._missing)
+
+    def _output(self, rows: Posteriors, flagged: Set[int]) -> Output:
+        given = self._model.outputs
+        nodes = [
+            Node(title, list(map(Outcome, states, row)))
+            for (node, title, states), row in zip(self._titles, rows)
+            if node in given or node in flagged
+        ]
+        return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
+
+    def _evidence(self) -> Mapping[str, object]:
+        return explain(self.inference.engine, self._last.states, self._last.weights).evidence
+
+    def _unobserved(self) -> List[str]:
+        last, names = self._last, self._model.network.shape.names
+        pairs = zip(self.inference.engine.observable, last.states, self._missing)
+        return [
+            names[node]
+            for k, (node, state, missing) in enumerate(pairs)
+            if state == missing and k not in last.weights
+        ]

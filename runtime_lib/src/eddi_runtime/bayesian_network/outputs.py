@@ -1,0 +1,123 @@
+"""What a Bayesian network monitor gives (SESAME D7.2 Fig 18), and its messages."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+from ..monitor import Tree
+from ..plain_values import plain
+
+OK, PARTIAL, PRIOR, INCONSISTENT, ERROR = range(5)
+"""Status: all observed; some not; none; evidence of probability zero; a person's method failed."""
+
+
+@dataclass
+class Outcome:
+    """The probability of one state."""
+
+    name: str
+    value: float
+
+
+@dataclass
+class Node:
+    """The posterior of one output; the title is the name of the node."""
+
+    title: str
+    outcomes: List[Outcome]
+
+
+@dataclass
+class BayesianNetworkOutput:
+    """The posteriors of all outputs, in the order of the network."""
+
+    actor_id: int
+    bayesian_network_id: str
+    output_nodes: List[Node]
+
+
+class Monitor:
+    """The base class of D7.2's monitors."""
+
+    def execute_step(self, eddi_input: Any, t_ns: Optional[int] = None) -> Any:
+        """Evaluate once.
+
+        Raises:
+            NotImplementedError: in this base class.
+        """
+        raise NotImplementedError
+
+
+def as_json(output: Sequence[BayesianNetworkOutput]) -> Optional[List[Dict[str, Any]]]:
+    """Return an output as ``json`` writes it; None when no posterior was given."""
+    if not output:
+        return None
+    return [
+        {
+            "actor_id": one.actor_id,
+            "bayesian_network_id": one.bayesian_network_id,
+            "output_nodes": [
+                {"title": node.title, "outcomes": [vars(outcome) for outcome in node.outcomes]}
+                for node in one.output_nodes
+            ],
+        }
+        for one in output
+    ]
+
+
+def output_message(output: Any) -> Tuple[Union[Tree, List[Tree], None], Tuple[str, ...]]:
+    """Return the ``BayesianNetworkOutput`` tree of an output and what was wrong; never raises.
+
+    None when no posterior is given; what a person's code has spoilt is left out and named.
+    """
+    if not output and isinstance(output, (list, tuple)):
+        return None, ()
+    faults: List[str] = []
+    if not issubclass(type(output), (list, tuple)):
+        return None, ("the output is not a list; nothing is published",)
+    trees: List[Tree] = []
+    for one in output:
+        try:
+            nodes = [_node_tree(node) for node in one.output_nodes]
+        except Exception as problem:  # noqa: BLE001 - a person's code may have put anything there
+            faults.append(f"an output cannot be published: {type(problem).__name__}")
+            continue
+        trees.append(("BayesianNetworkOutput", {"output_nodes": nodes}))
+    if len(trees) == 1:
+        return trees[0], tuple(faults)
+    return trees or None, tuple(faults)
+
+
+def status_message(
+    network_id: str, status: int, unobserved: Sequence[str], relevance: Mapping[str, float]
+) -> Tree:
+    """Return the ``BayesianNetworkStatus`` tree without header."""
+    fields = {
+        "bayesian_network_id": network_id,
+        "status": status,
+        "unobserved": list(unobserved),
+        "relevance_nodes": list(relevance),
+        "relevance": list(relevance.values()),
+    }
+    return "BayesianNetworkStatus", fields
+
+
+def _node_tree(node: Any) -> Tree:
+    outcomes = [_outcome_tree(one) for one in node.outcomes]
+    return "NodeOutput", {"title": _text(node.title), "outcomes": outcomes}
+
+
+def _outcome_tree(outcome: Any) -> Tree:
+    value = plain(outcome.value)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError("an outcome is no finite number")
+    return "OutcomeOutput", {"outcome_name": _text(outcome.name), "outcome_value": float(value)}
+
+
+def _text(value: Any) -> str:
+    found = plain(value)
+    if not isinstance(found, str):
+        raise TypeError("a name is no text")
+    return found

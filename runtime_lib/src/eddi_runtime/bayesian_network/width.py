@@ -1,0 +1,108 @@
+"""What a network will cost, before a single number is computed: for generation and for loading."""
+
+from __future__ import annotations
+
+from typing import Callable, List, NamedTuple, Sequence, Tuple
+
+from .graph import Component, Shape, bits, components, mask_of, size_of
+from .messages import Program, costs, joint_mask, make_program
+from .tree import Tree, find_tree
+
+LARGE = 100_000
+"""Entries of the largest table from which a step takes about a millisecond (B301)."""
+TOO_LARGE = 10_000_000
+"""Entries above which a network is refused (B302)."""
+
+
+class Plan(NamedTuple):
+    """How one part of a network will be inferred; symbols only."""
+
+    part: Component
+    tree: Tree
+    program: Program
+
+
+class Width(NamedTuple):
+    """The cost of inference.
+
+    Attributes:
+        largest: entries of the largest table, the product of the states of ``nodes``.
+        nodes: names of the nodes of that table.
+        operations: numpy operations of a step when nothing can be looked up.
+        nanoseconds: rough time of these on a desk computer.
+    """
+
+    largest: int
+    nodes: Tuple[str, ...]
+    operations: int
+    nanoseconds: int
+
+    @property
+    def too_large(self) -> bool:
+        """Tell whether such a network is refused."""
+        return self.largest > TOO_LARGE
+
+
+class TooWideError(ValueError):
+    """A network cannot be inferred exactly with the memory and time of a monitor.
+
+    Attributes:
+        width: how wide it is.
+    """
+
+    def __init__(self, width: Width) -> None:
+        shown = ", ".join(width.nodes[:12]) + (", ..." if len(width.nodes) > 12 else "")
+        super().__init__(
+            f"the network is too wide: one table over {shown} would have {width.largest} entries,"
+            f" the limit is {TOO_LARGE}; observe fewer nodes, ask for fewer outputs, or give nodes"
+            " fewer parents"
+        )
+        self.width = width
+
+
+def width_of(shape: Shape, outputs: Sequence[int], observable: Sequence[int]) -> Width:
+    """Return what a network costs; pure, deterministic, no array is made.
+
+    Args:
+        shape: the network.
+        outputs: numbers of the nodes whose posterior is wanted.
+        observable: numbers of the nodes that may be observed.
+    """
+    return width(shape, make_plans(shape, outputs, observable))
+
+
+def make_plans(
+    shape: Shape, outputs: Sequence[int], observable: Sequence[int], trials: int = 8
+) -> Tuple[Plan, ...]:
+    """Return the cheapest plan that was found for each part."""
+    plans = []
+    for part in components(shape, sorted(set(outputs)), sorted(set(observable))):
+        tree = find_tree(shape, part, _price(shape, part), trials)
+        plans.append(Plan(part, tree, make_program(tree, part, shape.cards)))
+    return tuple(plans)
+
+
+def width(shape: Shape, plans: Sequence[Plan]) -> Width:
+    """Return what the plans of a network cost."""
+    culprit, largest, operations, nanoseconds = 0, 0, 0, 0
+    for plan in plans:
+        messages = plan.program.messages
+        masks: List[int] = [joint_mask(messages, one) for one in messages.values()]
+        masks += [mask_of((*shape.parents[node], node)) for node in plan.part.nodes]
+        for mask in masks:
+            size = size_of(mask, shape.cards)
+            if size > largest:
+                culprit, largest = mask, size
+        _, full, count = costs(plan.program, shape.cards)
+        operations += count
+        nanoseconds += full
+    return Width(largest, tuple(shape.names[one] for one in bits(culprit)), operations, nanoseconds)
+
+
+def _price(shape: Shape, part: Component) -> Callable[[Tree], int]:
+    def price(tree: Tree) -> int:
+        # Mostly hard evidence is seen; the other schedule must not be forgotten for it.
+        hard, full, _ = costs(make_program(tree, part, shape.cards), shape.cards)
+        return 4 * hard + full
+
+    return price
