@@ -88,22 +88,23 @@ class AndersonDarling:
         return outside + inside.sum(-1) + points.sum(-1)
 
     def _summand(self, passed: Array, u: Array) -> Array:
-        m, total = self._m, self._total
+        m, total, doubles = self._m, self._total, self._backend.doubles
         left = self._backend.at_least(total - passed, 1)  # 0 only behind the last, where u = m
-        return total * (m - u) * (m - u) / left + total * u * u / passed - m * m
+        ahead = doubles(total * (m - u) * (m - u)) / doubles(left)
+        return ahead + doubles(total * u * u) / doubles(passed) - m * m
 
     def _corrections(self, low: Array, high: Array, groups: _Groups) -> Array:
         """Return what tied reference values add to n m A2 beyond as many untied ones."""
-        m, total, start = self._m, self._total, groups.below
+        m, total, doubles, start = self._m, self._total, self._backend.doubles, groups.below
         u = self._at_most(low, start)
         between = u == self._at_most(high, start)  # else it equals a window value: a point
         start = start + u
         end = start + groups.size
-        left = self._backend.at_least(total - end, 1)
+        left, size = self._backend.at_least(total - end, 1), doubles(groups.size)
         behind = self._h(total - 1 - start) - self._h(total - 1 - end)
         ahead = self._h(end) - self._h(start)
-        more = (groups.size / left - behind) * (total * (m - u) * (m - u))
-        more = more + (groups.size / end - ahead) * (total * u * u)
+        more = (size / doubles(left) - behind) * (total * (m - u) * (m - u))
+        more = more + (size / doubles(end) - ahead) * (total * u * u)
         return (more * between).sum(-1)
 
     def _at_most(self, ranks: Array, bounds: Array) -> Array:

@@ -83,7 +83,7 @@ class CramerVonMises:
             - n * n * self._number((2 * self._b - 1) * low).sum(-1)
             + self._constant
         )
-        return scaled / float(n * m * (n + m) ** 2)
+        return self._backend.doubles(scaled) / float(n * m * (n + m) ** 2)
 
     def _number(self, values: Array) -> Array:
         return values if self._whole else self._backend.doubles(values)
