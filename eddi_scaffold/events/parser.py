@@ -57,10 +57,10 @@ def parse(text: str, findings: Findings) -> File:
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT:
         findings.error("E013", 0, f"the text is longer than {MAX_TEXT} bytes")
-        return File((), (), (), (), ())
+        return File()
     tokens = tokens_of(text, findings)
     if findings.problems:
-        return File((), (), (), (), ())
+        return File()
     return _Parser(tokens, findings).file()
 
 
@@ -71,6 +71,8 @@ class _Parser:
         self._k = 0
         self._depth = 0
         self._nodes: list[Node] = []
+        self._declared = ""
+        self._behind_declaration = False
 
     # declarations
 
@@ -79,6 +81,7 @@ class _Parser:
         variables: list[VarDeclaration] = []
         constants: list[ConstDeclaration] = []
         events: list[EventDeclaration] = []
+        broken: set[str] = set()
         readers: dict[str, Callable[[], None]] = {
             "ENUM": lambda: enums.append(self._enum()),
             "VAR": lambda: variables.append(self._variable()),
@@ -94,14 +97,22 @@ class _Parser:
             if self._token.kind == "end" and self._findings.problems:
                 break
             before = self._k
+            self._declared = ""
             try:
                 readers.get(self._declaration(), bare)()
                 if not self._at_declaration():
                     self._fail("E003", f"the text goes on with {self._token.shown}")
             except _Wrong:
+                broken.add(self._declared)
                 self._skip(before)
-        nodes = tuple(self._nodes)
-        return File(nodes, tuple(enums), tuple(variables), tuple(constants), tuple(events))
+        return File(
+            tuple(self._nodes),
+            tuple(enums),
+            tuple(variables),
+            tuple(constants),
+            tuple(events),
+            frozenset(broken),
+        )
 
     def _declaration(self) -> str:
         """Return the word that opens a declaration here, empty when there is none."""
@@ -117,8 +128,6 @@ class _Parser:
             or bool(self._declaration())
             or self._behind_declaration
         )
-
-    _behind_declaration = False
 
     def _skip(self, before: int) -> None:
         """Go to the next declaration behind a wrong one."""
@@ -279,7 +288,11 @@ class _Parser:
             hint = "KNOWN(x) tells whether a value is known"
             self._fail("E012", "UNKNOWN is no literal, use KNOWN(...)", hint=hint)
         if token.word in RESERVED:
-            if token.word in (*_WORDS, "NOT") or self._declaration():
+            if self._declaration():
+                end = self._tokens[self._k - 1].end if self._k else 0
+                message = "an operand is expected, found the next declaration"
+                self._fail("E002", message, at=end)
+            if token.word in (*_WORDS, "NOT"):
                 self._fail("E002", f"an operand is expected, found {token.shown}")
             self._fail("E012", f"{token.shown} is a reserved word, it cannot be a name")
         self._k += 1
@@ -396,6 +409,7 @@ class _Parser:
         if token.word in RESERVED:
             self._fail("E012", f"{token.shown} is a reserved word, it cannot be a name")
         self._k += 1
+        self._declared = self._declared or token.text
         return Named(token.text, token.start)
 
     def _number(self) -> float:

@@ -114,13 +114,15 @@ class File:
 
     Attributes:
         nodes: of all expressions.
+        broken: names whose declaration could not be read.
     """
 
-    nodes: tuple[Node, ...]
-    enums: tuple[EnumDeclaration, ...]
-    variables: tuple[VarDeclaration, ...]
-    constants: tuple[ConstDeclaration, ...]
-    events: tuple[EventDeclaration, ...]
+    nodes: tuple[Node, ...] = ()
+    enums: tuple[EnumDeclaration, ...] = ()
+    variables: tuple[VarDeclaration, ...] = ()
+    constants: tuple[ConstDeclaration, ...] = ()
+    events: tuple[EventDeclaration, ...] = ()
+    broken: frozenset[str] = frozenset()
 
 
 OPERATORS = {

@@ -138,14 +138,12 @@ def _enums(model: MonitorModel) -> dict[str, tuple[str, ...]]:
 
 def _implementation(model: MonitorModel) -> list[str]:
     name = model.name
-    ops = {node.op for node in model.form.nodes}
-    covered = any(node.coverage is not None for node in model.form.nodes)
+    forget, step = c_step.resets(model), _step(model)
     lines = [*_banner(model, "2. Functions: do not edit"), f'#include "{name}_event.h"', ""]
     lines += ["#include <math.h>", "", "#ifdef __FAST_MATH__"]
     lines += ['#error "-ffast-math has no NaN: compile without it"', "#endif", ""]
-    lines += functions(ops, covered=covered).split("\n")
+    lines += functions("\n".join([*forget, *step])).split("\n")[:-1]
     lines += [] if model.numeric else _PUBLISH.split("\n")
-    forget = c_step.resets(model)
     lines += [f"static void forget({name}_t *m)", "{", *_indented(forget or ["(void)m;"]), "}", ""]
     lines += [f"void {name}_reset({name}_t *m)", "{", "    m->started = false;"]
     lines += ["    m->last = 0;", "    m->since = 0;"]
@@ -160,7 +158,7 @@ def _implementation(model: MonitorModel) -> list[str]:
             lines += [f"    m->w{k}.overflows = 0u;"]
         if node.coverage is not None:
             lines += [f"    m->c{k}.overflows = 0u;"]
-    lines += ["    forget(m);", "}", "", _signature(model), "{", *_step(model), "}"]
+    lines += ["    forget(m);", "}", "", _signature(model), "{", *step, "}"]
     return lines
 
 

@@ -6,7 +6,7 @@ passed beside the ring, so that a struct can be copied as a whole.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
 
 TYPES = """\
 typedef struct {
@@ -316,22 +316,23 @@ static int greatest(int a, int b)
     return a > b ? a : b;
 }
 """
-_AND_OR = ("and", "or", "implies", "rise", "fall", "edge", "latch")
+_STATISTICS = (_SUM + _STACKS.format(name="sum"), _STDDEV + _STACKS.format(name="stddev"))
+_ALL = (
+    *(_EXACT, _RING, _QUEUE, _PLAIN),
+    *(_EXTREME.format(name="max", sign="<="), _EXTREME.format(name="min", sign=">=")),
+    *(_RATE, _MEDIAN, *_STATISTICS, _SUM_VALUE, _STDDEV_VALUE, _COVERED, _HOLD),
+)
+_WORD = re.compile(r"[a-z_]\w*")
+_NAME = re.compile(r"(?m)^static \w+ (\w+)\(")
 
 
-def functions(ops: Iterable[str], *, covered: bool) -> str:
-    """Return the static functions that these operations need."""
-    used = set(ops)
-    buffered = used & {"average", "sum", "max", "min", "median", "stddev", "rate", "count"}
-    parts = [_EXACT] if used & set(_AND_OR) else []
-    parts += [_RING, _QUEUE] if buffered else []
-    parts += [_PLAIN] if buffered - {"count"} else []
-    parts += [_EXTREME.format(name="max", sign="<=")] if "max" in used else []
-    parts += [_EXTREME.format(name="min", sign=">=")] if "min" in used else []
-    parts += [_RATE] if "rate" in used else []
-    parts += [_MEDIAN] if "median" in used else []
-    parts += [_SUM + _STACKS.format(name="sum"), _SUM_VALUE] if used & {"sum", "average"} else []
-    parts += [_STDDEV + _STACKS.format(name="stddev"), _STDDEV_VALUE] if "stddev" in used else []
-    parts += [_COVERED] if covered else []
-    parts += [_HOLD] if used & {"time", "once"} else []
-    return "\n".join(parts)
+def functions(body: str) -> str:
+    """Return the static functions that a text calls, and those that they call."""
+    wanted, parts = set(_WORD.findall(body)), []
+    for function in reversed([one for text in _ALL for one in text.strip("\n").split("\n\n")]):
+        name = _NAME.search(function)
+        assert name is not None
+        if name[1] in wanted:
+            wanted.update(_WORD.findall(function))
+            parts.append(function)
+    return "".join(f"{function}\n\n" for function in reversed(parts))

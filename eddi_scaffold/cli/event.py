@@ -1,0 +1,198 @@
+"""``eddi-scaffold event``: check a condition, try it on recorded values, generate its monitor."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from eddi_scaffold.cli.options import Json
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from eddi_scaffold.events import Analysis
+    from eddi_scaffold.problems import Problem
+
+
+class Target(str, Enum):
+    """Languages of a generated monitor."""
+
+    python = "python"
+    c = "c"
+
+
+def event(
+    text: Annotated[
+        str | None,
+        typer.Argument(metavar="[EXPR|FILE]", help="An expression, or a file of events."),
+    ] = None,
+    file: Annotated[Path | None, typer.Option("--file", help="A file of events.")] = None,
+    rate: Annotated[
+        float | None, typer.Option("--rate", help="Steps per second; windows need it.")
+    ] = None,
+    target: Annotated[Target, typer.Option("--target", help="Language.")] = Target.python,
+    name: Annotated[
+        str | None, typer.Option("--name", help="What files and functions begin with.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for the files.")
+    ] = None,
+    check: Annotated[bool, typer.Option("--check", help="Only check, and say what it is.")] = False,
+    inputs: Annotated[
+        Path | None,
+        typer.Option("-i", "--inputs", help="CSV with a column t and one per variable: try it."),
+    ] = None,
+    serve: Annotated[bool, typer.Option("--serve", help="Open the page on 127.0.0.1.")] = False,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page.")] = 8765,
+    as_json: Json = False,
+) -> None:
+    """Check a conditional event, or make a monitor of it: Python, or C99 without heap.
+
+    Without --check and --inputs, the monitor is written to --output; Python may go to stdout.
+
+    Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
+    """
+    from eddi_scaffold.console import console
+    from eddi_scaffold.events import analyse
+    from eddi_scaffold.events.report import as_json as report_json
+    from eddi_scaffold.events.report import as_text
+    from eddi_scaffold.problems import EddiError, error
+
+    if serve:
+        _serve(port)
+        return
+    source, label = _source(text, file)
+    analysis = analyse(source, rate=rate, name=label)
+    if analysis.form is None:
+        if as_json:
+            console.json(report_json(analysis))
+            raise typer.Exit(2)
+        raise EddiError(*analysis.problems)
+    if not as_json:
+        console.problems(analysis.problems)
+    if inputs is not None:
+        _try(analysis, inputs, as_json=as_json)
+    elif check:
+        if as_json:
+            console.json(report_json(analysis))
+        else:
+            console.data("\n".join(as_text(analysis)))
+    elif output is None and target is Target.c and not as_json:
+        raise EddiError(error("E022", "C is several files: say where with --output"))
+    else:
+        stem = name or ("event" if label == "<expression>" else Path(label).stem)
+        _generate(analysis, target, stem, output, as_json=as_json)
+
+
+def _source(text: str | None, file: Path | None) -> tuple[str, str]:
+    """Return the text and the name of its file."""
+    from eddi_scaffold.events.diagnostics import EXPRESSION
+    from eddi_scaffold.problems import EddiError, Place, error
+    from eddi_scaffold.source import read_source
+
+    if (text is None) == (file is None):
+        hint = 'eddi-scaffold event "x > 5", or: eddi-scaffold event --file overheat.events'
+        raise EddiError(error("E023", "give one expression or one file", hint=hint))
+    path = file if file is not None else _file_of(text or "")
+    if path is None:
+        return text or "", EXPRESSION
+    try:
+        return read_source(path).data.decode("utf-8-sig"), str(path)
+    except UnicodeDecodeError:
+        raise EddiError(error("E001", "the file is not UTF-8 text", Place(str(path)))) from None
+
+
+def _file_of(text: str) -> Path | None:
+    """Return the path when the argument names a file, and is no expression."""
+    try:
+        found = Path(text).is_file()
+    except (OSError, ValueError):  # too long for a name, or a NUL
+        return None
+    return Path(text) if found or text.endswith(".events") else None
+
+
+def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
+    import json
+
+    from eddi_scaffold.console import console
+    from eddi_scaffold.events.playing import columns, play
+    from eddi_scaffold.problems import EddiError
+    from eddi_scaffold.recording import read_recording
+    from eddi_scaffold.source import read_source
+
+    recording, found = read_recording(read_source(inputs), dict(columns(analysis)))
+    if recording is None:
+        raise EddiError(*found)
+    if not as_json:
+        console.problems(found)
+    word = "value" if analysis.events[0].type == "number" else "verdict"
+    last = None
+    for t, verdicts in play(analysis, ((row.t, row.samples) for row in recording.rows)):
+        if as_json:
+            rows = [{"id": name, word: value} for name, value in verdicts.items()]
+            alone = {word: rows[0][word]} if len(rows) == 1 else {}
+            console.data(json.dumps({"t": t, **alone, "outputs": rows}))
+            continue
+        shown = "  ".join(f"{name} {_shown(value)}" for name, value in verdicts.items())
+        if shown != last:
+            console.data(f"{t:10.3f}  {shown}")
+        last = shown
+
+
+def _shown(value: bool | float | None) -> str:
+    if value is None:
+        return "UNKNOWN"
+    return str(value).upper() if isinstance(value, bool) else f"{value:.6g}"
+
+
+def _generate(
+    analysis: Analysis, target: Target, name: str, output: Path | None, *, as_json: bool
+) -> None:
+    from eddi_scaffold.console import console
+    from eddi_scaffold.events.report import as_json as report_json
+    from eddi_scaffold.events.targets import generate
+    from eddi_scaffold.events.targets.regions import keep_in_folder
+    from eddi_scaffold.transaction import FileState, write
+
+    files = generate(analysis, target.value, name)
+    lost: list[str] = []
+    if output is not None:
+        files, lost = keep_in_folder(files, output)
+        write(output, {file: FileState(text.encode()) for file, text in files.items()})
+    if as_json:
+        console.json(report_json(analysis, files))
+    elif output is None:
+        console.data(next(iter(files.values())).rstrip("\n"))
+    else:
+        for file in sorted(files):
+            console.data(str(output / file))
+    if lost:
+        console.complain(
+            f"hand-written code has no place any more, it is kept in {', '.join(lost)}"
+        )
+        raise typer.Exit(3)
+
+
+def _serve(port: int) -> None:
+    from eddi_scaffold.console import console
+    from eddi_scaffold.events.page.server import open_server
+
+    with open_server(port, _read_signal) as server:
+        console.say(f"the Event Creator is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
+        server.serve_forever()
+
+
+def _read_signal(
+    text: str, types: Mapping[str, str]
+) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
+    """Return the rows of a recording that was typed."""
+    from eddi_scaffold.recording import read_recording
+    from eddi_scaffold.source import Source
+
+    columns: dict[str, Any] = dict(types)
+    recording, found = read_recording(Source("<values>", text.encode()), columns)
+    rows = None if recording is None else [(row.t, row.samples) for row in recording.rows]
+    return rows, found

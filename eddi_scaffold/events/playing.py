@@ -1,0 +1,62 @@
+"""Events on recorded values, as a monitor sees them: a sample holds until its TIMEOUT."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Literal
+
+from eddi_runtime.event.engine import build_engine
+from eddi_runtime.event.form import BOOL
+
+from eddi_scaffold.events.analysis import Analysis
+
+Verdict = bool | float | None
+"""A truth value or a number; None is UNKNOWN."""
+Column = Literal["float", "bool", "str"]
+_COLUMNS: Mapping[str, Column] = {"number": "float", "bool": "bool", "enum": "str"}
+
+
+def columns(analysis: Analysis) -> dict[str, Column]:
+    """Return variable -> type of its column in a recording."""
+    return {
+        variable.name: _COLUMNS[variable.type.kind]
+        for variable in analysis.variables
+        if variable.type is not None
+    }
+
+
+def play(
+    analysis: Analysis, rows: Iterable[tuple[float, Mapping[str, Any]]]
+) -> Iterator[tuple[float, dict[str, Verdict]]]:
+    """Yield (time in seconds, event -> verdict) for each row of a recording.
+
+    Args:
+        analysis: of a text without errors.
+        rows: time in seconds, and the new samples by variable; those that are not there hold.
+    """
+    assert analysis.form is not None
+    engine = build_engine(analysis.form)
+    names = [variable.name for variable in analysis.variables]
+    values: dict[str, Any] = dict.fromkeys(names)
+    stamps: dict[str, int | None] = dict.fromkeys(names)
+    for t, samples in rows:
+        now = round(t * 1e9)
+        for name in names:
+            if name in samples:
+                values[name], stamps[name] = samples[name], now
+        found = engine.step(now, [values[n] for n in names], [stamps[n] for n in names])
+        yield (
+            t,
+            {
+                output.id: verdict(value, engine.form.nodes[output.node].type)
+                for output, value in zip(engine.form.outputs, found, strict=True)
+            },
+        )
+
+
+def verdict(value: float, kind: str) -> Verdict:
+    """Return a value of the engine as Python and JSON know it."""
+    if kind == BOOL:
+        return None if value == 1 else value == 2
+    return None if math.isnan(value) else value
