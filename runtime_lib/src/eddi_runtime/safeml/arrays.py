@@ -58,6 +58,9 @@ class Backend(Protocol):
     def positions(self, flat: Array, keys: Array) -> Array:
         """Return for each key how many elements of a sorted flat array are <= it."""
 
+    def count(self, truths: Array) -> int:
+        """Return how many elements are true."""
+
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
         """Count in each sorted row what is below each value of the same row.
 
@@ -121,6 +124,10 @@ class NumpyLike:
         """Return for each key how many elements of a sorted flat array are <= it."""
         return self._xp.searchsorted(flat, keys, side="right")
 
+    def count(self, truths: Array) -> int:
+        """Return how many elements are true."""
+        return int(self._xp.count_nonzero(truths))
+
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
         """Count in each sorted row what is below each value of the same row."""
         side = "right" if equal else "left"
@@ -183,6 +190,10 @@ class Torch:
     def positions(self, flat: Array, keys: Array) -> Array:
         """Return for each key how many elements of a sorted flat array are <= it."""
         return self._torch.searchsorted(flat, keys.contiguous(), right=True)
+
+    def count(self, truths: Array) -> int:
+        """Return how many elements are true."""
+        return int(self._torch.count_nonzero(truths))
 
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
         """Count in each sorted row what is below each value of the same row."""

@@ -14,8 +14,8 @@ import numpy as np
 from .arrays import Array
 from .comparison import Comparison
 
-_MOST_LISTED = 2_000_000
-"""Reference values that are kept as lists, in which a look-up is fastest (64 MB)."""
+_MOST_LISTED = 64
+"""Tests up to which Python's own bisection, one after the other, is faster than all at once."""
 
 _Ranks = Tuple[Array, Array, int]
 
@@ -69,13 +69,12 @@ class Window:
         self.filled = min(m, self.filled + 1)
 
     def _keep(self, at: int, sample: Array) -> None:
-        values = self._values
+        values, count = self._values, self._comparison.backend.count
         old = values[:, at : at + 1]
-        # NaN equals nothing, so a column that is still empty counts as 0
-        self._equal -= int((values == old).sum()) - int((old == old).sum())  # noqa: PLR0124 - NaN
+        if self.is_full:  # else the column is NaN, which equals nothing
+            self._equal -= count(values == old) - self._comparison.tests
         values[:, at] = self._comparison.backend.array(sample)
-        new = values[:, at : at + 1]
-        self._equal += int((values == new).sum()) - int(new.shape[0])
+        self._equal += count(values == values[:, at : at + 1]) - self._comparison.tests
 
     def statistics(self) -> Array:
         """Return the statistic of each test (numpy); the window is full."""
@@ -89,14 +88,16 @@ class Window:
 def _look_up(comparison: Comparison) -> Callable[[Array], _Ranks]:
     """Return the function that finds (lower, upper, how many differ) of one value per test."""
     backend, reference = comparison.backend, comparison.reference
-    if backend.name == "numpy" and comparison.tests * comparison.n <= _MOST_LISTED:
-        return _in_lists([row.tolist() for row in reference])
+    if backend.name == "numpy":
+        if comparison.tests <= _MOST_LISTED:
+            return _in_lists([row.tolist() for row in reference])
+        return _in_table(reference)
 
     def in_arrays(sample: Array) -> _Ranks:
         column = backend.array(sample.reshape(-1, 1))
         lower = backend.ranks(reference, column, equal=False)
         upper = backend.ranks(reference, column, equal=True)
-        return lower[:, 0], upper[:, 0], int((lower != upper).sum())
+        return lower[:, 0], upper[:, 0], backend.count(lower != upper)
 
     return in_arrays
 
@@ -116,5 +117,31 @@ def _in_lists(rows: List[List[float]]) -> Callable[[Array], _Ranks]:
                 upper[k] = bisect_right(rows[k], values[k], place)
                 ties += 1
         return lower, lower if upper is None else upper, ties
+
+    return look_up
+
+
+def _in_table(rows: Array) -> Callable[[Array], _Ranks]:
+    """Bisect in all rows at once; rows of a power of two, filled up with infinity."""
+    tests, n = rows.shape
+    steps = [1 << k for k in range(n.bit_length() - 1, -1, -1)]
+    width = 2 * steps[0]
+    table = np.full((tests, width), np.inf)
+    table[:, :n] = rows
+    flat = table.ravel()
+    begin = np.arange(tests) * width
+
+    def look_up(sample: Array) -> _Ranks:
+        place = begin.copy()
+        for step in steps:
+            place += step * (flat.take(place + (step - 1)) < sample)
+        lower = place - begin
+        ties = int(np.count_nonzero(flat.take(place) == sample))
+        if not ties:
+            return lower, lower, 0
+        for step in steps:  # from the first equal value to behind the last one
+            ahead = np.minimum(place + (step - 1), begin + (width - 1))
+            place += step * (flat.take(ahead) == sample)
+        return lower, place - begin, ties
 
     return look_up
