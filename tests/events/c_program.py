@@ -99,7 +99,7 @@ def clean(form: Form, step: Step) -> list[object]:
     """Return the arguments of ``evaluate`` behind the time."""
     found: list[object] = []
     for variable in form.variables:
-        found.append(converter(variable)(step.values.get(variable.name))[0])
+        found.append(converter(variable)(step.values.get(variable.name)))
         if variable.stamped:
             found.append(step.stamps.get(variable.name, step.t))
     return found

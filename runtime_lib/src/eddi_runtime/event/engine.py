@@ -10,7 +10,7 @@ import math
 from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
-from ..plain_values import plain
+from ..plain_values import plain, show
 from . import windows
 from .form import BOOL, NUMBER, Form, Variable, read_form
 from .source import class_lines
@@ -26,44 +26,23 @@ class Engine:
         form: what was compiled.
         evaluate: the step without any conversion: time, then values (float with NaN; 0, 1, 2;
             number of the literal, -1) and, behind stamped ones, time stamps.
-        faults: number of a variable -> type name of its last value, when that type is wrong.
+        step: ``step(t, values, stamps=None)``, one evaluation of raw values; never raises,
+            whatever the values are. ``t``: nanoseconds, by any clock that the caller keeps to. The
+            same time again: the step is ignored. An earlier one: the clock went back, all is
+            forgotten first. ``values``: one per variable; None, NaN and what is of a wrong type
+            are UNKNOWN. ``stamps``: when each value was sampled, by the same clock; None: now.
     """
 
     def __init__(self, form: Form) -> None:
-        names: Dict[str, Any] = {**vars(windows)}
-        text = "\n".join(class_lines(form))
+        names: Dict[str, Any] = {**vars(windows), "stamp_of": _stamp_of}
+        text = "\n".join([*class_lines(form), *_step_lines(form)])
         exec(compile(text, "<event>", "exec"), names)  # noqa: S102 - our own text, numbers only
         self.form = form
         self._machine = names["Engine"]()
         self.evaluate: Callable[..., Values] = self._machine.evaluate
-        self._convert = [converter(variable) for variable in form.variables]
-        self._stamped = [variable.stamped for variable in form.variables]
-        self._any_stamped = any(self._stamped)
-        self.faults: Dict[int, str] = {}
-
-    def step(
-        self, t: int, values: Sequence[object], stamps: Sequence[Optional[int]] = ()
-    ) -> Values:
-        """Evaluate once; never raises, whatever the values are.
-
-        Args:
-            t: nanoseconds, by any clock that the caller keeps to. The same time again: the step
-                is ignored. An earlier one: the clock went back, all is forgotten first.
-            values: one per variable; None, NaN and what is of a wrong type are UNKNOWN.
-            stamps: when each value was sampled, by the same clock; None or nothing: now.
-        """
-        if self.faults:
-            self.faults = {}
-        found: List[Any] = []
-        for k, (convert, raw) in enumerate(zip(self._convert, values)):
-            value, fault = convert(raw)
-            if fault:
-                self.faults[k] = type(raw).__name__
-            found.append(value)
-            if self._any_stamped and self._stamped[k]:
-                stamp = stamps[k] if k < len(stamps) else None
-                found.append(t if stamp is None else stamp)
-        return self.evaluate(t, *found)
+        names["evaluate"] = self.evaluate
+        names.update((f"c{k}", converter(variable)) for k, variable in enumerate(form.variables))
+        self.step: Callable[..., Values] = names["step"]
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -75,6 +54,23 @@ class Engine:
         return sum(window.overflows for window in self._machine.windows)
 
 
+def _step_lines(form: Form) -> List[str]:
+    """Return the function that converts raw values; a float needs no call."""
+    lines, arguments = ["def step(t, values, stamps=None):"], ["t"]
+    for k, variable in enumerate(form.variables):
+        lines.append(f"    x{k} = values[{k}]")
+        quick = f"x{k} if type(x{k}) is float else " if variable.type == NUMBER else ""
+        arguments.append(f"{quick}c{k}(x{k})")
+        if variable.stamped:
+            arguments.append(f"stamp_of(stamps, {k}, t)")
+    return [*lines, f"    return evaluate({', '.join(arguments)})"]
+
+
+def _stamp_of(stamps: Optional[Sequence[Optional[int]]], k: int, t: int) -> int:
+    stamp = None if stamps is None else stamps[k]
+    return t if stamp is None else stamp
+
+
 def build_engine(document: Mapping[str, Any]) -> Engine:
     """Compile an intermediate form, as ``json`` gives it.
 
@@ -84,12 +80,8 @@ def build_engine(document: Mapping[str, Any]) -> Engine:
     return Engine(read_form(document))
 
 
-Converted = Tuple[Union[float, int], bool]
-"""The value for ``evaluate``, and whether the raw value was of a wrong type."""
-
-
-def converter(variable: Variable) -> Callable[[object], Converted]:
-    """Return the function that takes a raw value of a variable; it never raises."""
+def converter(variable: Variable) -> Callable[[object], Union[float, int]]:
+    """Return the function that takes a raw value of a variable to ``evaluate``; never raises."""
     if variable.type == NUMBER:
         return _number
     if variable.type == BOOL:
@@ -97,44 +89,51 @@ def converter(variable: Variable) -> Callable[[object], Converted]:
     return partial(_literal, {text: k for k, text in enumerate(variable.literals)})
 
 
-def _number(raw: object) -> Converted:
-    if type(raw) is float:
-        return raw, False
+def fault(variable: Variable, raw: object) -> str:
+    """Return what is wrong with a raw value, empty when it is fine or simply missing."""
     if raw is None:
-        return math.nan, False
+        return ""
+    try:
+        value = plain(raw)
+    except Exception:  # noqa: BLE001 - a hostile object
+        value = None
+    if isinstance(value, float) and math.isnan(value):
+        return ""
+    if variable.type == NUMBER and isinstance(value, (int, float)) and not isinstance(value, bool):
+        return ""
+    if variable.type == BOOL and isinstance(value, bool):
+        return ""
+    if isinstance(value, str) and value in variable.literals:
+        return ""
+    wanted = {NUMBER: "a number", BOOL: "True or False"}.get(variable.type)
+    return f"expected {wanted or ', '.join(variable.literals)}, got {show(raw)}"
+
+
+def _number(raw: object) -> float:
     try:
         value = plain(raw)
         if isinstance(value, (int, float)) and not isinstance(value, bool):
-            return float(value), False
+            return float(value)
     except Exception:  # noqa: BLE001, S110 - a hostile object, or a number beyond any double
         pass
-    return math.nan, True
+    return math.nan
 
 
-def _truth(raw: object) -> Converted:
+def _truth(raw: object) -> int:
     if raw is True:
-        return 2, False
+        return 2
     if raw is False:
-        return 0, False
-    if raw is None:
-        return 1, False
+        return 0
     try:
         value = plain(raw)
     except Exception:  # noqa: BLE001 - a hostile object
-        value = None
-    if isinstance(value, bool):
-        return (2 if value else 0), False
-    # NaN stands for UNKNOWN in recordings of any type.
-    return 1, not (isinstance(value, float) and math.isnan(value))
+        return 1
+    return (2 if value else 0) if isinstance(value, bool) else 1
 
 
-def _literal(numbers: Mapping[str, int], raw: object) -> Converted:
-    if raw is None:
-        return -1, False
+def _literal(numbers: Mapping[str, int], raw: object) -> int:
     try:
         value = plain(raw)
     except Exception:  # noqa: BLE001 - a hostile object
-        value = None
-    if isinstance(value, str):
-        return numbers.get(value, -1), value not in numbers
-    return -1, not (isinstance(value, float) and math.isnan(value))
+        return -1
+    return numbers.get(value, -1) if isinstance(value, str) else -1

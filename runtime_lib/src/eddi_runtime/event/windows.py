@@ -162,7 +162,7 @@ class Maximum(Queue):
         samples = self._samples
         while samples and samples[-1][1] <= x:
             samples.pop()
-        super().add(t, x)
+        Queue.add(self, t, x)
 
     def value(self) -> float:
         """Return the value over the samples."""
@@ -179,7 +179,7 @@ class Minimum(Queue):
         samples = self._samples
         while samples and samples[-1][1] >= x:
             samples.pop()
-        super().add(t, x)
+        Queue.add(self, t, x)
 
     def value(self) -> float:
         """Return the value over the samples."""
@@ -208,7 +208,7 @@ class Count(Queue):
     def add(self, t: int, x: float) -> None:
         """Take a known sample."""
         if x:
-            super().add(t, x)
+            Queue.add(self, t, x)
 
     def value(self) -> float:
         """Return the value over the samples."""
@@ -234,7 +234,7 @@ class Median(Queue):
         """Take a known sample."""
         if len(self._samples) == self.capacity:
             del self._sorted[bisect_left(self._sorted, self._samples[0][1])]
-        super().add(t, x)
+        Queue.add(self, t, x)
         insort(self._sorted, x)
 
     def value(self) -> float:
@@ -341,7 +341,7 @@ class Average(Sum):
 
     def value(self) -> float:
         """Return the value over the samples."""
-        return super().value() / (len(self._front) + len(self._back))
+        return Sum.value(self) / (len(self._front) + len(self._back))
 
 
 class Deviation(Stacks):
