@@ -7,7 +7,7 @@ axis for each input, over its states and "not observed".
 from __future__ import annotations
 
 from string import ascii_letters
-from typing import TYPE_CHECKING, Callable, Dict, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Tuple
 
 import numpy as np
 
@@ -52,22 +52,25 @@ class Arrays:
                 self.tables[edge] = self._known(message)
 
     def scaled(self, vector: Callable[[int], Array], into: Tuple[Edge, ...]) -> Dict[Edge, Array]:
-        """Compute messages so that none becomes zero by underflow: each has the maximum 1.
+        """Compute messages so that none becomes zero by underflow.
+
+        Each has the maximum 1, and the widest type of the machine is used: 80 bits on a PC, with
+        exponents down to -4950.
 
         Args:
             vector: evidence vector of an observable node.
             into: the messages that are wanted.
         """
-        found: Dict[Edge, Array] = {}
+        found: Dict[Edge, Any] = {}
         for edge, message in self._program.messages.items():
-            if edge in self.constants:
-                array = self.constants[edge]
-            elif message.parts:
-                one, other = message.parts
-                array = self._contract(message, found[one], found[other], cases=False)
-            else:
+            if message.parts:
+                one, other = (found[part] for part in message.parts)
+                array = self._contract(message, one, other, cases=False)
+            elif message.kind == EVIDENCE:
                 (node,) = bits(message.mask)
-                array = vector(node)
+                array = vector(node).astype(np.longdouble)
+            else:
+                array = self._known(message).astype(np.longdouble)
             largest = array.max()
             found[edge] = array / largest if largest > 0.0 else array
         return {edge: found[edge] for edge in into}

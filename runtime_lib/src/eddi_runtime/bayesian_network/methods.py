@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
+from typing import Any, Dict, Iterator, List, Set, Tuple, Union
 
-from .evidence import EvidenceError, Finding, outcomes_finding
+from .evidence import EvidenceError, outcomes_finding
 from .model import Network
 
 
-class Answer(NamedTuple):
+class Answer:
     """What the methods of one step said.
 
     Attributes:
@@ -20,9 +20,12 @@ class Answer(NamedTuple):
         problems: node -> why its method gave nothing.
     """
 
-    findings: Dict[int, Finding]
-    outputs: Set[int]
-    problems: Dict[int, str]
+    __slots__ = ("findings", "outputs", "problems")
+
+    def __init__(self) -> None:
+        self.findings: Dict[int, Union[int, List[float]]] = {}
+        self.outputs: Set[int] = set()
+        self.problems: Dict[int, str] = {}
 
 
 class _Data:
@@ -58,7 +61,7 @@ class Methods:
 
     def ask(self, eddi_input: object) -> Answer:
         """Call every method once; what one raises is noted and its node is not observed."""
-        answer = Answer({}, set(), {})
+        answer = Answer()
         hooks, data = self._hooks, self._data
         data.data = eddi_input
         try:

@@ -21,7 +21,6 @@ from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
 from . import outputs as out
 from .engine import Posteriors
-from .evidence import Finding
 from .explain import Explanation, explain
 from .inference import Evidence, Inference
 from .methods import Answer, Methods
@@ -32,7 +31,7 @@ from .width import TooWideError
 
 Output = List[BayesianNetworkOutput]
 _ACTOR = 0
-_NO_ANSWER = Answer({}, set(), {})
+_NO_ANSWER = Answer()
 
 
 def build(model_file: ModelFile, hooks: Any = None) -> BayesianNetworkMonitor:
@@ -118,8 +117,10 @@ class BayesianNetworkMonitor(Monitor):
         last = self._last
         last.answer = _NO_ANSWER if self._methods is None else self._methods.ask(eddi_input)
         last.problem = ""
-        findings, flagged, failed = last.answer
-        if (findings or flagged) and not self._foreseen(flagged, findings):
+        findings, flagged = last.answer.findings, last.answer.outputs
+        failed = last.answer.problems
+        foreseen = flagged <= self._known and findings.keys() <= self._positions.keys()
+        if not foreseen and not self._grow(flagged, findings):
             return []
         states = list(self._missing)
         weights: Dict[int, List[float]] = {}
@@ -129,16 +130,16 @@ class BayesianNetworkMonitor(Monitor):
             raw.append(value)
             if node in findings or node in failed:
                 continue  # its method has spoken, or would have said what is not known
-            if type(found) is int:
+            if isinstance(found, int):
                 states[position] = found
             else:
-                weights[position] = found  # type: ignore[assignment]  # no int, by the line above
+                weights[position] = found
         for node, finding in findings.items():
             position = self._positions[node]
-            if type(finding) is int:
+            if isinstance(finding, int):
                 states[position] = finding
             else:
-                weights[position] = finding  # type: ignore[assignment]  # no int, as above
+                weights[position] = finding
         last.raw, last.states, last.weights = raw, states, weights
         rows = self.inference.engine.infer(states, weights)
         last.inconsistent = rows is None
@@ -230,10 +231,8 @@ class BayesianNetworkMonitor(Monitor):
         self._good, self._output_faults = None, ()
         self._last = _Step(self._missing)
 
-    def _foreseen(self, flagged: Set[int], findings: Mapping[int, Finding]) -> bool:
-        """Compile again if need be; False when the network is too wide for it."""
-        if self.inference.covers(flagged, findings):
-            return True
+    def _grow(self, flagged: Iterable[int], findings: Iterable[int]) -> bool:
+        """Compile again for more nodes; False when the network is too wide for it."""
         try:
             self.inference.grow(flagged, findings)
         except (TooWideError, ImportError) as problem:
@@ -251,6 +250,7 @@ class BayesianNetworkMonitor(Monitor):
         names, states = network.shape.names, network.states
         self._missing = engine.missing
         self._positions = {node: k for k, node in enumerate(engine.observable)}
+        self._known = frozenset(engine.outputs)
         self._titles = [(node, names[node], states[node]) for node in engine.outputs]
         self._readers = [
             (one.node, self._positions[one.node], one.spec.attribute, one.reader)

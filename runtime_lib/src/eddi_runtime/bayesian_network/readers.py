@@ -6,8 +6,9 @@ A reader never raises for a value of any type; what it cannot use leaves the nod
 from __future__ import annotations
 
 import math
+import sys
 from bisect import bisect_left, bisect_right
-from typing import Any, List, Optional, Protocol, Sequence, Tuple, Union
+from typing import Any, Callable, List, Optional, Protocol, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
@@ -18,6 +19,7 @@ Reading = Union[int, List[float]]
 """A state, the number of states for "not observed", or likelihoods."""
 
 _ABSENT = -1
+_LARGEST = sys.float_info.max
 
 
 class Reader(Protocol):
@@ -95,9 +97,14 @@ class Discretiser:
             int(min(limit, 1e9) * 1e9),
         )
         self.timed = one.policy == "hold"
+        self._plain = _plain_bins(one)
 
     def read(self, raw: object, now: int) -> int:
         """Return the state of a value; see ``Reader``."""
+        if type(raw) is float and self._plain is not None:
+            state = self._plain(raw)
+            if state != _ABSENT:
+                return state
         state = self._state_of(raw)
         if state == _ABSENT:
             return self._memory.absent(now)
@@ -158,7 +165,8 @@ class Discretiser:
             value = value * self._declared.scale + self._declared.offset
         place = self._search(edges, value)
         previous = self._previous
-        if previous not in (_ABSENT, place) and self._near(value, previous, place, edges):
+        moved = previous not in (_ABSENT, place) and self._declared.hysteresis > 0.0
+        if moved and self._near(value, previous, place, edges):
             place = previous
         self._previous = place
         return self._declared.order[place]
@@ -169,6 +177,23 @@ class Discretiser:
 
     def _is_special(self, value: object) -> bool:
         return value in self._special.get(type(value), ())
+
+
+def _plain_bins(one: Declaration) -> Optional[Callable[[float], int]]:
+    """Return the short way for good values of a declaration without memory and sentinels."""
+    edges, order, scale, offset = one.edges, one.order, one.scale, one.offset
+    if edges is None or one.special[float] or one.hysteresis or one.policy == "hold":
+        return None
+    search = bisect_left if one.closed_right else bisect_right
+    low, high = max(one.limits[0], -_LARGEST), min(one.limits[1], _LARGEST)
+
+    def scaled(value: float) -> int:
+        return order[search(edges, value * scale + offset)] if low <= value <= high else _ABSENT
+
+    def unscaled(value: float) -> int:
+        return order[search(edges, value)] if low <= value <= high else _ABSENT
+
+    return scaled if one.scaled else unscaled
 
 
 class DirectReader:

@@ -76,11 +76,12 @@ class Schedule:
             lambda node: np.array(self._vector(node, states, weights)), wanted
         )
         if not program.evidence:
-            return [found[program.answers[node]].tolist() for node in self.outputs]
+            rows = [found[program.answers[node]] for node in self.outputs]
+            return [[float(value) for value in row] for row in rows]
         total = found[program.evidence[0]]
         for edge in program.evidence[1:]:
             total = total * found[edge]
-        return [[float(total.sum())]]
+        return [[float(total.sum() > 0.0)]]
 
     def _vector(self, node: int, states: States, weights: Weights) -> List[float]:
         position = self._positions[node]

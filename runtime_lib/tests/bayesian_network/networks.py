@@ -1,0 +1,176 @@
+"""Small networks as model documents, random ones, and the plainest inference there is."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from fractions import Fraction
+from types import SimpleNamespace
+
+from eddi_runtime.bayesian_network import Network, Shape, build
+from eddi_runtime.model_file import check_document, digest_of
+
+
+def node(name, states, parents=(), table=(), **more):
+    """Return a node; states and parents as texts with blanks between them."""
+    states = states.split() if isinstance(states, str) else list(states)
+    parents = parents.split() if isinstance(parents, str) else list(parents)
+    entry = {"id": name, "states": states, "parents": parents, "table": list(table)}
+    entry.update(
+        attribute="".join(c if c.isalnum() else "_" for c in name), state_attributes=states
+    )
+    return dict(entry, **more)
+
+
+SPEED = node("Speed", "stands slow fast", (), [0.2, 0.5, 0.3])
+GAP = node("Gap", "near far", (), [0.25, 0.75])
+DANGER = node(
+    "Danger", "yes no", "Speed Gap", [0.1, 0.9, 0.0, 1.0, 0.6, 0.4, 0.1, 0.9, 0.95, 0.05, 0.2, 0.8]
+)
+ALARM = node("Alarm", "on off", "Danger", [0.9, 0.1, 0.01, 0.99])
+NODES = (SPEED, GAP, DANGER, ALARM)
+SPEED_BINS = {"input": "v", "scale": 3.6, "bins": [0.5, 20.0]}
+GAP_BINS = {"input": "d", "bins": [2.0], "order": ["near", "far"]}
+BINS = {"Speed": SPEED_BINS, "Gap": GAP_BINS}
+
+
+def document(
+    nodes=NODES,
+    outputs=("Danger",),
+    bins=None,
+    direct=None,
+    observed=None,
+    inputs=None,
+    specs=None,
+    **settings,
+):
+    """Return a model document; inputs are those that ``bins`` and ``direct`` name."""
+    bins, direct = dict(bins or {}), dict(direct or {})
+    names = list(inputs or [])
+    for name in [*(one["input"] for one in bins.values()), *direct.values()]:
+        names += [name] if name not in names else []
+    data = {
+        "format": 1,
+        "kind": "bayesian_network",
+        "id": "net",
+        "requires_runtime": "0.1",
+        "source": {"file": "net.xdsl", "sha256": "", "path": None},
+        "inputs": [
+            dict({"id": one, "attribute": one, "requires": []}, **dict(specs or {}).get(one, {}))
+            for one in names
+        ],
+        "model": {
+            "nodes": list(nodes),
+            "outputs": list(outputs),
+            "observed": None if observed is None else list(observed),
+            "discretisation": bins,
+            "direct": direct,
+        },
+        "settings": settings,
+    }
+    return dict(data, sha256=digest_of(data))
+
+
+def monitor(*args, hooks=None, **kwargs):
+    return build(check_document(document(*args, **kwargs)), hooks)
+
+
+def give(**values):
+    return SimpleNamespace(**values)
+
+
+def posterior(output, title="Danger"):
+    """Return state -> probability of one output, None if it is not there."""
+    for one in output:
+        for found in one.output_nodes:
+            if found.title == title:
+                return {outcome.name: outcome.value for outcome in found.outcomes}
+    return None
+
+
+def network(cards, parents, tables):
+    names = tuple(f"n{k}" for k in range(len(cards)))
+    states = tuple(tuple(f"s{j}" for j in range(card)) for card in cards)
+    shape = Shape(names, tuple(cards), tuple(tuple(one) for one in parents))
+    return Network(shape, states, tuple(tuple(one) for one in tables), names)
+
+
+def random_network(rng, count, most_parents=3, zeros=0.2, most_states=4):
+    """Return a network whose node k has parents below k; rows have zeros and certainties."""
+    cards = [rng.randint(2, most_states) for _ in range(count)]
+    parents = [rng.sample(range(k), rng.randint(0, min(k, most_parents))) for k in range(count)]
+    tables = []
+    for k in range(count):
+        rows = math.prod(cards[one] for one in parents[k])
+        tables.append([value for _ in range(rows) for value in random_row(rng, cards[k], zeros)])
+    return network(cards, parents, tables)
+
+
+def random_row(rng, card, zeros):
+    row = [0 if rng.random() < zeros else rng.randint(1, 1000) for _ in range(card)]
+    if not any(row):
+        row[rng.randrange(card)] = 1
+    return [one / sum(row) for one in row]
+
+
+def random_evidence(rng, net, observable, soft=0.25, missing=0.25):
+    """Return (states, weights) as ``Engine.infer`` takes them."""
+    states, weights = [], {}
+    for position, one in enumerate(observable):
+        card = net.shape.cards[one]
+        states.append(card if rng.random() < missing else rng.randrange(card))
+        if rng.random() < soft:
+            vector = [rng.choice([0.0, rng.random(), rng.random()]) for _ in range(card)]
+            if any(vector):
+                weights[position] = [value / max(vector) for value in vector]
+                states[position] = card
+    return states, weights
+
+
+def enumerate_all(net, outputs, observable, states, weights, number=float):
+    """Return the posteriors by adding up every combination of states; None if all are zero."""
+    cards = net.shape.cards
+    sums = [[number(0)] * cards[one] for one in outputs]
+    for case in itertools.product(*(range(card) for card in cards)):
+        p = number(1)
+        for position, one in enumerate(observable):
+            if position in weights:
+                p *= number(weights[position][case[one]])
+            elif states[position] not in (cards[one], case[one]):
+                p = number(0)
+        for one, card in enumerate(cards):
+            if not p:
+                break
+            row = 0
+            for parent in net.shape.parents[one]:
+                row = row * cards[parent] + case[parent]
+            p *= number(net.tables[one][row * card + case[one]])
+        for row, one in zip(sums, outputs):
+            row[case[one]] += p
+        if not outputs and p:
+            return []
+    if not outputs or not sum(sums[0]):
+        return None
+    return [[value / sum(row) for value in row] for row in sums]
+
+
+def exactly(*args):
+    """Return the posteriors in exact arithmetic, rounded once."""
+    rows = enumerate_all(*args, number=Fraction)
+    return None if rows is None else [[float(value) for value in row] for row in rows]
+
+
+def furthest(rows, wanted):
+    pairs = [(p, q) for row, want in zip(rows, wanted) for p, q in zip(row, want)]
+    return max((abs(p - q) for p, q in pairs), default=0.0)
+
+
+def grid(rows, columns, card=2):
+    """Return the shape of a grid: each node has the one above and the one to the left."""
+    parents = []
+    for row in range(rows):
+        for column in range(columns):
+            above = [(row - 1) * columns + column] if row else []
+            parents.append((*above, *([row * columns + column - 1] if column else [])))
+    names = tuple(f"x{k}" for k in range(rows * columns))
+    return Shape(names, (card,) * len(names), tuple(parents))

@@ -1,0 +1,256 @@
+"""Exact inference against the addition of all cases, in exact arithmetic."""
+
+import importlib.util
+import itertools
+import os
+import random
+import subprocess
+import sys
+import tracemalloc
+from pathlib import Path
+
+import eddi_runtime
+import pytest
+from eddi_runtime.bayesian_network.engine import Engine
+from eddi_runtime.bayesian_network.graph import components
+
+from runtime_lib.tests.bayesian_network.networks import (
+    enumerate_all,
+    exactly,
+    furthest,
+    network,
+    random_evidence,
+    random_network,
+)
+
+pytest.importorskip("hypothesis")
+from hypothesis import given
+from hypothesis import strategies as st
+
+HAS_NUMPY = importlib.util.find_spec("numpy") is not None
+SOURCES = Path(eddi_runtime.__file__).parents[1]
+
+
+def engines(net, outputs, observable):
+    """Return the tiers: with tables where they are small, and with the schedule only."""
+    yield Engine(net, outputs, observable)
+    if HAS_NUMPY:
+        yield Engine(net, outputs, observable, tables=False)
+
+
+@given(seed=st.integers(0, 10**9), count=st.integers(1, 6))
+def test_posteriors_are_exact(seed, count):
+    rng = random.Random(seed)
+    net = random_network(rng, count, most_states=3)
+    outputs = sorted(rng.sample(range(count), rng.randint(0, min(count, 3))))
+    observable = sorted(rng.sample(range(count), rng.randint(0, count)))
+    cases = [random_evidence(rng, net, observable) for _ in range(3)]
+    wanted = [exactly(net, outputs, observable, *case) for case in cases]
+    for engine in engines(net, outputs, observable):
+        for case, want in zip(cases, wanted):
+            rows = engine.infer(*case)
+            assert (rows is None) == (want is None)
+            assert rows is None or furthest(rows, want) < 1e-12
+
+
+@given(seed=st.integers(0, 10**9))
+def test_larger_networks_and_both_tiers_agree(seed):
+    pytest.importorskip("numpy")
+    rng = random.Random(seed)
+    net = random_network(rng, 9, most_parents=2, most_states=2)
+    outputs, observable = rng.sample(range(9), 3), sorted(rng.sample(range(9), 5))
+    tables, schedule = list(engines(net, outputs, observable))
+    for _ in range(5):
+        case = random_evidence(rng, net, observable)
+        want = enumerate_all(net, sorted(outputs), observable, *case)
+        for engine in (tables, schedule):
+            rows = engine.infer(*case)
+            assert (rows is None) == (want is None)
+            assert rows is None or furthest(rows, want) < 1e-12
+
+
+@given(seed=st.integers(0, 10**9))
+def test_order_of_nodes_and_parents_does_not_matter(seed):
+    rng = random.Random(seed)
+    net = random_network(rng, 6, zeros=0.0, most_states=3)
+    new = list(range(6))
+    rng.shuffle(new)  # old number -> new number
+    parents = [()] * 6
+    cards, tables = [0] * 6, [()] * 6
+    for old in range(6):
+        own = net.shape.parents[old]
+        turned = rng.sample(range(len(own)), len(own))
+        parents[new[old]] = tuple(new[own[k]] for k in turned)
+        cards[new[old]] = net.shape.cards[old]
+        tables[new[old]] = _permuted(net, old, turned)
+    other = network(cards, parents, tables)
+    engine, moved = Engine(net, [5], [0, 1, 2]), Engine(other, [new[5]], [new[0], new[1], new[2]])
+    states = [rng.randrange(net.shape.cards[one]) for one in (0, 1, 2)]
+    by_new = {new[one]: state for one, state in zip((0, 1, 2), states)}
+    rows = engine.infer(states)
+    assert furthest(rows, moved.infer([by_new[one] for one in moved.observable])) < 1e-14
+
+
+def _permuted(net, node, turned):
+    """Return the table with the axes of the parents in another order."""
+    own, card = net.shape.parents[node], net.shape.cards[node]
+    values = []
+    for case in itertools.product(*(range(net.shape.cards[own[k]]) for k in turned)):
+        states = dict(zip(turned, case))
+        row = 0
+        for k, parent in enumerate(own):
+            row = row * net.shape.cards[parent] + states[k]
+        values += net.tables[node][row * card : (row + 1) * card]
+    return values
+
+
+def test_priors_of_observed_roots_cancel_exactly():
+    rows = [0.7, 0.3, 0.2, 0.8, 0.15, 0.85]
+    net = network([3, 2], [(), (0,)], [[0.1, 0.3, 0.6], rows])
+    engine = Engine(net, [1], [0])
+    assert engine.infer([0]) == [[0.7, 0.3]]
+    assert engine.infer([1]) == [[0.2, 0.8]]
+
+
+def test_impossible_evidence_anywhere_counts():
+    certain = [1.0, 0.0, 0.0, 1.0]
+    net = network([2, 2, 2, 2], [(), (0,), (), ()], [[0.5, 0.5], certain, [0.3, 0.7], [0.0, 1.0]])
+    for engine in engines(net, [2], [0, 1, 3]):
+        assert engine.infer([0, 0, 2]) == [[0.3, 0.7]]
+        assert engine.infer([0, 1, 2]) is None  # contradicts itself, far from the output
+        assert engine.infer([2, 2, 0]) is None  # a root state with the prior 0
+        assert engine.infer([2, 2, 2], {2: [1.0, 0.0]}) is None
+        assert engine.infer([2, 2, 2], {2: [1.0, 0.5]}) == [[0.3, 0.7]]
+
+
+def test_an_observed_output_echoes_its_evidence():
+    net = network([2, 2], [(), (0,)], [[0.5, 0.5], [0.9, 0.1, 0.2, 0.8]])
+    for engine in engines(net, [0, 1], [0, 1]):
+        assert engine.infer([0, 1]) == [[1.0, 0.0], [0.0, 1.0]]
+        soft = engine.infer([2, 2], {0: [1.0, 0.5]})
+        assert furthest(soft, [[2 / 3, 1 / 3], [2 / 3, 1 / 3]]) < 1e-15
+
+
+@pytest.mark.parametrize("tables", [True, False])
+def test_improbable_is_not_impossible(tables):
+    """Products far below the least double: only an exact zero is a contradiction."""
+    pytest.importorskip("numpy")  # such a network is not for tables
+    tiny = 1e-200
+    rows = [tiny, 1.0 - tiny, 3.0 * tiny, 1.0 - 3.0 * tiny]
+    net = network([2, 2, 2, 2], [(), (0,), (0,), (0,)], [[0.5, 0.5], rows, rows, rows])
+    engine = Engine(net, [0], [1, 2, 3], tables=tables)
+    assert furthest(engine.infer([0, 0, 0]), [[1 / 28, 27 / 28]]) < 1e-12
+    weights = {k: [1e-250, 0.0] for k in range(3)}
+    found = engine.infer([2, 2, 2], weights)
+    assert furthest(found, [[1 / 28, 27 / 28]]) < 1e-12
+
+
+def test_tiny_likelihoods_in_tables():
+    net = network([2, 2, 2], [(), (0,), (0,)], [[0.5, 0.5], [1, 0, 0, 1], [0, 1, 1, 0]])
+    engine = Engine(net, [0], [1, 2])
+    assert engine.lookup_only
+    rows = engine.infer([2, 2], {0: [1.0, 1e-300], 1: [1.0, 1e-300]})
+    assert furthest(rows, [[0.5, 0.5]]) < 1e-12
+
+
+def test_steps_do_not_allocate_for_good():
+    pytest.importorskip("numpy")
+    rng = random.Random(7)
+    net = random_network(rng, 30, zeros=0.0)
+    observable = sorted(rng.sample(range(29), 14))
+    engine = Engine(net, [29, 28], observable)
+    assert not engine.lookup_only
+    cases = [random_evidence(rng, net, observable) for _ in range(20)]
+    tracemalloc.start()
+    try:
+        for _ in range(200):  # the interpreter keeps some freed floats for later
+            for case in cases:
+                engine.infer(*case)
+        before = tracemalloc.get_traced_memory()[0]
+        for _ in range(200):
+            for case in cases:
+                engine.infer(*case)
+        assert tracemalloc.get_traced_memory()[0] - before < 500
+    finally:
+        tracemalloc.stop()
+
+
+def test_results_are_the_callers_own():
+    pytest.importorskip("numpy")
+    net = random_network(random.Random(3), 5, zeros=0.0)
+    for engine in engines(net, [4], [0, 1]):
+        first = engine.infer([0, 0])
+        kept = [list(row) for row in first]
+        first[0][0] = 7.0
+        assert engine.infer([0, 0]) == kept
+
+
+def test_barren_and_unrelated_nodes_are_left_out():
+    parents = [(), (0,), (1,), (), (3,)]
+    net = network(
+        [2] * 5, parents, [[0.5, 0.5], *[[0.9, 0.1, 0.2, 0.8]] * 2, [0.5, 0.5], [0.5] * 4]
+    )
+    (part,) = components(net.shape, [1], [0])
+    assert part.nodes == (0, 1)
+    parts = components(net.shape, [1], [0, 4])
+    assert [one.nodes for one in parts] == [(0, 1), (3, 4)]
+
+
+SCRIPT = """
+import random, sys
+from runtime_lib.tests.bayesian_network.networks import random_evidence, random_network
+from eddi_runtime.bayesian_network.engine import Engine
+rng = random.Random(11)
+net = random_network(rng, 24)
+observable = sorted(rng.sample(range(24), 10))
+engine = Engine(net, [23, 22], observable)
+cases = [random_evidence(rng, net, observable) for _ in range(30)]
+print(engine.width, [engine.infer(*case) for case in cases])
+"""
+
+
+def test_the_hash_seed_changes_no_bit():
+    pytest.importorskip("numpy")
+    assert _run(SCRIPT, PYTHONHASHSEED="1") == _run(SCRIPT, PYTHONHASHSEED="2")
+
+
+def test_small_networks_need_no_numpy():
+    script = """
+import sys
+sys.modules["numpy"] = None
+from runtime_lib.tests.bayesian_network.networks import BINS, give, monitor
+step = monitor(bins=BINS).execute_step
+print(step(give(v=0.0, d=1.0))[0].output_nodes[0].outcomes[0].value)
+"""
+    assert _run(script).strip() == "0.1"
+
+
+def test_without_numpy_a_large_network_says_so():
+    script = """
+import sys, random
+sys.modules["numpy"] = None
+from runtime_lib.tests.bayesian_network.networks import monitor, node
+from eddi_runtime.model_file import ModelError
+row = [0.9, 0.1, 0.2, 0.8]
+nodes = [node("x0", "a b", (), [0.5, 0.5])]
+nodes += [node(f"x{k}", "a b", f"x{k - 1}", row) for k in range(1, 20)]
+try:
+    monitor(nodes, outputs=["x0"], observed=[f"x{k}" for k in range(1, 20)])
+except ModelError as problem:
+    print(problem)
+"""
+    assert "numpy" in _run(script)
+
+
+def _run(script, **environment):
+    root = str(Path(__file__).parents[3])
+    path = os.pathsep.join([str(SOURCES), root])
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, "PYTHONPATH": path, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert not done.returncode, done.stderr
+    return done.stdout

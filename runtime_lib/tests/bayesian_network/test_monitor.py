@@ -1,0 +1,466 @@
+"""The monitor of a Bayesian network: inputs, methods, outputs, messages."""
+
+import json
+import math
+from types import SimpleNamespace
+
+import pytest
+from eddi_runtime.bayesian_network import BayesianNetworkOutput, Monitor, Node, Outcome, width
+from eddi_runtime.bayesian_network import outputs as out
+from eddi_runtime.model_file import ModelError, check_document
+from eddi_runtime.monitor import build as build_any
+
+from runtime_lib.tests.bayesian_network.networks import (
+    BINS,
+    NODES,
+    document,
+    give,
+    monitor,
+    node,
+    posterior,
+)
+
+DIRECT = {"Speed": "s", "Gap": "g", "Danger": "x"}
+PRIOR = 0.3475
+SLOW_NEAR = {"yes": 0.6, "no": 0.4}
+
+PEDESTRIAN = (
+    node("Pace", "still walk run", (), [1 / 3, 1 / 3, 1 / 3]),
+    node("Space", "near far", (), [0.5, 0.5]),
+    node(
+        "Critical",
+        "Yes No",
+        "Pace Space",
+        [0.2, 0.8, 0.05, 0.95, 0.7, 0.3, 0.2, 0.8, 0.9, 0.1, 0.4, 0.6],
+    ),
+)
+
+
+def hostile():
+    """Return objects that raise whatever they are asked."""
+
+    class Hostile:
+        def __getattribute__(self, name):
+            raise RuntimeError(name)
+
+        def __eq__(self, other):
+            raise RuntimeError
+
+        __hash__ = None
+
+        def __bool__(self):
+            raise RuntimeError
+
+    class Number(float):
+        def __float__(self):
+            raise RuntimeError
+
+    return [Hostile(), Number("nan"), Number(2.0), 10**400, b"x", {}, [object()], type, ...]
+
+
+def test_it_is_a_monitor_like_any_other():
+    one = build_any(check_document(document(bins=BINS)))
+    assert one.kind == "bayesian_network"
+    assert one.model_id == "net"
+    assert isinstance(one, Monitor)
+    assert [spec.id for spec in one.inputs] == ["v", "d"]
+    with pytest.raises(NotImplementedError):
+        Monitor().execute_step(None)
+
+
+def test_the_result_prints_as_in_d72_fig_22():
+    one = monitor(
+        PEDESTRIAN,
+        outputs=["Critical"],
+        bins={
+            "Pace": {"input": "v", "scale": 3.6, "bins": [2.0, 4.0]},
+            "Space": {"input": "d", "bins": [1.0]},
+        },
+    )
+    wanted = (
+        "[BayesianNetworkOutput(actor_id=0, bayesian_network_id='net', output_nodes=[Node("
+        "title='Critical', outcomes=[Outcome(name='Yes', value=0.7), Outcome(name='No', value=0.3)"
+        "])])]"
+    )
+    assert str(one.execute_step(give(v=4 / 3.6, d=0.4))) == wanted
+
+
+def test_declared_inputs():
+    one = monitor(bins=BINS)
+    assert posterior(one.execute_step(give(v=2.0, d=1.0))) == SLOW_NEAR
+    assert one.status() == out.OK
+    assert posterior(one.execute_step(give(v=2, d=3.0))) == {"yes": 0.1, "no": 0.9}
+
+
+def test_missing_inputs_leave_the_prior():
+    one = monitor(bins=BINS)
+    one.execute_step(give(v=2.0, d=None))
+    assert one.status_message()[1]["unobserved"] == ["Gap"]
+    assert one.status() == out.PARTIAL
+    prior = posterior(one.execute_step(SimpleNamespace()))
+    assert prior["yes"] == pytest.approx(0.2 * 0.025 + 0.5 * 0.225 + 0.3 * 0.3875, abs=1e-15)
+    assert one.status() == out.PRIOR
+    for value in (None, math.nan, object(), [], "no category"):
+        assert posterior(one.execute_step(give(v=value, d=value))) == prior
+
+
+@pytest.mark.parametrize("ways", [{"bins": BINS}, {"direct": DIRECT}])
+def test_no_value_whatever_raises(ways):
+    one = monitor(**ways)
+    prior = one.execute_step(object())
+    for value in hostile():
+        x = SimpleNamespace(v=value, d=value, s=value, g=value, x=value)
+        result = one.execute_step(x)
+        if type(value).__name__ != "Number":
+            assert result == prior
+        one.message(result)
+        one.faults()
+        one.status_message()
+    assert one.execute_step(hostile()[0]) == prior
+
+
+def test_direct_inputs():
+    one = monitor(direct=DIRECT, outputs=["Danger", "Alarm"])
+    assert posterior(one.execute_step(give(s="slow", g="near"))) == SLOW_NEAR
+    assert posterior(one.execute_step(give(s=[0, 5, 0], g=(1.0, 0.0)))) == SLOW_NEAR
+    soft = posterior(one.execute_step(give(s="slow", g=[0.5, 1.0])))
+    assert soft["yes"] == pytest.approx((0.125 * 0.6 + 0.75 * 0.1) / 0.875, abs=1e-15)
+    echo = one.execute_step(give(x="no", s="fast", g="near"))
+    assert posterior(echo) == {"yes": 0.0, "no": 1.0}
+    assert posterior(echo, "Alarm") == {"on": 0.01, "off": 0.99}
+    one.execute_step(give(s="hot", g=[1.0]))
+    assert one.faults() == {"s": "there is no state 'hot'", "g": "1 values for 2 states"}
+
+
+def test_a_discretisation_goes_before_a_direct_input():
+    one = monitor(bins=BINS, direct={"Gap": "Gap"})
+    assert posterior(one.execute_step(give(v=2.0, d=1.0, Gap="far"))) == SLOW_NEAR
+
+
+def test_nodes_that_are_not_observed_are_not_fed():
+    one = monitor(direct=DIRECT, observed=["Gap"])
+    assert one.execute_step(give(s="fast")) == one.execute_step(give())
+
+
+def test_impossible_evidence():
+    given = give(s="stands", g="far", x="yes")
+    good = give(s="slow", g="near")
+    silent = monitor(direct=DIRECT, outputs=["Alarm"])
+    assert silent.execute_step(given) == []
+    assert silent.status() == out.INCONSISTENT
+    assert silent.as_json([]) is None
+    assert silent.message([]) is None
+    assert silent.series([]) == {"Alarm=on": None, "Alarm=off": None}
+    (reason,) = silent.output_faults()
+    assert reason == "the evidence has probability zero: Speed=stands, Gap=far, Danger=yes"
+    assert silent.explain().relevance == {}
+    silent.execute_step(good)
+    assert silent.status() == out.PARTIAL
+    prior = monitor(direct=DIRECT, outputs=["Alarm"], on_inconsistent="prior")
+    assert prior.execute_step(given) == prior.execute_step(give())
+    hold = monitor(direct=DIRECT, outputs=["Alarm"], on_inconsistent="hold")
+    assert hold.execute_step(given) == []
+    assert hold.execute_step(good) == hold.execute_step(given) != hold.execute_step(give())
+    assert hold.execute_step(given) == hold.execute_step(give())
+    hold.execute_step(good)
+    hold.reset()
+    assert hold.execute_step(given) == []
+    assert hold.status() == out.INCONSISTENT
+
+
+class Config:
+    """As D7.2 generates it, with hand-written lines."""
+
+    def __init__(self):
+        self.dra_data = None
+        self.calls = 0
+
+    def update_dra_data(self, dra_data):
+        self.dra_data = getattr(dra_data, "data", dra_data)
+
+    def node_Speed(self):
+        is_bn_output = False
+        outcome_stands = 0.0
+        outcome_slow = 0.0
+        outcome_fast = 0.0
+        self.calls += 1
+        if self.dra_data.v > 5.0:
+            outcome_fast = 1.0
+        return is_bn_output, {
+            "stands": outcome_stands,
+            "slow": outcome_slow,
+            "fast": outcome_fast,
+        }
+
+    def node_Danger(self):
+        is_bn_output = False
+        outcome_yes = 0.0
+        outcome_no = 0.0
+        is_bn_output = True
+        return is_bn_output, {"yes": outcome_yes, "no": outcome_no}
+
+
+def test_methods_of_a_person():
+    hooks = Config()
+    one = monitor(outputs=[], hooks=hooks)
+    engine = one.inference.engine
+    assert (engine.outputs, engine.observable) == ((2,), (0,))
+    fast = posterior(one.execute_step(give(v=6.0)))
+    assert fast["yes"] == pytest.approx(0.25 * 0.95 + 0.75 * 0.2)
+    assert one.status() == out.OK
+    one.execute_step(give(v=1.0))
+    assert (one.status(), hooks.calls) == (out.PRIOR, 2)
+    assert one.inference.engine is engine
+
+
+def test_a_method_that_says_nothing_leaves_the_declaration():
+    one = monitor(bins=BINS, hooks=Config())
+    assert posterior(one.execute_step(give(v=2.0, d=1.0))) == SLOW_NEAR
+    assert posterior(one.execute_step(give(v=6.0, d=1.0)))["yes"] == pytest.approx(0.95)
+
+
+def test_an_input_called_data_is_not_taken_for_d72s_wrapper():
+    one = monitor(hooks=Config())
+    assert posterior(one.execute_step(give(v=6.0, data=3)))["yes"] == pytest.approx(0.3875)
+
+
+def test_a_method_that_raises():
+    one = monitor(bins=BINS, hooks=Config())
+    result = one.execute_step(give(v=None, d=1.0))
+    assert posterior(result) == posterior(monitor(bins=BINS).execute_step(give(d=1.0)))
+    assert one.status() == out.ERROR
+    (reason,) = one.output_faults()
+    assert reason.startswith("node_Speed raised TypeError: '>' not supported")
+    one.execute_step(give(v=2.0, d=1.0))
+    assert (one.status(), one.output_faults()) == (out.OK, ())
+
+    class Unready(Config):
+        def update_dra_data(self, dra_data):
+            raise OSError
+
+    late = monitor(bins=BINS, hooks=Unready())
+    late.execute_step(give(v=2.0, d=1.0))
+    assert late.output_faults() == ("update_dra_data raised OSError",)
+
+
+class Made:
+    """Methods whose source says nothing about what they set."""
+
+    def __init__(self, **said):
+        self.said = said
+
+    def __getattr__(self, name):
+        if name.startswith("node_") and name[5:] in self.said:
+            return lambda: self.said[name[5:]]
+        raise AttributeError(name)
+
+    def update_dra_data(self, dra_data):
+        pass
+
+
+def test_unforeseen_evidence_and_outputs_are_taken_in():
+    alarm = (False, {"on": 1.0, "off": 0.0})
+    hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
+    one = monitor(hooks=hooks)
+    one.execute_step(give())
+    assert one.inference.engine.observable == ()
+    hooks.said["Alarm"] = alarm
+    assert posterior(one.execute_step(give()))["yes"] > 0.9
+    assert one.inference.engine.observable == (3,)
+    hooks.said["Alarm"] = (True, {"on": 0.3, "off": 0.3})
+    assert posterior(one.execute_step(give()), "Alarm")["on"] == pytest.approx(0.2785, abs=1e-3)
+    hooks.said["Alarm"] = alarm
+    assert posterior(one.execute_step(give()), "Alarm") is None
+    assert set(one.series([])) == {"Danger=yes", "Danger=no", "Alarm=on", "Alarm=off"}
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ((False, {"on": math.nan, "off": 0.0}), "on is nan, not a finite number from 0 on"),
+        ((False, {"on": -1.0, "off": 0.0}), "on is -1.0, not a finite number from 0 on"),
+        ((False, {"on": 1.0}), "there is no outcome for the state 'off'"),
+        ((False, {"on": 1.0, "off": 0.0, "of": 0.0}), "there is no state of"),
+        (None, "node_Alarm raised TypeError"),
+        ((False, [1.0, 0.0]), "node_Alarm raised TypeError"),
+        ((False, {}), "there is no outcome for the state 'on'"),
+    ],
+)
+def test_what_a_method_must_not_say(said, reason):
+    one = monitor(hooks=Made(Alarm=said))
+    assert posterior(one.execute_step(give())) == posterior(monitor().execute_step(give()))
+    assert one.status() == out.ERROR
+    assert reason in one.output_faults()[0]
+
+
+def test_the_old_rule_of_evidence():
+    hooks = Made(Alarm=(False, {"on": 0.7, "off": 0.3}))
+    one = monitor(hooks=hooks, evidence_mode="d7.2")
+    assert one.execute_step(give()) == monitor().execute_step(give())
+    assert one.output_faults() == ("node_Alarm: evidence_mode d7.2 drops its outcomes",)
+    hooks.said["Alarm"] = (False, {"on": 1.0, "off": 0.0})
+    assert posterior(one.execute_step(give()))["yes"] > 0.9
+    direct = monitor(direct=DIRECT, evidence_mode="d7.2")
+    assert direct.execute_step(give(s=[0.5, 0.5, 0.0])) == direct.execute_step(give())
+
+
+def test_too_wide_with_unforeseen_evidence_is_an_error_not_a_guess(monkeypatch):
+
+    hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
+    one = monitor(hooks=hooks)
+    monkeypatch.setattr(width, "TOO_LARGE", 1)
+    hooks.said["Alarm"] = (False, {"on": 1.0, "off": 0.0})
+    assert one.execute_step(give()) == []
+    assert one.status() == out.ERROR
+    assert "too wide" in one.output_faults()[0]
+
+
+def test_outputs_in_network_order_and_none():
+    one = monitor(bins=BINS, outputs=["Alarm", "Speed", "Danger"])
+    (result,) = one.execute_step(give(v=0.0, d=0.0))
+    assert [found.title for found in result.output_nodes] == ["Speed", "Danger", "Alarm"]
+    none = monitor(bins=BINS, outputs=[])
+    assert none.execute_step(give()) == [BayesianNetworkOutput(0, "net", [])]
+    assert none.message(none.execute_step(give())) == (
+        "BayesianNetworkOutput",
+        {"output_nodes": []},
+    )
+
+
+def test_json_and_series():
+    one = monitor(bins=BINS)
+    output = one.execute_step(give(v=2.0, d=1.0))
+    outcomes = [{"name": "yes", "value": 0.6}, {"name": "no", "value": 0.4}]
+    nodes = [{"title": "Danger", "outcomes": outcomes}]
+    wanted = [{"actor_id": 0, "bayesian_network_id": "net", "output_nodes": nodes}]
+    assert json.loads(json.dumps(one.as_json(output))) == wanted
+    assert one.series(output) == {"Danger=yes": 0.6, "Danger=no": 0.4}
+
+
+def test_messages():
+    one = monitor(bins=BINS)
+    tree = one.message(one.execute_step(give(v=2.0, d=1.0)))
+    outcomes = [
+        ("OutcomeOutput", {"outcome_name": "yes", "outcome_value": 0.6}),
+        ("OutcomeOutput", {"outcome_name": "no", "outcome_value": 0.4}),
+    ]
+    nodes = [("NodeOutput", {"title": "Danger", "outcomes": outcomes})]
+    assert tree == ("BayesianNetworkOutput", {"output_nodes": nodes})
+    assert one.output_faults() == ()
+    fields = {
+        "bayesian_network_id": "net",
+        "status": out.OK,
+        "unobserved": [],
+        "relevance_nodes": [],
+        "relevance": [],
+    }
+    assert one.status_message() == ("BayesianNetworkStatus", fields)
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        3,
+        [None],
+        [BayesianNetworkOutput(0, "net", None)],
+        [BayesianNetworkOutput(0, "net", [Node("Danger", [Outcome("yes", math.nan)])])],
+        [BayesianNetworkOutput(0, "net", [Node("Danger", [Outcome("yes", True)])])],
+        [BayesianNetworkOutput(0, "net", [Node(None, [])])],
+    ],
+)
+def test_a_spoilt_output_is_not_published(spoilt):
+    one = monitor(bins=BINS)
+    assert one.message(spoilt) is None
+    assert len(one.output_faults()) == 1
+
+
+def test_explanation():
+    one = monitor(bins=BINS, explain=True)
+    one.execute_step(give(v=2.0, d=1.0))
+    found = one.explain()
+    assert found.evidence == {"Speed": "slow", "Gap": "near"}
+    without_gap = 0.25 * 0.6 + 0.75 * 0.1
+    assert found.relevance["Gap"] == pytest.approx(0.6 - without_gap)
+    assert found.text().startswith("Gap: near, moves an output by 0.375")
+    fields = one.status_message()[1]
+    assert fields["relevance_nodes"] == ["Speed", "Gap"]
+    assert fields["relevance"][1] == found.relevance["Gap"]
+    one.execute_step(give(v=2.0))
+    assert one.explain().unobserved == ("Gap",)
+    assert "Gap: not observed" in one.explain().text()
+    direct = monitor(direct=DIRECT)
+    direct.execute_step(give(g=[0.5, 1.0]))
+    assert direct.explain().evidence == {"Gap": (0.5, 1.0)}
+    assert "Gap: 0.5, 1" in direct.explain().text()
+
+
+def test_time_is_for_holding_only():
+    bins = {"Gap": {"input": "d", "bins": [2.0], "missing": "hold"}}
+    one = monitor(bins=bins, specs={"d": {"max_age": 1.0}})
+    near = one.execute_step(give(d=1.0), 0)
+    assert one.execute_step(give(d=None), 10**9) == near
+    assert one.execute_step(give(d=None), 2 * 10**9) != near
+    assert one.execute_step(give(d=1.0)) == one.execute_step(give(d=None)) == near
+
+
+def test_nothing_is_blocked_by_a_missing_input():
+    one = monitor(bins=BINS)
+    one.execute_step(give())
+    assert one.blocked(["v"]) == {}
+
+
+def test_posteriors_by_name():
+    from eddi_runtime.bayesian_network import EvidenceError, InconsistentEvidenceError
+
+    one = monitor(direct=DIRECT)
+    found = one.posteriors({"Speed": "slow", "Gap": [1.0, 0.0], "Danger": None})
+    assert found == {"Danger": (0.6, 0.4)}
+    assert one.posteriors({"Alarm": "on"})["Danger"][0] > 0.9  # not observable until now
+    one.execute_step(give(s="slow", g="near"))
+    for evidence in ({"Sped": "slow"}, {"Speed": "hot"}, {"Speed": [1.0]}, {"Gap": [-1, 1]}):
+        with pytest.raises(EvidenceError):
+            one.posteriors(evidence)
+    with pytest.raises(InconsistentEvidenceError, match="Speed=stands, Gap=far, Danger=yes"):
+        one.posteriors({"Speed": "stands", "Gap": "far", "Danger": "yes"})
+
+
+def changed(**more):
+    data = document(bins=BINS, direct={"Gap": "d"})
+    data["model"] = dict(data["model"], **more)
+    return data
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        ({"outputs": ["Dangr"]}, "there is no node 'Dangr'"),
+        ({"observed": ["x"]}, "there is no node 'x'"),
+        ({"observed": "Gap"}, "a list of nodes is not a list"),
+        ({"direct": {"Gap": "dist"}}, "there is no input 'dist'"),
+        ({"discretisation": {"Gap": {"bins": [1]}}}, "discretisation of 'Gap' has no 'input'"),
+        ({"discretisation": {"Gap": {"input": "d"}}}, "exactly one of 'bins' and 'map'"),
+        ({"nodes": [NODES[0], NODES[0]]}, "two nodes have the same id"),
+        ({"nodes": [node("A", "x", (), [1.0])]}, "fewer than two states"),
+        ({"nodes": [node("A", "x x", (), [0.5, 0.5])]}, "name one twice"),
+        ({"nodes": [node("A", ["x", 1], (), [0.5, 0.5])]}, "are not texts"),
+        ({"nodes": [node("A", "x y", "B", [0.5] * 4)]}, "there is no node 'B'"),
+        ({"nodes": [node("A", "x y", "A", [0.5] * 4)]}, "the network has a cycle"),
+        ({"nodes": [node("A", "x y", (), [0.5])]}, "has 1 numbers, not 2"),
+        ({"nodes": [node("A", "x y", (), [0.5, "0.5"])]}, "something else than numbers"),
+        ({"nodes": [node("A", "x y", (), [0.6, 0.5])]}, "does not sum to 1"),
+        ({"nodes": [node("A b", "x y", (), [1, 0]), node("A_b", "x y", (), [1, 0])]}, "attribute"),
+    ],
+)
+def test_what_is_wrong_with_a_model(more, reason):
+    from eddi_runtime.model_file import digest_of
+
+    data = changed(**more)
+    if "nodes" in more:
+        data["model"].update(outputs=[], discretisation={}, direct={})
+    with pytest.raises(ModelError, match=reason):
+        build_any(check_document(dict(data, sha256=digest_of(data))))
+
+
+def test_unknown_settings_are_refused():
+    with pytest.raises(ModelError, match="'evidence_mode' is 'soft', not one of virtual, d7.2"):
+        monitor(bins=BINS, evidence_mode="soft")

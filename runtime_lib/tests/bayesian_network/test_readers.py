@@ -1,0 +1,201 @@
+"""From the value of an input to the state of a node."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from eddi_runtime.bayesian_network.declaration import read_declaration
+from eddi_runtime.bayesian_network.readers import DirectReader, Discretiser
+from eddi_runtime.inputs import InputSpec
+from eddi_runtime.model_file import ModelError
+
+STATES = ("low", "mid", "high")
+
+
+def spec(default=None, max_age=None):
+    return InputSpec("x", "x", (), max_age, None, default, every_message=False)
+
+
+def reader(states=STATES, default=None, max_age=None, **declared):
+    declaration = read_declaration(dict(declared, input="x"), states, "N")
+    return Discretiser(declaration, spec(default, max_age))
+
+
+def names(one, values, states=STATES):
+    known = (*states, None)
+    return [known[one.read(value, 0)] for value in values]
+
+
+@pytest.mark.parametrize("hysteresis", [None, 0.0])
+def test_bins_closed_right_and_left(hysteresis):
+    values = [-5.0, 1.0, math.nextafter(1.0, 2.0) if hasattr(math, "nextafter") else 1.1, 2.0, 2.1]
+    right = reader(bins=[1.0, 2.0], hysteresis=hysteresis)
+    assert names(right, values) == ["low", "low", "mid", "mid", "high"]
+    left = reader(bins=[1.0, 2.0], closed="left", hysteresis=hysteresis)
+    assert names(left, [0.9, 1.0, 1.5, 2.0]) == ["low", "mid", "mid", "high"]
+    assert names(left, [0, 1, 2, 1, 0]) == ["low", "mid", "high", "mid", "low"]
+
+
+def test_what_is_no_number_is_not_observed():
+    one = reader(bins=[1.0, 2.0])
+    values = [None, math.nan, math.inf, -math.inf, "1.5", True, [], object(), 10**400]
+    for value in values[:-1]:
+        assert one.read(value, 0) == 3
+    with pytest.raises(OverflowError):  # the caller takes it as absent
+        one.read(values[-1], 0)
+    assert one.absent(0) == 3
+
+
+def test_whole_numbers_and_infinity():
+    one = reader(bins=[1, 2], allow_inf=True)
+    assert names(one, [1, 2, 3, math.inf, -math.inf]) == ["low", "mid", "high", "high", "low"]
+    inside = reader(bins=[1, 2], allow_inf=True, range=[0, 30])
+    assert names(inside, [math.inf, 31.0]) == ["high", None]
+    turned = reader(bins=[1, 2], allow_inf=True, scale=-1.0)
+    assert names(turned, [math.inf]) == ["low"]
+
+
+def test_scale_and_offset_are_applied_in_turn():
+    one = reader(bins=[60.5, 70.0], scale=1.0, offset=-273.15)
+    assert names(one, [273.15, 333.6, 333.7, 343.2]) == ["low", "low", "mid", "high"]
+    speed = reader(bins=[2.0, 4.0], scale=3.6)
+    assert names(speed, [4 / 3.6, 1.1112]) == ["mid", "high"]
+
+
+def test_range_and_clamp():
+    assert names(reader(bins=[1, 2], range=[0, 9]), [-0.1, 0.0, 9.0, 9.1]) == [
+        None,
+        "low",
+        "high",
+        None,
+    ]
+    clamped = reader(bins=[1, 2], range=[0, 9], out_of_range="clamp")
+    assert names(clamped, [-0.1, 9.1]) == ["low", "high"]
+
+
+def test_sentinels_come_first():
+    one = reader(bins=[5.0], sentinel=[[-1, "high"], [999.0, "unobserved"]], order=["low", "mid"])
+    assert names(one, [-1.0, -1, 999, 3.0, 6.0]) == ["high", "high", None, "low", "mid"]
+
+
+def test_a_map_is_exact():
+    one = reader(map=[[True, "low"], [1, "mid"], ["far", "high"]])
+    assert names(one, [True, 1, "far", False, 1.0, "near"]) == [
+        "low",
+        "mid",
+        "high",
+        None,
+        None,
+        None,
+    ]
+    assert names(reader(map={"car": "low"}), ["car", "bus"]) == ["low", None]
+
+
+def test_hysteresis():
+    one = reader(bins=[1.0, 2.0], hysteresis=0.25)
+    values = [0.5, 1.25, 1.2500000000000002, 0.75, 0.7499999999999999, 2.25, 2.5, 1.75, 1.5]
+    want = ["low", "low", "mid", "mid", "low", "high", "high", "high", "mid"]
+    assert names(one, values) == want
+    assert names(one, [math.nan, 2.1, 1.9]) == [None, "high", "high"]
+    one.reset()
+    assert names(one, [1.9]) == ["mid"]
+    assert names(one, [2.1, math.inf, 1.9]) == ["mid", None, "mid"]
+
+
+def test_missing_default_and_hold():
+    default = reader(bins=[1.0, 2.0], missing="default", default=1.5)
+    assert names(default, [None, 0.5, math.nan]) == ["mid", "low", "mid"]
+    hold = reader(bins=[1.0, 2.0], missing="hold", max_age=2.0)
+    assert hold.timed
+    second = 10**9
+    assert hold.read(None, 0) == 3
+    assert hold.read(0.5, second) == 0
+    assert [hold.read(None, k * second) for k in (2, 3, 4)] == [0, 0, 3]
+    assert hold.read(0.5, 5 * second) == 0
+    hold.reset()
+    assert hold.read(None, 5 * second) == 3
+    unlimited = reader(bins=[1.0, 2.0], missing="hold")
+    assert [unlimited.read(0.5, 0), unlimited.read(None, 1)] == [0, 3]
+
+
+def test_faults_are_said_and_missing_is_none():
+    one = reader(bins=[1.0, 2.0], range=[0, 9], sentinel=[[99, "unobserved"]])
+    assert [one.fault(value) for value in (None, math.nan, 1.5, 99)] == [None] * 4
+    assert one.fault("far") == "expected a number, got 'far'"
+    assert one.fault(10.0) == "the value 10.0 is not finite or outside the range"
+    assert reader(map={"car": "low"}).fault("bus") == "no state is declared for 'bus'"
+
+
+@pytest.mark.parametrize(
+    ("declared", "reason"),
+    [
+        ({"bins": [1.0]}, "1 edges for 3 states"),
+        ({"bins": [2.0, 1.0]}, "the edges do not ascend"),
+        ({"bins": [1.0, 1.0]}, "the edges do not ascend"),
+        ({"bins": [1.0, "2"]}, "'bins' is no list of numbers"),
+        ({"bins": 3}, "'bins' is no list of numbers"),
+        ({}, "it has not exactly one of 'bins' and 'map'"),
+        ({"bins": [1, 2], "map": {"a": "low"}}, "it has not exactly one of 'bins' and 'map'"),
+        ({"map": {"a": "hot"}}, "there is no state 'hot'"),
+        ({"map": 3}, "'map' or 'sentinel' is no list of pairs"),
+        ({"map": [["a"]]}, "'map' or 'sentinel' is no list of pairs"),
+        ({"map": [[None, "low"]]}, "'map' or 'sentinel' names a value of a wrong type"),
+        ({"bins": [1, 2], "closed": "both"}, "'closed' is 'both', not one of right, left"),
+        ({"bins": [1, 2], "scale": True}, "'scale' is no number"),
+        ({"bins": [1, 2], "range": [1]}, "'range' is no pair"),
+        ({"bins": [1, 2], "bin": 1}, "the key 'bin' is not known"),
+    ],
+)
+def test_wrong_declarations(declared, reason):
+    with pytest.raises(ModelError, match=f"^the discretisation of 'N': {reason}$"):
+        reader(**declared)
+
+
+def direct(virtual=True):
+    return DirectReader(STATES, virtual=virtual)
+
+
+def test_direct_inputs():
+    one = direct()
+    assert [one.read(value, 0) for value in ("low", "high", [0, 2, 0], (0, 0, 1.0))] == [0, 2, 1, 2]
+    assert one.read([1.0, 2.0, 0.0], 0) == [0.5, 1.0, 0.0]
+    for value in (
+        "hot",
+        "",
+        [],
+        None,
+        math.nan,
+        1.0,
+        True,
+        object(),
+        [1.0],
+        [0, 0, 0],
+        {},
+        [math.nan] * 3,
+    ):
+        assert one.read(value, 0) == 3
+    assert direct(virtual=False).read([1.0, 2.0, 0.0], 0) == 3
+    assert one.absent(0) == 3
+    one.reset()
+
+
+def test_faults_of_direct_inputs():
+    one = direct()
+    good = (None, math.nan, [], "low", [0, 0, 0], [0.1, 0.2, 0.3])
+    assert [one.fault(value) for value in good] == [None] * 6
+    assert one.fault("hot") == "there is no state 'hot'"
+    assert one.fault(3) == "expected a state or one number per state, got 3"
+    assert one.fault([1.0]) == "1 values for 3 states"
+    bad = "expected a state or one number per state, got an object of type SimpleNamespace"
+    assert one.fault(SimpleNamespace()) == bad
+
+
+def test_direct_inputs_of_numpy():
+    numpy = pytest.importorskip("numpy")
+    one = direct()
+    assert one.read(numpy.array([0.0, 1.0, 0.0]), 0) == 1
+    assert one.read(numpy.array([1, 2, 0], dtype="float32"), 0) == [0.5, 1.0, 0.0]
+    assert one.read(numpy.array(3.0), 0) == 3
+    assert one.read(numpy.array([]), 0) == 3
+    assert one.read(numpy.array([[1.0, 0.0, 0.0]]), 0) == 3
+    assert one.read(numpy.str_("mid"), 0) == 1
