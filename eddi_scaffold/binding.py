@@ -194,15 +194,19 @@ def _bind(
         )
         hint = f"add `- id: {item.id}` with `requires:`"
         problems.append(warning("K014", message, config.place("EDDIInputs"), hint))
-        bindings.append(InputBinding(item, attribute(item.id), unit=item.unit))
+        bindings.append(InputBinding(item, _attribute(item), unit=item.unit))
     return bindings, problems
 
 
 def _unconfigured(item: ModelInput) -> InputBinding:
     """Bind an input to a value of its own id: what a plain program passes in."""
-    name = attribute(item.id)
+    name = _attribute(item)
     source = SimulatorOutput.model_construct(id=item.id, type="", topic="", max_age=None)
     return InputBinding(item, name, (source,), (name,), name, unit=item.unit)
+
+
+def _attribute(item: ModelInput) -> str:
+    return item.attribute or attribute(item.id)
 
 
 def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
@@ -243,7 +247,7 @@ class _Binder:
         self._check_default(factor)
         binding = InputBinding(
             self.item,
-            attribute(self.item.id),
+            _attribute(self.item),
             self.requires,
             self.arguments,
             self._expression(),

@@ -355,6 +355,7 @@ def options_of(file: ConfigFile | None) -> Options:
         {key: value for key, value in values.items() if value is not None},
         inputs,
         section.frequency,
+        section.id,
         lambda *path: file.place("Model", *path),
         file.read,
     )

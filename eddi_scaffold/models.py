@@ -37,6 +37,9 @@ def named_like_mros(name: str) -> bool:
 
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:
     """Read every model of every kind in one file, with all problems."""
+    for kind in kinds().values():
+        if kind.sniff(source):
+            return kind.read_file(source, default_guarantees)
     if is_xml(source):
         document, problems = read_document(source)
         models: list[Model] = []
@@ -47,9 +50,6 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
             models += reading.models
             problems = [*problems, *reading.problems]
         return Reading(tuple(models), tuple(problems))
-    for kind in kinds().values():
-        if kind.sniff(source):
-            return kind.read_file(source, default_guarantees)
     if is_config(source):
         hint = "name the EDDI XML or ConSert YAML that it belongs to"
         message = "this is an eddi_config.yml, not a model"

@@ -20,7 +20,7 @@ from eddi_scaffold.source import Source
 
 def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
     """Return models, elements and references of a file, and what makes it unreadable."""
-    if is_xml(source):
+    if is_xml(source) and not any(kind.sniff(source) for kind in kinds().values()):
         document, problems = read_document(source)
         return (survey(document).as_json() if document is not None else {"models": []}), problems
     reading = read_models(source)

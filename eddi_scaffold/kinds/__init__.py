@@ -45,6 +45,8 @@ class ModelInput:
             refuse unsafe defaults; ``None`` when the kind has no such notion.
         every_message: no message may be skipped or counted twice: the attribute holds the list of
             all values since the last step, not the latest one.
+        attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
+            made of the id.
     """
 
     id: str
@@ -56,6 +58,7 @@ class ModelInput:
     covered: str | None = None
     is_good: Callable[[object], bool] | None = None
     every_message: bool = False
+    attribute: str | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,7 @@ class Options:
         values: the keys of ``Model:`` that the kind declares, and ``parameters``; plain values.
         inputs: the entries of ``EDDIInputs``.
         frequency: steps per second.
+        model_id: the id that the configuration gives the model.
         place: path into ``values`` (``"outputs", 0``) -> where it stands, or what is around it.
         read: opens a file that is named relative to the configuration; raises EddiError.
     """
@@ -130,6 +134,7 @@ class Options:
     values: Mapping[str, JsonValue] = field(default_factory=dict)
     inputs: tuple[DeclaredInput, ...] = ()
     frequency: float | None = None
+    model_id: str | None = None
     place: Callable[..., Place] = _nowhere
     read: Callable[[str], Source] = _no_files
 

@@ -137,6 +137,11 @@ def feature_of(element: Element) -> str:
     return local_name(str(element.tag))
 
 
+def text_of(element: Element) -> str:
+    """Return all text inside an element."""
+    return "".join(str(part) for part in element.itertext())
+
+
 def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, str]]:
     """Return the texts inside an element that are not white space, each with its parent.
 

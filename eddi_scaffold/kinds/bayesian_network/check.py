@@ -1,0 +1,203 @@
+"""From what a reader found to a network, with everything that is wrong, whatever the source."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice, product
+
+from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network, Node
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
+
+TOLERANCE = 1e-6
+"""A row may be off by so much: published networks are off by up to 3e-7."""
+_ROUNDING = 1e-12
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
+
+
+def check_network(
+    name: str, drafts: Sequence[Draft], place: Place
+) -> tuple[Network | None, list[Problem]]:
+    """Check the drafts of a network's nodes (B101 to B114)."""
+    if not drafts:
+        return None, [error("B101", "the network has no nodes", place)]
+    check = _Check({draft.id: draft for draft in reversed(drafts)})
+    check.names(drafts)
+    for draft in drafts:
+        check.states(draft)
+        check.parents(draft)
+    check.cycles(drafts)
+    nodes = [check.node(draft) for draft in drafts]
+    if has_errors(check.problems):
+        return None, check.problems
+    return Network(name, tuple(node for node in nodes if node), place), check.problems
+
+
+@dataclass
+class _Check:
+    known: dict[str, Draft]
+    problems: list[Problem] = field(default_factory=list)
+
+    def names(self, drafts: Iterable[Draft]) -> None:
+        first: dict[str, Draft] = {}
+        for draft in drafts:
+            if not draft.id:
+                self._error("B101", "a node has no name", draft.place)
+            elif draft.id in first:
+                line = first[draft.id].place.line
+                message = f"the node name {draft.id!r} is used twice, first in line {line}"
+                self._error("B102", message, draft.place)
+            first.setdefault(draft.id, draft)
+
+    def states(self, draft: Draft) -> None:
+        counts = Counter(state.text for state in draft.states)
+        for state in draft.states:
+            if not state.text:
+                self._error("B104", f"a state of {draft.id!r} has no name", state.place)
+            elif counts[state.text] > 1:
+                message = f"the node {draft.id!r} has the state {state.text!r} twice"
+                self._error("B104", message, state.place)
+                counts[state.text] = 1
+        if len(draft.states) < 2:
+            message = f"the node {draft.id!r} has {len(draft.states)} states, at least 2 are needed"
+            self._error("B103", message, draft.place)
+
+    def parents(self, draft: Draft) -> None:
+        seen: set[str] = set()
+        for parent in draft.parents:
+            if parent.text not in self.known:
+                message = f"{draft.id!r} has the parent {parent.text!r}, which is no node"
+                hint = did_you_mean(parent.text, self.known)
+                self._error("B108", message, parent.place, hint)
+            elif parent.text in seen:
+                message = f"{parent.text!r} is a parent of {draft.id!r} twice"
+                self._error("B105", message, parent.place)
+            seen.add(parent.text)
+
+    def cycles(self, drafts: Sequence[Draft]) -> None:
+        """Report one cycle for each knot of nodes."""
+        state: dict[str, int] = {}
+        for draft in drafts:
+            path: list[str] = []
+            walk = [(draft.id, iter(self._parents_of(draft)))] if draft.id not in state else []
+            if walk:
+                state[draft.id] = 1
+                path.append(draft.id)
+            while walk:
+                name, rest = walk[-1]
+                parent = next(rest, None)
+                if parent is None:
+                    state[name] = 2
+                    walk.pop()
+                    path.pop()
+                elif state.get(parent) == 1:
+                    circle = [*path[path.index(parent) :], parent]
+                    message = f"the network has a cycle: {' <- '.join(circle)}"
+                    self._error("B106", message, self.known[parent].place)
+                elif parent not in state:
+                    state[parent] = 1
+                    path.append(parent)
+                    walk.append((parent, iter(self._parents_of(self.known[parent]))))
+
+    def node(self, draft: Draft) -> Node | None:
+        """Check the table; ``None`` when it has an error."""
+        before = len(self.problems)
+        shapes = [self._states_of(parent) for parent in draft.parents]
+        if draft.broken or None in shapes:
+            return None
+        own = [state.text for state in draft.states]
+        parents = [states for states in shapes if states is not None]
+        if draft.values is None:
+            self._error("B110", f"the node {draft.id!r} has no probabilities", draft.place)
+            return None
+        counts = [*(len(states) for states in parents), len(own)]
+        if len(draft.values) != math.prod(counts):
+            expected = " x ".join(map(str, counts))
+            message = (
+                f"the table of {draft.id!r} has {len(draft.values)} values, expected "
+                f"{math.prod(counts)} ({expected})"
+            )
+            self._error("B111", message, draft.values_place)
+            return None
+        if len(own) < 2:
+            return None
+        table = self._table(draft, parents, len(own))
+        if has_errors(self.problems[before:]):
+            return None
+        names = tuple(parent.text for parent in draft.parents)
+        return Node(
+            draft.id, draft.title or draft.id, tuple(own), names, table, draft.target, draft.place
+        )
+
+    def _table(
+        self, draft: Draft, parents: Sequence[Sequence[str]], width: int
+    ) -> tuple[float, ...]:
+        assert draft.values is not None
+        found: list[float] = []
+        largest, at = 0.0, draft.values_place
+        names = [parent.text for parent in draft.parents]
+        for row, states in enumerate(product(*parents)):
+            place = draft.rows[row] if row < len(draft.rows) else draft.values_place
+            texts = draft.values[row * width : (row + 1) * width]
+            where = ", ".join(f"{n}={s}" for n, s in zip(names, states, strict=True))
+            numbers = [self._number(text, draft.id, where, place) for text in texts]
+            if None in numbers:
+                continue
+            values = [number for number in numbers if number is not None]
+            total = math.fsum(values)
+            if abs(total - 1.0) > TOLERANCE:
+                message = (
+                    f"the row {where or 'of'} of {draft.id!r} sums to {total:.9g}, not to 1"
+                    if where
+                    else f"the probabilities of {draft.id!r} sum to {total:.9g}, not to 1"
+                )
+                self._error("B113", message, place, f"allowed: 1 within {TOLERANCE:g}")
+                continue
+            if abs(total - 1.0) > largest:
+                largest, at = abs(total - 1.0), place
+            found += values if total == 1.0 else [value / total for value in values]
+        if largest > _ROUNDING:
+            message = f"rows of {draft.id!r} are divided by their sum, off by up to {largest:.3g}"
+            self.problems.append(warning("B114", message, at))
+        return tuple(found)
+
+    def _number(self, text: str, node: str, where: str, place: Place) -> float | None:
+        value = float(text) if _NUMBER.fullmatch(text) else math.nan
+        if 0.0 <= value <= 1.0:
+            return value
+        row = f" in row {where}" if where else ""
+        message = f"{text!r} of {node!r}{row} is no probability"
+        hint = "a number from 0 to 1 with a decimal point" if "," in text else None
+        self._error("B112", message, place, hint)
+        return None
+
+    def _parents_of(self, draft: Draft) -> list[str]:
+        return [parent.text for parent in draft.parents if parent.text in self.known]
+
+    def _states_of(self, parent: Named) -> list[str] | None:
+        draft = self.known.get(parent.text)
+        return [state.text for state in draft.states] if draft is not None else None
+
+    def _error(self, code: str, message: str, place: Place, hint: str | None = None) -> None:
+        self.problems.append(error(code, message, place, hint))
+
+
+def first_missing(
+    parents: Sequence[str], states: Sequence[Sequence[str]], there: set[tuple[str, ...]]
+) -> tuple[int, list[str]]:
+    """Return how many combinations of the parents' states are missing, and the first three."""
+    total = math.prod(len(one) for one in states)
+    lacking = (combination for combination in product(*states) if combination not in there)
+    shown = [
+        ", ".join(f"{n}={s}" for n, s in zip(parents, combination, strict=True))
+        for combination in islice(lacking, 3)
+    ]
+    return total - len(there), shown
+
+
+def renamed(network: Network, name: str) -> Network:
+    """Return the network under another name."""
+    return replace(network, name=name)

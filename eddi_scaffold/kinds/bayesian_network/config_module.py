@@ -1,0 +1,77 @@
+"""``bayesian_network_config.py`` of a package: a method per node (SESAME D7.2 Figs 15, 19, 20)."""
+
+from __future__ import annotations
+
+from eddi_scaffold.kinds import EditableMethod, EditableModule, Model
+from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
+from eddi_scaffold.kinds.bayesian_network.options import Settings, settings_of
+from eddi_scaffold.kinds.bayesian_network.proposing import proposed_bins
+
+FILE = "bayesian_network_config.py"
+_PLAIN = (
+    "",
+    "    def __init__(self) -> None:",
+    "        self.dra_data = None",
+    "",
+    "    def update_dra_data(self, dra_data) -> None:",
+    '        """Take over what `execute_step` was given; the methods below read it."""',
+    '        self.dra_data = getattr(dra_data, "data", dra_data)',
+)
+
+
+def config_module(model: Model) -> EditableModule:
+    """Return the module with a region for each node."""
+    network: Network = model.data
+    settings = settings_of(model)
+    attributes = node_attributes(network)
+    return EditableModule(
+        file=FILE,
+        docstring="How inputs become evidence on nodes, and which nodes are outputs.",
+        class_name="BayesianNetworkConfig",
+        class_docstring="What the configuration does not declare is written here, node by node.",
+        methods=tuple(_method(node, attributes[node.id], settings) for node in network.nodes),
+        imports=("from typing import Dict, Tuple",),
+        plain_methods=_PLAIN,
+    )
+
+
+def _method(node: Node, attribute: str, settings: Settings) -> EditableMethod:
+    outcomes = [f"outcome_{name}" for name in identifiers(node.states)]
+    pairs = [f"    {state!a}: {name}," for state, name in zip(node.states, outcomes, strict=True)]
+    former = settings.renamed.get(node.id)
+    return EditableMethod(
+        name=f"node_{attribute}",
+        region=f"node:{node.id}",
+        body=("pass",),
+        returns="Tuple[bool, Dict[str, float]]",
+        comments=tuple(_comments(node, settings)),
+        before=("is_bn_output = False", *(f"{name} = 0.0" for name in outcomes)),
+        was=(f"node:{former}",) if former else (),
+        uses=(*outcomes, "dra_data"),
+        after=("return is_bn_output, {", *pairs, "}"),
+    )
+
+
+def _comments(node: Node, settings: Settings) -> list[str]:
+    lines = [f"States of {_clean(node.id)}: {_clean(', '.join(node.states))}."]
+    if node.id in settings.outputs:
+        lines.append("Declared as an output.")
+    declared = next((one for one in settings.declarations if one.node == node.id), None)
+    if declared is not None:
+        lines.append(f"Declared: discretised from {_clean(declared.input)}, unless set here.")
+    elif node.id in settings.direct:
+        lines.append(f"Declared: taken from {_clean(settings.direct[node.id])}, unless set here.")
+    if declared is None:
+        edges = proposed_bins(node.states)
+        if edges is not None:
+            shown = ", ".join(f"{edge:g}" for edge in edges)
+            lines.append(
+                f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
+            )
+    return lines
+
+
+def _clean(text: str) -> str:
+    """Return text that can stand in a comment."""
+    return "".join(char if char.isprintable() else "?" for char in text)

@@ -1,0 +1,299 @@
+"""``discretisation:`` of a configuration: how values of inputs become states of nodes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold.kinds import DeclaredInput, InputType, JsonValue, Options
+from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
+
+UNOBSERVED = "unobserved"
+_KEYS = (
+    "input", "bins", "closed", "order", "scale", "offset", "map", "sentinel", "range",
+    "out_of_range", "allow_inf", "hysteresis", "missing",
+)  # fmt: skip
+_CHOICES = {
+    "closed": ("right", "left"),
+    "out_of_range": (UNOBSERVED, "clamp"),
+    "missing": (UNOBSERVED, "default", "hold"),
+}
+_TRUTH = {"true": True, "false": False}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """One checked entry.
+
+    Attributes:
+        node: id of the node.
+        input: id of the input.
+        type: of the input's values.
+        data: as the runtime reads it; maps and sentinels are lists of pairs.
+    """
+
+    node: str
+    input: str
+    type: InputType
+    data: Mapping[str, JsonValue]
+
+
+def read_discretisation(
+    network: Network, options: Options
+) -> tuple[list[Declaration], list[Problem]]:
+    """Check the section ``discretisation`` (B401 to B405)."""
+    given = options.values.get("discretisation")
+    if given is None:
+        return [], []
+    place = options.place("discretisation")
+    if not isinstance(given, Mapping):
+        message = "discretisation: a map from nodes to declarations is expected"
+        return [], [error("B404", message, place)]
+    found: list[Declaration] = []
+    problems: list[Problem] = []
+    names = network.names()
+    for name, entry in given.items():
+        at = _at(options, name)
+        if name not in names:
+            message = f"discretisation: there is no node {name!r}"
+            problems.append(error("B403", message, at(), did_you_mean(name, names)))
+        elif not isinstance(entry, Mapping):
+            message = (
+                f"discretisation of {name!r}: a map is expected, with `input` and `bins` or `map`"
+            )
+            problems.append(error("B404", message, at()))
+        else:
+            reader = _Entry(network.node(name), entry, options.inputs, at)
+            declaration = reader.read()
+            problems += reader.problems
+            found += [declaration] if declaration is not None else []
+    return found, problems
+
+
+def _at(options: Options, name: str) -> Callable[..., Place]:
+    return lambda *path: options.place("discretisation", name, *path)
+
+
+@dataclass
+class _Entry:
+    node: Node
+    given: Mapping[str, JsonValue]
+    inputs: Sequence[DeclaredInput]
+    at: Callable[..., Place]
+    problems: list[Problem] = field(default_factory=list)
+
+    def read(self) -> Declaration | None:
+        self._keys()
+        source = self._input()
+        order = self._order()
+        bins = self._bins(order)
+        self._numbers()
+        self._choices()
+        of = self._type(source)
+        mapping = self._map(of)
+        sentinel = self._sentinel()
+        self._reachable(order, mapping, sentinel)
+        if any(problem.level == "error" for problem in self.problems) or source is None:
+            return None
+        data: dict[str, JsonValue] = {"input": source}
+        given = self.given
+        if bins is not None:
+            data |= {"bins": bins, "order": list(order)}
+        if mapping is not None:
+            data["map"] = mapping
+        if sentinel:
+            data["sentinel"] = sentinel
+        for key in ("closed", "out_of_range", "allow_inf", "missing"):
+            if key in given:
+                data[key] = given[key]
+        for key in ("scale", "offset", "hysteresis"):
+            if key in given:
+                data[key] = float(given[key])
+        if "range" in given:
+            data["range"] = [float(value) for value in given["range"]]
+        return Declaration(self.node.id, source, of, data)
+
+    def _error(self, code: str, message: str, *path: str | int, hint: str | None = None) -> None:
+        text = f"discretisation of {self.node.id!r}: {message}"
+        self.problems.append(error(code, text, self.at(*path), hint))
+
+    def _keys(self) -> None:
+        for key in self.given:
+            if key not in _KEYS:
+                hint = did_you_mean(key, _KEYS) or f"known keys: {', '.join(_KEYS)}"
+                self._error("B404", f"unknown key {key!r}", key, hint=hint)
+        if ("bins" in self.given) == ("map" in self.given):
+            message = "exactly one of `bins` and `map` is expected"
+            self._error("B404", message)
+        if "map" in self.given:
+            for key in ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf"):
+                if key in self.given:
+                    self._error("B404", f"`{key}` has no meaning beside `map`", key)
+
+    def _input(self) -> str | None:
+        name = self.given.get("input")
+        if name is None and len(self.inputs) == 0:
+            return self.node.id  # without a configuration around it, as in a test of one node
+        if not isinstance(name, str):
+            self._error("B404", "`input` must name an entry of EDDIInputs")
+            return None
+        names = [one.id for one in self.inputs]
+        if name not in names:
+            hint = did_you_mean(name, names) or "add it to EDDIInputs"
+            self._error("B404", f"there is no input {name!r}", "input", hint=hint)
+            return None
+        return name
+
+    def _order(self) -> tuple[str, ...]:
+        given = self.given.get("order")
+        if given is None:
+            return self.node.states
+        if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
+            self._error(
+                "B404", "`order` must be a list of states; quote yes, no, on and off", "order"
+            )
+            return self.node.states
+        for number, state in enumerate(given):
+            self._known_state(state, "order", number)
+        if len(set(given)) < len(given):
+            self._error("B404", "`order` names a state twice", "order")
+        return tuple(given)
+
+    def _known_state(self, state: object, *path: str | int) -> None:
+        if isinstance(state, bool) or not isinstance(state, str):
+            message = f"{state!r} is no name of a state"
+            self._error("B404", message, *path, hint="quote it, if a text is meant")
+        elif state not in self.node.states:
+            hint = did_you_mean(state, self.node.states)
+            hint = hint or f"its states: {', '.join(self.node.states)}"
+            self._error("B403", f"{state!r} is no state", *path, hint=hint)
+
+    def _bins(self, order: Sequence[str]) -> list[float] | None:
+        given = self.given.get("bins")
+        if "bins" not in self.given:
+            return None
+        if not isinstance(given, list) or not all(_is_number(one) for one in given):
+            self._error("B404", "`bins` must be a list of numbers, the edges", "bins")
+            return None
+        if len(given) != len(order) - 1:
+            message = (
+                f"{len(given)} edges make {len(given) + 1} bins, there are {len(order)} states"
+            )
+            self._error("B401", message, "bins", hint="one edge less than states in `order`")
+        edges = [float(one) for one in given]
+        for number, edge in enumerate(edges):
+            rising = number == 0 or edges[number - 1] < edge
+            if not math.isfinite(edge) or not rising:
+                self._error("B402", "the edges must be finite and ascend", "bins", number)
+                break
+        return edges
+
+    def _numbers(self) -> None:
+        for key in ("scale", "offset", "hysteresis"):
+            if key not in self.given:
+                continue
+            value: JsonValue = self.given[key]
+            if not _is_number(value) or not math.isfinite(value):
+                self._error("B404", f"`{key}` must be a finite number", key)
+            elif (key == "hysteresis" and value < 0) or (key == "scale" and value == 0):
+                self._error("B404", f"`{key}` must be above 0", key)
+        if "range" in self.given:
+            limits: JsonValue = self.given["range"]
+            fits = isinstance(limits, list) and len(limits) == 2 and all(map(_is_number, limits))
+            if not fits or not limits[0] < limits[1]:
+                self._error("B404", "`range` must be two ascending numbers", "range")
+
+    def _choices(self) -> None:
+        for key, known in _CHOICES.items():
+            if key in self.given and self.given[key] not in known:
+                self._error("B404", f"`{key}` must be {' or '.join(known)}", key)
+        if "allow_inf" in self.given and not isinstance(self.given["allow_inf"], bool):
+            self._error("B404", "`allow_inf` must be true or false", "allow_inf")
+
+    def _type(self, source: str | None) -> InputType:
+        """Return the declared type of the input, or the one that fits."""
+        declared = next((one.type for one in self.inputs if one.id == source), None)
+        keys = self.given.get("map")
+        if declared is not None:
+            if declared == "bool" and "bins" in self.given:
+                self._error("B404", "a bool has no bins", "bins", hint="use `map`")
+            return declared
+        if not isinstance(keys, Mapping):
+            return "float"
+        if all(key in _TRUTH for key in keys):
+            return "bool"
+        return "int" if all(_as_integer(key) is not None for key in keys) else "str"
+
+    def _map(self, of: InputType) -> list[list[JsonValue]] | None:
+        given = self.given.get("map")
+        if "map" not in self.given:
+            return None
+        if not isinstance(given, Mapping) or not given:
+            self._error("B404", "`map` must be a map from values to states", "map")
+            return None
+        pairs: list[list[JsonValue]] = []
+        for key, state in given.items():
+            self._known_state(state, "map", key)
+            value = _value_of(key, of)
+            if value is None:
+                self._error("B404", f"{key!r} is no {of}, as the input is", "map", key)
+            pairs.append([value, state])
+        return pairs
+
+    def _sentinel(self) -> list[list[JsonValue]]:
+        given = self.given.get("sentinel")
+        if given is None:
+            return []
+        message = "`sentinel` must be a list of pairs [value, state]"
+        if not isinstance(given, list):
+            self._error("B404", message, "sentinel")
+            return []
+        for number, pair in enumerate(given):
+            if not isinstance(pair, list) or len(pair) != 2 or isinstance(pair[0], (list, dict)):
+                self._error("B404", message, "sentinel", number)
+            elif pair[1] != UNOBSERVED:
+                self._known_state(pair[1], "sentinel", number)
+        return list(given)
+
+    def _reachable(
+        self,
+        order: Sequence[str],
+        mapping: list[list[JsonValue]] | None,
+        sentinel: list[list[JsonValue]],
+    ) -> None:
+        """Warn of states that no value gives (B405)."""
+        if self.problems:
+            return
+        given = set(order) if mapping is None else {state for _, state in mapping}
+        given |= {pair[1] for pair in sentinel}
+        lacking = [state for state in self.node.states if state not in given]
+        if lacking:
+            text = f"discretisation of {self.node.id!r}: no value gives {', '.join(lacking)}"
+            self.problems.append(warning("B405", text, self.at()))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _as_integer(text: str) -> int | None:
+    try:
+        return int(text)
+    except ValueError:
+        return None
+
+
+def _value_of(key: str, of: InputType) -> JsonValue:
+    """Return the value that a key of a map means, by the type of the input."""
+    if of == "bool":
+        return _TRUTH.get(key)
+    if of == "int":
+        return _as_integer(key)
+    if of == "float":
+        try:
+            return float(key)
+        except ValueError:
+            return None
+    return key

@@ -1,0 +1,242 @@
+"""Bayesian networks from EDDI XML (SESAME D7.2 Fig 11): bound by reference, never by position."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+
+from eddi_scaffold.kinds.bayesian_network.check import check_network, first_missing
+from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
+from eddi_scaffold.problems import Place, Problem
+from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.findings import Findings
+from eddi_scaffold.readers.spelling import Spelling, fold
+from eddi_scaffold.readers.xmi import Element, select
+from eddi_scaffold.source import Source
+
+CLASS = "bayesiannetwork"
+_FEATURES = ("bayesiannetwork", "bayesiannetworks")
+_CANDIDATES = (
+    'descendant-or-self::*[contains(local-name(), "ayesianNetwork") or '
+    '@*[local-name() = "type" and contains(., "ayesianNetwork")]]'
+)
+_NAME = Spelling("name")
+_NODES = Spelling("nodes", ("node",))
+_STATES = Spelling("nodeStates", ("nodeState", "states"))
+_CONNECTIONS = Spelling("causalConnections", ("causalConnection",))
+_FROM, _TO = Spelling("from"), Spelling("to")
+_ROWS = Spelling("conditionalProbabilityDistributions", ("conditionalProbabilityDistribution",))
+_PARENT_STATES = Spelling("parentNodeStates", ("parentNodeState",))
+_VALUES = Spelling("conditionalProbabilityValues", ("conditionalProbabilityValue",))
+_VALUE, _STATE = Spelling("value"), Spelling("nodeState")
+
+
+def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], list[Problem]]:
+    """Read every network of a document, in document order, with all problems."""
+    networks: list[Network] = []
+    problems: list[Problem] = []
+    for element in network_elements(document):
+        findings = Findings(document)
+        drafts = _Reader(document, element, findings).read()
+        name = document.attribute(element, _NAME) or source.stem
+        network, found = check_network(name, drafts, document.place(element))
+        problems += [*findings.problems(), *found]
+        if network is not None and not findings.errors:
+            networks.append(network)
+    return networks, problems
+
+
+def network_elements(document: EddiDocument) -> Iterator[Element]:
+    """Yield the elements of class BayesianNetwork, wherever they are contained."""
+    for root in document.roots:
+        for element in select(root, _CANDIDATES):
+            stated = document.class_of(element).name
+            if stated == CLASS or (not stated and fold(document.feature(element)) in _FEATURES):
+                yield element
+
+
+@dataclass
+class _Node:
+    element: Element
+    name: str
+    states: dict[Element, str] = field(default_factory=dict)
+    parents: list[tuple[Element, Place]] = field(default_factory=list)
+
+
+class _Reader:
+    def __init__(self, document: EddiDocument, network: Element, findings: Findings) -> None:
+        self.document, self.network, self.findings = document, network, findings
+        self.nodes: dict[Element, _Node] = {}
+
+    def read(self) -> list[Draft]:
+        """Return the nodes as drafts."""
+        for element in self.document.children(self.network, _NODES):
+            name = self.document.attribute(element, _NAME) or ""
+            node = _Node(element, name)
+            for state in self.document.children(element, _STATES):
+                node.states[state] = self.document.attribute(state, _NAME) or ""
+            self.nodes[element] = node
+        for connection in self.document.children(self.network, _CONNECTIONS):
+            self._connect(connection)
+        return [self._draft(node) for node in self.nodes.values()]
+
+    def _connect(self, connection: Element) -> None:
+        sources, targets = self._ends(connection, _FROM), self._ends(connection, _TO)
+        place = self.document.place(connection)
+        for target in targets:
+            for source in sources:
+                self.nodes[target].parents.append((source, place))
+
+    def _ends(self, connection: Element, end: Spelling) -> list[Element]:
+        found, problems, given = self.document.targets(connection, end)
+        self.findings.add(*problems)
+        if not given:
+            message = f"the connection has no {end.name!r}"
+            self.findings.error("X010", message, connection)
+        for target in found:
+            if target not in self.nodes:
+                message = f"{end.name!r} points at {self.document.describe(target)}, not at a node"
+                self.findings.error("X009", message, connection)
+        return [target for target in found if target in self.nodes]
+
+    def _draft(self, node: _Node) -> Draft:
+        place = self.document.place(node.element)
+        rows = self.document.children(node.element, _ROWS)
+        broken = False
+        values: tuple[str, ...] | None = None
+        places: tuple[Place, ...] = ()
+        if rows:
+            before = self.findings.errors
+            table = self._table(node, rows)
+            broken = self.findings.errors > before
+            if not broken and table is not None:
+                values, places = table
+            elif not broken:
+                broken = True  # names are missing: said elsewhere
+        return Draft(
+            node.name,
+            node.name,
+            tuple(Named(name, self.document.place(e)) for e, name in node.states.items()),
+            tuple(Named(self.nodes[parent].name, where) for parent, where in node.parents),
+            values,
+            place,
+            self.document.place(rows[0]) if rows else place,
+            places,
+            broken=broken,
+        )
+
+    def _table(
+        self, node: _Node, rows: list[Element]
+    ) -> tuple[tuple[str, ...], tuple[Place, ...]] | None:
+        """Return the texts of the table in order and the place of each row."""
+        parents = list(dict.fromkeys(parent for parent, _ in node.parents))
+        found: dict[tuple[Element, ...], tuple[Element, list[str]]] = {}
+        for row in rows:
+            key = self._combination(node, row, parents)
+            values = self._values(node, row)
+            if key is None:
+                continue
+            if key in found:
+                first = self.document.place(found[key][0]).line
+                message = (
+                    f"{self._shown(parents, key)} of {node.name!r} stands in two rows, first in "
+                    f"line {first}"
+                )
+                self.findings.error("B123", message, row)
+            else:
+                found[key] = (row, values)
+        states = [list(self.nodes[parent].states) for parent in parents]
+        if not self._complete(node, parents, states, found):
+            return None
+        order = [found[key] for key in product(*states)]
+        texts = tuple(text for _, values in order for text in values)
+        return texts, tuple(self.document.place(row) for row, _ in order)
+
+    def _complete(
+        self,
+        node: _Node,
+        parents: list[Element],
+        states: list[list[Element]],
+        found: dict[tuple[Element, ...], tuple[Element, list[str]]],
+    ) -> bool:
+        names = [self.nodes[parent].name for parent in parents]
+        labels = [
+            [self.nodes[p].states[s] for s in of] for p, of in zip(parents, states, strict=True)
+        ]
+        if any(len(set(of)) < len(of) for of in labels):
+            return False
+        there = {
+            tuple(self.nodes[p].states[s] for p, s in zip(parents, key, strict=True))
+            for key in found
+        }
+        count, shown = first_missing(names, labels, there)
+        if count:
+            more = ", ..." if count > len(shown) else ""
+            message = (
+                f"the table of {node.name!r} lacks {count} "
+                f"{'row' if count == 1 else 'rows'}: {'; '.join(shown)}{more}"
+            )
+            self.findings.error("B125", message, node.element)
+        return not count
+
+    def _combination(
+        self, node: _Node, row: Element, parents: list[Element]
+    ) -> tuple[Element, ...] | None:
+        """Return the state of each parent that a row is about, in the order of the parents."""
+        targets, problems, _ = self.document.targets(row, _PARENT_STATES)
+        self.findings.add(*problems)
+        chosen: dict[Element, Element] = {}
+        wrong = bool(problems)
+        for state in targets:
+            owner = state.getparent()
+            if owner is None or owner not in self.nodes or state not in self.nodes[owner].states:
+                what = self.document.describe(state)
+                self.findings.error("X009", f"the row points at {what}, not at a state", row)
+                wrong = True
+            elif owner not in parents:
+                message = (
+                    f"the row names a state of {self.nodes[owner].name!r}, which is no parent of "
+                    f"{node.name!r}"
+                )
+                self.findings.error("X009", message, row, "add a causal connection, or remove it")
+                wrong = True
+            elif owner in chosen:
+                message = f"a row of {node.name!r} names {self.nodes[owner].name!r} twice"
+                self.findings.error("B121", message, row)
+                wrong = True
+            else:
+                chosen[owner] = state
+        lacking = [self.nodes[parent].name for parent in parents if parent not in chosen]
+        if lacking and not wrong:
+            message = f"a row of {node.name!r} names no state of {', '.join(lacking)}"
+            self.findings.error("B122", message, row)
+        return None if wrong or lacking else tuple(chosen[parent] for parent in parents)
+
+    def _values(self, node: _Node, row: Element) -> list[str]:
+        """Return the text of each own state; what is not written is 0, as EMF leaves it out."""
+        texts: dict[Element, str] = {}
+        for value in self.document.children(row, _VALUES):
+            targets, problems, given = self.document.targets(value, _STATE)
+            self.findings.add(*problems)
+            if not given:
+                self.findings.error("X010", "a probability has no nodeState", value)
+            for state in targets:
+                if state not in node.states:
+                    what = self.document.describe(state)
+                    message = f"a probability of {node.name!r} points at {what}, not at its state"
+                    self.findings.error("X009", message, value)
+                elif state in texts:
+                    message = f"a row of {node.name!r} has two values for {node.states[state]!r}"
+                    self.findings.error("B124", message, value)
+                else:
+                    text = self.document.attribute(value, _VALUE)
+                    texts[state] = "0.0" if text is None else text.strip()
+        return [texts.get(state, "0.0") for state in node.states]
+
+    def _shown(self, parents: list[Element], key: tuple[Element, ...]) -> str:
+        pairs = (
+            f"{self.nodes[p].name}={self.nodes[p].states[s]}"
+            for p, s in zip(parents, key, strict=True)
+        )
+        return ", ".join(pairs) or "the only row"

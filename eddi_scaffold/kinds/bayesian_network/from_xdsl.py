@@ -1,0 +1,116 @@
+"""Bayesian networks from XDSL, the format of GeNIe and SMILE."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from eddi_scaffold.kinds.bayesian_network.check import check_network
+from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
+from eddi_scaffold.problems import Place, Problem, error
+from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
+
+_ADVICE = {
+    "noisymax": "GeNIe: change the node type to General, then save",
+    "noisyadder": "GeNIe: change the node type to General, then save",
+    "decision": "remove it: a monitor does not decide",
+    "utility": "remove it: a monitor does not decide",
+    "mau": "remove it: a monitor does not decide",
+    "equation": "GeNIe: discretise it, then change the node type to General",
+}
+
+
+def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
+    """Read the network of a parsed XDSL file, whose root must be ``smile``.
+
+    Args:
+        root: document element.
+        file: name of the file, for places.
+        stem: name of a network that has none.
+    """
+    if feature_of(root) != "smile":
+        message = f"the root element is {feature_of(root)!r}, not 'smile'"
+        return None, [error("B201", message, Place(file, line_of(root)))]
+    reader = _Reader(root, file)
+    drafts = list(reader.drafts())
+    place = Place(file, line_of(root))
+    network, problems = check_network(root.get("id") or stem, drafts, place)
+    problems = [*reader.problems, *problems]
+    return (None if reader.problems else network), problems
+
+
+class _Reader:
+    def __init__(self, root: Element, file: str) -> None:
+        self.root, self.file = root, file
+        self.problems: list[Problem] = []
+        self.titles = {
+            str(node.get("id")): _words(node, "name")
+            for node in select(root, "extensions//node[@id]")
+        }
+        self.states: dict[str, list[str]] = {}
+
+    def drafts(self) -> Iterator[Draft]:
+        for dynamic in select(self.root, "dynamic"):
+            hint = "GeNIe: unroll it first"
+            self._error("B207", "this is a dynamic network", dynamic, hint)
+        declared = {str(e.get("id")) for e in select(self.root, "nodes/*[@id]")}
+        for element in select(self.root, "nodes/*"):
+            of, name = feature_of(element), element.get("id") or ""
+            if of not in ("cpt", "deterministic"):
+                message = f"the node {name!r} is of type {of!r}, which cannot be run"
+                hint = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
+                self._error("B202", message, element, hint)
+                continue
+            yield self._draft(element, name, of, declared)
+
+    def _draft(self, element: Element, name: str, of: str, declared: set[str]) -> Draft:
+        states = tuple(Named(s.get("id") or "", self._place(s)) for s in select(element, "state"))
+        given = select(element, "parents")
+        parents = tuple(Named(p, self._place(given[0])) for p in _words(element, "parents").split())
+        for parent in parents:
+            if parent.text in declared and parent.text not in self.states and parent.text != name:
+                message = f"the parent {parent.text!r} of {name!r} is declared after it"
+                hint = "parents come first in XDSL"
+                self.problems.append(error("B203", message, parent.place, hint))
+        names = [state.text for state in states]
+        self.states[name] = names
+        tag = "probabilities" if of == "cpt" else "resultingstates"
+        holders = select(element, tag)
+        values: tuple[str, ...] | None = None
+        if holders:
+            words = _words(element, tag).split()
+            values = tuple(words) if of == "cpt" else self._rows(words, names, name, holders[0])
+        place = self._place(holders[0]) if holders else self._place(element)
+        return Draft(
+            name,
+            self.titles.get(name, "") or name,
+            states,
+            parents,
+            values,
+            self._place(element),
+            place,
+            target=element.get("target") == "true",
+        )
+
+    def _rows(
+        self, words: list[str], states: list[str], name: str, element: Element
+    ) -> tuple[str, ...]:
+        """Return 0 and 1 for the one state that each combination of the parents gives."""
+        found: list[str] = []
+        for word in words:
+            if word not in states:
+                message = f"{word!r} is no state of {name!r}"
+                self._error("B205", message, element, f"its states: {', '.join(states)}")
+            found += ["1.0" if state == word else "0.0" for state in states]
+        return tuple(found)
+
+    def _place(self, element: Element) -> Place:
+        return Place(self.file, line_of(element))
+
+    def _error(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
+        self.problems.append(error(code, message, self._place(element), hint))
+
+
+def _words(element: Element, tag: str) -> str:
+    """Return the text of a child with single blanks."""
+    found = select(element, tag)
+    return " ".join(text_of(found[0]).split()) if found else ""

@@ -1,0 +1,78 @@
+"""Bayesian networks from XMLBIF 0.3 (Cozman, "The Interchange Format for Bayesian Networks")."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from eddi_scaffold.kinds.bayesian_network.check import check_network
+from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
+from eddi_scaffold.problems import Place, Problem, error
+from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
+
+
+def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
+    """Read the network of a parsed XMLBIF file, whose root must be ``BIF``."""
+    if feature_of(root) != "BIF":
+        message = f"the root element is {feature_of(root)!r}, not 'BIF'"
+        return None, [error("B221", message, Place(file, line_of(root)))]
+    reader = _Reader(root, file)
+    drafts = list(reader.drafts())
+    name = next(iter(_texts(root, "NETWORK/NAME")), "") or stem
+    network, problems = check_network(name, drafts, Place(file, line_of(root)))
+    problems = [*reader.problems, *problems]
+    return (None if reader.problems else network), problems
+
+
+class _Reader:
+    def __init__(self, root: Element, file: str) -> None:
+        self.root, self.file = root, file
+        self.problems: list[Problem] = []
+
+    def drafts(self) -> Iterator[Draft]:
+        definitions: dict[str, Element] = {}
+        for definition in select(self.root, "NETWORK/DEFINITION"):
+            for name in _texts(definition, "FOR"):
+                definitions.setdefault(name, definition)
+        names = set()
+        for variable in select(self.root, "NETWORK/VARIABLE"):
+            name = next(iter(_texts(variable, "NAME")), "")
+            names.add(name)
+            of = variable.get("TYPE") or "nature"
+            if of != "nature":
+                message = f"the variable {name!r} is of type {of!r}, which cannot be run"
+                self._error("B202", message, variable, "remove it: a monitor does not decide")
+                continue
+            yield self._draft(variable, name, definitions.get(name))
+        for name, definition in definitions.items():
+            if name not in names:
+                message = f"there is a definition for {name!r}, which is no variable"
+                self._error("B222", message, definition)
+
+    def _draft(self, variable: Element, name: str, definition: Element | None) -> Draft:
+        states = tuple(
+            Named(" ".join(text_of(one).split()), self._place(one))
+            for one in select(variable, "OUTCOME")
+        )
+        parents: tuple[Named, ...] = ()
+        values: tuple[str, ...] | None = None
+        place = self._place(variable)
+        if definition is not None:
+            parents = tuple(
+                Named(" ".join(text_of(one).split()), self._place(one))
+                for one in select(definition, "GIVEN")
+            )
+            tables = select(definition, "TABLE")
+            if tables:
+                values = tuple(text_of(tables[0]).split())
+                place = self._place(tables[0])
+        return Draft(name, name, states, parents, values, self._place(variable), place)
+
+    def _place(self, element: Element) -> Place:
+        return Place(self.file, line_of(element))
+
+    def _error(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
+        self.problems.append(error(code, message, self._place(element), hint))
+
+
+def _texts(element: Element, path: str) -> list[str]:
+    return [" ".join(text_of(one).split()) for one in select(element, path)]

@@ -1,0 +1,156 @@
+"""The functions behind the kind; they need lxml and the runtime, which load when one is called."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import PurePath
+
+from eddi_scaffold.kinds import EditableModule, JsonValue, Model, ModelInput, Reading
+from eddi_scaffold.kinds.bayesian_network.config_module import config_module
+from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
+from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
+from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
+from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
+from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
+from eddi_scaffold.kinds.bayesian_network.options import settings_of
+from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
+from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
+from eddi_scaffold.problems import Problem, in_order, warning
+from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.xmi import load
+from eddi_scaffold.source import Source
+
+KIND = "bayesian_network"
+
+
+def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
+    """Read the networks of an EDDI."""
+    networks, problems = eddi_networks(document, source)
+    return _reading(networks, problems, source)
+
+
+def read_file(source: Source, _marks: Sequence[str]) -> Reading:
+    """Read an XDSL or XMLBIF file."""
+    is_bif = PurePath(source.name).suffix.lower() != ".xdsl" and b"<BIF" in source.data[:65536]
+    clean, problems = without_doctype(source) if is_bif else (source, [])
+    with clean.open() as stream:
+        tree, found = load(stream, source.name)
+    problems = [*problems, *found]
+    if tree is None:
+        return Reading((), tuple(in_order(problems)))
+    suffix = PurePath(source.name).suffix.lower()
+    read = read_xdsl if suffix == ".xdsl" or (not is_bif and suffix != ".xmlbif") else read_xmlbif
+    network, more = read(tree.document, source.name, source.stem)
+    return _reading([network] if network is not None else [], [*problems, *more], source)
+
+
+def _reading(networks: Sequence[Network], problems: Sequence[Problem], source: Source) -> Reading:
+    models = [Model(KIND, one.name, one, source, one.place) for one in networks]
+    return Reading(tuple(models), tuple(in_order(problems)))
+
+
+def check(model: Model) -> Sequence[Problem]:
+    """Return what the readers do not see: names that an export must change."""
+    changed = changed_ids(model.data)
+    if not changed:
+        return ()
+    shown = ", ".join(f"{old!r} -> {new}" for old, new in changed[:4])
+    more = ", ..." if len(changed) > 4 else ""
+    message = f"an export to XDSL changes {len(changed)} names: {shown}{more}"
+    return (warning("B210", message, model.place),)
+
+
+def counts(model: Model) -> Mapping[str, int]:
+    """Return what ``show`` counts."""
+    network: Network = model.data
+    return {
+        "nodes": len(network.nodes),
+        "edges": sum(len(node.parents) for node in network.nodes),
+        "states": sum(len(node.states) for node in network.nodes),
+        "parameters": sum(len(node.table) for node in network.nodes),
+    }
+
+
+def outline(model: Model) -> Sequence[str]:
+    """Return the nodes with states and parents, then what inference costs."""
+    network: Network = model.data
+    lines = []
+    for node in network.nodes:
+        title = f" ({node.title})" if node.title != node.id else ""
+        lines.append(f"{node.id}{title}: {', '.join(node.states)}")
+        if node.parents:
+            lines.append(f"  given {', '.join(node.parents)}")
+    settings = settings_of(model)
+    lines.append(f"outputs: {', '.join(settings.outputs)}")
+    width = settings.width
+    lines.append(f"largest table of the inference, all nodes observable: {width.largest} entries")
+    return lines
+
+
+def export(model: Model) -> Mapping[str, str]:
+    """Return the network as XDSL and as XMLBIF."""
+    stem = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or KIND
+    return {f"{stem}.xdsl": to_xdsl(model.data), f"{stem}.xmlbif": to_xmlbif(model.data)}
+
+
+def inputs(model: Model) -> Sequence[ModelInput]:
+    """Return what the monitor reads."""
+    return settings_of(model).inputs
+
+
+def runtime_model(model: Model) -> dict[str, JsonValue]:
+    """Return the ``model`` part of ``config/model.json``; the schedule is compiled by the robot."""
+    network: Network = model.data
+    settings = settings_of(model)
+    attributes = node_attributes(network)
+    return {
+        "nodes": [
+            {
+                "id": node.id,
+                "title": node.title,
+                "states": list(node.states),
+                "parents": list(node.parents),
+                "table": list(node.table),
+                "attribute": attributes[node.id],
+                "state_attributes": identifiers(node.states),
+                "path": node.place.path,
+                "line": node.place.line,
+            }
+            for node in network.nodes
+        ],
+        "outputs": list(settings.outputs),
+        "observed": None,
+        "discretisation": {one.node: dict(one.data) for one in settings.declarations},
+        "direct": dict(settings.direct),
+    }
+
+
+def settings(model: Model) -> dict[str, JsonValue]:
+    """Return the ``settings`` part of ``config/model.json``."""
+    return dict(settings_of(model).evidence)
+
+
+def modules(model: Model) -> Sequence[EditableModule]:
+    """Return the module in which people write."""
+    return (config_module(model),)
+
+
+def readme(model: Model) -> Sequence[str]:
+    """Return what the package's README says about the network."""
+    settings = settings_of(model)
+    width = settings.width
+    observed = ", ".join(f"`{name}`" for name in settings.observed) or "none (write the methods)"
+    outputs = ", ".join(f"`{name}`" for name in settings.outputs)
+    text = (
+        f"Outputs: {outputs}. Observed by declaration: {observed}. A missing input leaves its node "
+        "unobserved; the posterior is exact for what is known."
+    )
+    return (
+        "## Network",
+        "",
+        text,
+        "",
+        f"The largest table of the inference has {width.largest} entries.",
+    )

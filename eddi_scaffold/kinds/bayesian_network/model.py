@@ -1,0 +1,119 @@
+"""The Bayesian network as data: nodes with states, parents and conditional probability tables.
+
+One order everywhere: a table is flat, in C order of shape (states of the first parent, ..., states
+of the last parent, own states): the first parent varies slowest, the node's own state fastest.
+Source: SESAME D7.2 section 3.2; Pearl, "Probabilistic Reasoning in Intelligent Systems" (1988).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+
+from eddi_scaffold.problems import Place
+
+
+@dataclass(frozen=True)
+class Node:
+    """One random variable.
+
+    Attributes:
+        id: its name, unique in the network.
+        title: what people call it (GeNIe's name); the id where there is none.
+        states: names, in order; at least two.
+        parents: ids, in the order of the table.
+        table: P(own state | states of the parents), each row sums to 1.
+        target: the file marks it as a node of interest.
+    """
+
+    id: str
+    title: str
+    states: tuple[str, ...]
+    parents: tuple[str, ...]
+    table: tuple[float, ...]
+    target: bool = False
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Network:
+    """A checked network: acyclic, complete, every row sums to 1.
+
+    Attributes:
+        nodes: in the order of the file.
+    """
+
+    name: str
+    nodes: tuple[Node, ...]
+    place: Place = field(default=Place(), compare=False)
+
+    def node(self, name: str) -> Node:
+        """Return a node by id."""
+        return next(node for node in self.nodes if node.id == name)
+
+    def names(self) -> list[str]:
+        """Return the ids in the order of the file."""
+        return [node.id for node in self.nodes]
+
+    def children(self) -> dict[str, list[str]]:
+        """Return node -> nodes that it is a parent of."""
+        found: dict[str, list[str]] = {node.id: [] for node in self.nodes}
+        for node in self.nodes:
+            for parent in node.parents:
+                found[parent].append(node.id)
+        return found
+
+    def in_order(self) -> list[Node]:
+        """Return the nodes, parents first; the order of the file wherever it allows that."""
+        done: set[str] = set()
+        found: list[Node] = []
+        waiting = list(self.nodes)
+        while waiting:
+            ready = next(node for node in waiting if done.issuperset(node.parents))
+            waiting.remove(ready)
+            done.add(ready.id)
+            found.append(ready)
+        return found
+
+
+@dataclass(frozen=True)
+class Named:
+    """A name and where it stands."""
+
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A node as a reader found it, before any check.
+
+    Attributes:
+        id: empty when the file gives none.
+        values: texts of the numbers in the order of the table; ``None``: there are none.
+        rows: place of each row, if the reader knows it; else that of the values.
+        broken: the reader has said what is wrong with the table.
+    """
+
+    id: str
+    title: str
+    states: tuple[Named, ...]
+    parents: tuple[Named, ...]
+    values: tuple[str, ...] | None
+    place: Place
+    values_place: Place
+    rows: tuple[Place, ...] = ()
+    target: bool = False
+    broken: bool = False
+
+
+def combinations(network_states: list[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+    """Return the combinations of the parents' states in the order of a table's rows."""
+    return product(*network_states)
+
+
+def size_of(counts: list[int]) -> int:
+    """Return the number of entries of a table."""
+    return math.prod(counts)

@@ -1,0 +1,278 @@
+"""What a configuration says to a network: outputs, observed nodes, evidence, discretisation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_of
+
+from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.kinds import InputType, JsonValue, Model, ModelInput, Options
+from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
+from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.names import node_attributes
+from eddi_scaffold.problems import Problem, did_you_mean, error, has_errors, info, warning
+
+_CHOICES = {"evidence_mode": ("virtual", "d7.2"), "on_inconsistent": ("silent", "prior", "hold")}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A network's use, checked.
+
+    Attributes:
+        outputs: nodes whose posteriors are given, in the order of the network.
+        observed: nodes that inputs feed, in the order of the network.
+        declarations: discretised nodes.
+        direct: node -> input that holds its state or likelihoods.
+        inputs: what the monitor reads.
+        renamed: node -> its former name; its hand-written body moves along.
+        evidence: ``evidence_mode``, ``on_inconsistent`` and ``explain``.
+        width: what inference will cost.
+    """
+
+    outputs: tuple[str, ...]
+    observed: tuple[str, ...]
+    declarations: tuple[Declaration, ...]
+    direct: Mapping[str, str]
+    inputs: tuple[ModelInput, ...]
+    width: Width
+    renamed: Mapping[str, str] = field(default_factory=dict)
+    evidence: Mapping[str, JsonValue] = field(default_factory=dict)
+
+
+def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+    """Take the configuration into the model (B301 to B305, B401 to B405)."""
+    network: Network = model.data
+    declarations, problems = read_discretisation(network, options)
+    problems += _wrong_choices(options)
+    direct = _direct(network, options, declarations)
+    inputs = _apart(_inputs(network, options, declarations, direct))
+    observed = _named(network, options, "observed", problems)
+    fed = {one.node for one in declarations} | set(direct)
+    if observed is None:
+        observed = [node for node in network.names() if node in fed]
+    outputs = _outputs(network, options, observed, problems)
+    renamed = _renamed(network, options, problems)
+    if has_errors(problems):
+        return None, problems
+    width = _width(network, outputs, observed)
+    problems += _too_wide(width, options)
+    problems += _without_influence(network, outputs, observed, options)
+    values = options.values
+    evidence = {
+        "evidence_mode": values.get("evidence_mode", "virtual"),
+        "on_inconsistent": values.get("on_inconsistent", "silent"),
+        "explain": values.get("explain", False),
+    }
+    settings = Settings(
+        tuple(outputs),
+        tuple(observed),
+        tuple(declarations),
+        direct,
+        inputs,
+        width,
+        renamed,
+        evidence,
+    )
+    if has_errors(problems):
+        return None, problems
+    name = options.model_id or model.name
+    return replace(model, name=name, options=settings), problems
+
+
+def settings_of(model: Model) -> Settings:
+    """Return the settings of a model, by default those without a configuration."""
+    if model.options is None:
+        configured, _ = configure(model, Options())
+        assert configured is not None, "a checked network needs no configuration"
+        model = configured
+    settings: Settings = model.options
+    return settings
+
+
+def _wrong_choices(options: Options) -> Iterable[Problem]:
+    for key, known in _CHOICES.items():
+        value = options.values.get(key, known[0])
+        if value not in known:
+            message = f"Model.{key}: must be {' or '.join(known)}"
+            yield error("B404", message, options.place(key))
+    if not isinstance(options.values.get("explain", False), bool):
+        yield error("B404", "Model.explain: must be true or false", options.place("explain"))
+
+
+def _direct(
+    network: Network, options: Options, declarations: Sequence[Declaration]
+) -> dict[str, str]:
+    """Return node -> input for inputs that are called as a node, or as its identifier."""
+    taken = {one.input for one in declarations}
+    declared = {one.node for one in declarations}
+    attributes = node_attributes(network)
+    if not options.inputs and not declarations:
+        return {name: name for name in network.names()}
+    ids = {one.id for one in options.inputs} - taken
+    found = {}
+    for name in network.names():
+        chosen = name if name in ids else attributes[name]
+        if name not in declared and chosen in ids:
+            found[name] = chosen
+    return found
+
+
+def _inputs(
+    network: Network,
+    options: Options,
+    declarations: Sequence[Declaration],
+    direct: Mapping[str, str],
+) -> tuple[ModelInput, ...]:
+    """Return the inputs in the order of the configuration, else one for each node."""
+    if not options.inputs:
+        return tuple(_direct_input(network, node, name) for node, name in direct.items())
+    by_input = {one.input: one for one in reversed(declarations)}
+    of_direct = {name: node for node, name in direct.items()}
+    found = []
+    for one in options.inputs:
+        if one.id in of_direct:
+            found.append(_direct_input(network, of_direct[one.id], one.id))
+        elif one.id in by_input:
+            declared = by_input[one.id]
+            text = f"becomes a state of {declared.node}"
+            found.append(_input(one.id, declared.type, one.unit, text))
+        else:
+            text = "for the methods in bayesian_network_config.py"
+            found.append(_input(one.id, one.type or "float", one.unit, text))
+    return tuple(found)
+
+
+def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
+    """Keep inputs apart whose ids look alike in Python (``CO2 report``, ``CO2_report``)."""
+    taken: set[str] = set()
+    found = []
+    for one in inputs:
+        wanted = name = attribute(one.id)
+        number = 1
+        while name in taken:
+            number += 1
+            name = f"{wanted}_{number}"
+        taken.add(name)
+        found.append(one if name == wanted else replace(one, attribute=name))
+    return tuple(found)
+
+
+def _direct_input(network: Network, node: str, name: str) -> ModelInput:
+    states = ", ".join(network.node(node).states)
+    return ModelInput(name, "state", description=f"a state of {node} ({states}), or likelihoods")
+
+
+def _input(name: str, of: InputType, unit: str | None, text: str) -> ModelInput:
+    return ModelInput(name, of, unit=unit, units={unit: (1, 1)} if unit else None, description=text)
+
+
+def _named(
+    network: Network, options: Options, key: str, problems: list[Problem]
+) -> list[str] | None:
+    given = options.values.get(key)
+    if given is None:
+        return None
+    if not isinstance(given, list):
+        problems.append(
+            error("B303", f"Model.{key}: a list of nodes is expected", options.place(key))
+        )
+        return []
+    names = network.names()
+    for number, name in enumerate(given):
+        if name not in names:
+            message = f"Model.{key}: there is no node {name!r}"
+            hint = did_you_mean(str(name), names)
+            problems.append(error("B303", message, options.place(key, number), hint))
+    return [name for name in names if name in given]
+
+
+def _outputs(
+    network: Network, options: Options, observed: Sequence[str], problems: list[Problem]
+) -> list[str]:
+    given = _named(network, options, "outputs", problems)
+    if given is not None:
+        if not given and not has_errors(problems):
+            problems.append(error("B304", "there is no output", options.place("outputs")))
+        return given
+    marked = [node.id for node in network.nodes if node.target]
+    if marked:
+        return marked
+    children = network.children()
+    leaves = [name for name in network.names() if not children[name]]
+    unseen = [name for name in leaves if name not in observed]
+    return unseen or leaves
+
+
+def _renamed(network: Network, options: Options, problems: list[Problem]) -> dict[str, str]:
+    given = options.values.get("renamed", {})
+    if not isinstance(given, Mapping):
+        message = "Model.renamed: a map from new to former names of nodes is expected"
+        problems.append(error("B404", message, options.place("renamed")))
+        return {}
+    names = network.names()
+    for name in given:
+        if name not in names:
+            message = f"Model.renamed: there is no node {name!r}"
+            problems.append(error("B303", message, options.place("renamed", name)))
+    return {str(new): str(old) for new, old in given.items()}
+
+
+def _width(network: Network, outputs: Sequence[str], observed: Sequence[str]) -> Width:
+    number = {name: k for k, name in enumerate(network.names())}
+    shape = Shape(
+        tuple(network.names()),
+        tuple(len(node.states) for node in network.nodes),
+        tuple(tuple(number[parent] for parent in node.parents) for node in network.nodes),
+    )
+    return width_of(shape, [number[name] for name in outputs], [number[name] for name in observed])
+
+
+def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
+    if width.largest <= LARGE:
+        return
+    level = error if width.too_large else warning
+    code = "B302" if width.too_large else "B301"
+    shown = ", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else "")
+    limit = TOO_LARGE if width.too_large else LARGE
+    message = (
+        f"the largest table of the inference has {width.largest} entries (over {shown}), more than "
+        f"{limit}"
+    )
+    hint = (
+        "observe fewer nodes, ask for fewer outputs, give nodes fewer parents (divorcing), or "
+        "decompose the network in GeNIe"
+    )
+    yield level(code, message, options.place(), hint)
+
+
+def _without_influence(
+    network: Network, outputs: Sequence[str], observed: Sequence[str], options: Options
+) -> Iterable[Problem]:
+    """Tell of observed nodes that no output depends on (B305)."""
+    if not options.inputs:
+        return
+    for name in observed:
+        if name not in outputs and not _connected(network, name, outputs):
+            message = f"the observed node {name!r} cannot influence any output"
+            yield info("B305", message, options.place("discretisation", name))
+
+
+def _connected(network: Network, name: str, outputs: Sequence[str]) -> bool:
+    """Tell whether an active trail leads from a node to an output when nothing else is observed.
+
+    Other observations can open trails as well, so descendants of common children count too.
+    """
+    neighbours: dict[str, set[str]] = {node.id: set() for node in network.nodes}
+    for node in network.nodes:
+        for parent in node.parents:
+            neighbours[node.id].add(parent)
+            neighbours[parent].add(node.id)
+    seen, waiting = {name}, [name]
+    while waiting:
+        for near in neighbours[waiting.pop()] - seen:
+            seen.add(near)
+            waiting.append(near)
+    return not seen.isdisjoint(outputs)

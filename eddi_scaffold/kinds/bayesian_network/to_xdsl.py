@@ -1,0 +1,82 @@
+"""A network as XDSL that GeNIe opens: parents first, titles and places in the GeNIe extension."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.sax.saxutils import escape
+
+from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.kinds.bayesian_network.names import xdsl_ids
+
+
+def to_xdsl(network: Network) -> str:
+    """Return the text; the same bytes on every machine."""
+    return "".join(f"{line}\n" for line in _lines(network))
+
+
+def changed_ids(network: Network) -> list[tuple[str, str]]:
+    """Return the names of nodes and states that XDSL cannot hold, with what they become."""
+    pairs = list(xdsl_ids(network.names()).items())
+    for node in network.nodes:
+        pairs += xdsl_ids(node.states).items()
+    return list(dict.fromkeys((old, new) for old, new in pairs if old != new))
+
+
+def number(value: float) -> str:
+    """Return a number so that reading it back gives the same bits."""
+    return str(int(value)) if value == int(value) else repr(value)
+
+
+def _lines(network: Network) -> Iterator[str]:
+    ids = xdsl_ids(network.names())
+    order = network.in_order()
+    name = _quoted(next(iter(xdsl_ids([network.name]).values())))
+    yield '<?xml version="1.0" encoding="UTF-8"?>'
+    yield f'<smile version="1.0" id="{name}" numsamples="10000" discsamples="10000">'
+    yield "\t<nodes>"
+    for node in order:
+        yield from _node(node, ids)
+    yield "\t</nodes>"
+    yield "\t<extensions>"
+    yield f'\t\t<genie version="1.0" app="eddi-scaffold" name="{_quoted(network.name)}">'
+    for node, (left, top) in zip(order, _places(order), strict=True):
+        yield f'\t\t\t<node id="{ids[node.id]}">'
+        yield f"\t\t\t\t<name>{escape(node.title)}</name>"
+        yield '\t\t\t\t<interior color="e5f6f7" />'
+        yield '\t\t\t\t<outline color="000080" />'
+        yield '\t\t\t\t<font color="000000" name="Arial" size="8" />'
+        yield f"\t\t\t\t<position>{left} {top} {left + 120} {top + 60}</position>"
+        yield "\t\t\t</node>"
+    yield "\t\t</genie>"
+    yield "\t</extensions>"
+    yield "</smile>"
+
+
+def _node(node: Node, ids: dict[str, str]) -> Iterator[str]:
+    target = ' target="true"' if node.target else ""
+    yield f'\t\t<cpt id="{ids[node.id]}"{target}>'
+    states = xdsl_ids(node.states)
+    for state in node.states:
+        yield f'\t\t\t<state id="{states[state]}" />'
+    if node.parents:
+        yield f"\t\t\t<parents>{' '.join(ids[parent] for parent in node.parents)}</parents>"
+    yield f"\t\t\t<probabilities>{' '.join(number(p) for p in node.table)}</probabilities>"
+    yield "\t\t</cpt>"
+
+
+def _places(order: list[Node]) -> list[tuple[int, int]]:
+    """Return a place for each node: a row for each step away from the roots."""
+    depth: dict[str, int] = {}
+    count: dict[int, int] = {}
+    found = []
+    for node in order:
+        row = 1 + max((depth[parent] for parent in node.parents), default=-1)
+        depth[node.id] = row
+        column = count.get(row, 0)
+        count[row] = column + 1
+        found.append((40 + 180 * column, 40 + 120 * row))
+    return found
+
+
+def _quoted(text: str) -> str:
+    return escape(text, {'"': "&quot;"})

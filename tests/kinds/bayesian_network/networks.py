@@ -1,0 +1,105 @@
+"""Networks for tests: files of the oracle, and random ones with a brute-force answer."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from eddi_runtime.bayesian_network import BayesianNetworkMonitor
+from eddi_runtime.model_file import parse_model
+from eddi_runtime.monitor import build
+from hypothesis import strategies as st
+
+from eddi_scaffold.binding import Monitor, monitor_of
+from eddi_scaffold.config import read_config
+from eddi_scaffold.kinds import Model, Reading, kinds
+from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.models import read_models
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source, read_source
+
+KIND = kinds()["bayesian_network"]
+
+
+def read(text: str | bytes, name: str) -> Reading:
+    data = text.encode() if isinstance(text, str) else text
+    return read_models(Source(name, data))
+
+
+def read_path(path: Path) -> Model:
+    reading = read_models(read_source(path))
+    (model,) = reading.models
+    return model
+
+
+def joined(model: Model, config: str | None = None) -> tuple[Monitor | None, list[Problem]]:
+    """Join a model with the text of a configuration."""
+    if config is None:
+        return monitor_of(model, KIND, None, {})
+    file, problems = read_config(Source("eddi_config.yml", config.encode()))
+    if file is None:
+        return None, problems
+    monitor, more = monitor_of(model, KIND, file, {})
+    return monitor, [*problems, *more]
+
+
+def running(monitor: Monitor) -> BayesianNetworkMonitor:
+    found = build(parse_model(monitor.model_json, "model"))
+    assert isinstance(found, BayesianNetworkMonitor)
+    return found
+
+
+@st.composite
+def networks(draw: st.DrawFn, most: int = 6) -> Network:
+    """Small random networks with zeros, deterministic rows, and parents in any order."""
+    count = draw(st.integers(1, most))
+    cards = [draw(st.integers(2, 3)) for _ in range(count)]
+    nodes = []
+    for k in range(count):
+        parents = draw(st.lists(st.integers(0, k - 1), unique=True, max_size=3)) if k else []
+        rows = math.prod(cards[p] for p in parents)
+        table: list[float] = []
+        for _ in range(rows):
+            weights = draw(st.lists(st.integers(0, 4), min_size=cards[k], max_size=cards[k]))
+            total = sum(weights) or 1
+            values = (
+                [w / total for w in weights] if sum(weights) else [1.0, *[0.0] * (cards[k] - 1)]
+            )
+            table += [value / math.fsum(values) for value in values]
+        nodes.append(
+            Node(
+                f"n{k}",
+                f"n{k}",
+                tuple(f"s{j}" for j in range(cards[k])),
+                tuple(f"n{p}" for p in parents),
+                tuple(table),
+            )
+        )
+    order = draw(st.permutations(nodes))
+    return Network("net", tuple(order))
+
+
+def brute_force(
+    network: Network, evidence: Mapping[str, str | Sequence[float]], output: str
+) -> list[float] | None:
+    """Return the posterior by summing over everything; None when the evidence is impossible."""
+    nodes = network.nodes
+    at = {node.id: k for k, node in enumerate(nodes)}
+    sums = [0.0] * len(network.node(output).states)
+    for states in itertools.product(*(range(len(node.states)) for node in nodes)):
+        weight = 1.0
+        for node, state in zip(nodes, states, strict=True):
+            index = 0
+            for parent in node.parents:
+                index = index * len(network.node(parent).states) + states[at[parent]]
+            weight *= node.table[index * len(node.states) + state]
+            given = evidence.get(node.id)
+            if isinstance(given, str):
+                weight *= node.states[state] == given
+            elif given is not None:
+                weight *= given[state]
+        sums[states[at[output]]] += weight
+    total = math.fsum(sums)
+    return [value / total for value in sums] if total > 0 else None
