@@ -1,0 +1,192 @@
+"""The monitor of conditional events: which conditions over time hold, from what is known."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
+
+from ..inputs import InputSpec
+from ..model_file import ModelError, ModelFile, take
+from ..monitor import Tree
+from ..plain_values import plain
+from .engine import Engine, fault
+from .form import BOOL, Form, read_form, used_variables
+from .messages import output_messages
+
+Rows = List[Dict[str, Any]]
+_VERDICTS = (False, None, True)
+
+
+def build(
+    model_file: ModelFile,
+    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
+) -> EventMonitor:
+    """Compile events.
+
+    Args:
+        model_file: the model.
+        hooks: not used: all code of a person stands in EDDIInput.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    return EventMonitor(model_file)
+
+
+class EventMonitor:
+    """Compiled events. Not thread-safe: the thread that steps it also asks it.
+
+    Attributes:
+        model_id: id of the model.
+        digest: SHA-256 of the model file's content.
+        kind: ``event``.
+        inputs: what ``execute_step`` reads, one attribute for each variable.
+        engine: the events without attributes and polarity.
+    """
+
+    kind = "event"
+
+    def __init__(self, model_file: ModelFile) -> None:
+        form = read_form(take(model_file.model, "form", dict, "the model"))
+        self.model_id = model_file.id
+        self.digest = model_file.digest
+        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
+        self.engine = Engine(form)
+        self._sources = _sources(form, self.inputs)
+        self._stamped = any(variable.stamped for variable in form.variables)
+        self._outputs = [(output.id, output.hazard) for output in form.outputs]
+        self._needs = {
+            output.id: {self._sources[k].id for k in used_variables(form, output.node)}
+            for output in form.outputs
+        }
+        if any(form.nodes[output.node].type != BOOL for output in form.outputs):
+            raise ModelError("", "an event is no truth value")
+        self._output_faults: Tuple[str, ...] = ()
+        self._verdicts: Tuple[Union[float, int], ...] = ()
+        self._raw: List[Any] = []
+        self._forget()
+
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
+        """Evaluate once; never raises an Exception.
+
+        Reads one attribute per input. Absent, None, NaN and whatever is no value for the variable
+        is UNKNOWN. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE.
+
+        Args:
+            eddi_input: holds one attribute per input; its ``states`` tell how old each is.
+            t_ns: time in nanoseconds; None: the machine's monotonic clock.
+
+        Returns:
+            A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
+            ``verdict`` is True, False, or None for UNKNOWN.
+        """
+        t = time.monotonic_ns() if t_ns is None else t_ns
+        raw = self._raw = [_read(eddi_input, spec) for spec in self._sources]
+        stamps = (
+            [_stamp(eddi_input, spec.id, t) for spec in self._sources] if self._stamped else None
+        )
+        before, now = self._verdicts, self.engine.step(t, raw, stamps)
+        self._verdicts = now
+        return [
+            {
+                "id": name,
+                "verdict": _VERDICTS[int(value)],
+                "active": value == 2 or (hazard and value == 1),
+                "raised": value == 2 and last != 2,
+                "cleared": value != 2 and last == 2,
+            }
+            for (name, hazard), value, last in zip(self._outputs, now, before)
+        ]
+
+    def as_json(self, output: Rows) -> Rows:
+        """Return the rows: they are JSON already."""
+        return output
+
+    def series(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+        """Return event id -> verdict, None for UNKNOWN."""
+        return {str(row["id"]): row["verdict"] for row in output}
+
+    def message(self, output: Any) -> List[Tree]:
+        """Return an output as ``EventOutput`` trees without header; never raises."""
+        trees, self._output_faults = output_messages(output)
+        return trees
+
+    def output_faults(self) -> Tuple[str, ...]:
+        """Return what was wrong with the output that ``message`` was given last."""
+        return self._output_faults
+
+    def status_message(self) -> Optional[Tree]:
+        """Return None: the outputs say all there is to say."""
+        return None
+
+    def blocked(self, not_good: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
+        """Return input id -> events that are UNKNOWN and depend on it, for inputs not known now.
+
+        Args:
+            not_good: inputs that count as not known whatever they hold.
+        """
+        unknown = set(not_good)
+        unknown.update(
+            spec.id
+            for spec, variable, raw in zip(self._sources, self.engine.form.variables, self._raw)
+            if raw is None or raw != raw or fault(variable, raw)  # noqa: PLR0124 - NaN
+        )
+        found: Dict[str, Tuple[str, ...]] = {}
+        for spec in self.inputs:
+            events = tuple(
+                name
+                for (name, _), value in zip(self._outputs, self._verdicts)
+                if value == 1 and spec.id in self._needs[name]
+            )
+            if spec.id in unknown and events:
+                found[spec.id] = events
+        return found
+
+    def faults(self) -> Mapping[str, str]:
+        """Return input id -> what was wrong with its value in the last step."""
+        told = (
+            (spec.id, fault(variable, raw))
+            for spec, variable, raw in zip(self._sources, self.engine.form.variables, self._raw)
+        )
+        return {name: reason for name, reason in told if reason}
+
+    def reset(self) -> None:
+        """Forget everything of former steps."""
+        self.engine.reset()
+        self._forget()
+
+    def _forget(self) -> None:
+        self._verdicts = tuple(1 for _ in self._outputs)
+        self._raw = [None] * len(self._sources)
+
+
+def _sources(form: Form, inputs: Tuple[InputSpec, ...]) -> List[InputSpec]:
+    """Return the input of each variable."""
+    by_id = {spec.id: spec for spec in inputs}
+    missing = [variable.name for variable in form.variables if variable.name not in by_id]
+    if missing:
+        raise ModelError("", f"there is no input for the variable {missing[0]!r}")
+    return [by_id[variable.name] for variable in form.variables]
+
+
+def _read(eddi_input: object, spec: InputSpec) -> Any:
+    """Return a raw value in the unit of the variable, None when it cannot be read."""
+    try:
+        raw = getattr(eddi_input, spec.attribute, None)
+        if spec.factor is None:
+            return raw
+        value = plain(raw)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            return value * spec.factor[0] / spec.factor[1]
+    except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, it is no evidence
+        return None
+    return raw
+
+
+def _stamp(eddi_input: Any, input_id: str, t: int) -> Optional[int]:
+    """Return when the input's sample was received, None when nobody says."""
+    try:
+        age = eddi_input.states[input_id].age
+        return None if age is None else t - round(age * 1e9)
+    except Exception:  # noqa: BLE001 - any object may be given as input
+        return None

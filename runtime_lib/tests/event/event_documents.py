@@ -1,0 +1,93 @@
+"""Small event models as documents, written as expressions in tuples."""
+
+from __future__ import annotations
+
+from eddi_runtime.event.form import BUFFERED, WINDOWS
+from eddi_runtime.model_file import check_document, digest_of
+
+SECOND = 10**9
+
+
+def form(*outputs, variables=("x", "y", "a", "b"), period=SECOND, **said):
+    """Return an intermediate form.
+
+    Args:
+        outputs: expressions: a name, a number, True or False, or (op, argument, ...); windows are
+            (op, argument, seconds[, coverage]).
+        variables: one letter each; a to c are booleans, m is an ENUM of P and Q, others numbers.
+        period: nanoseconds.
+        said: variable -> further keys of its entry.
+    """
+    rows = []
+
+    def add(row):
+        rows.append(dict(row, at=[1, 1]))
+        return len(rows) - 1
+
+    def made(term):
+        if isinstance(term, bool):
+            return add({"op": "truth", "value": 2 if term else 0})
+        if term is None or isinstance(term, (int, float)):
+            return add({"op": "number", "value": None if term is None else float(term)})
+        if isinstance(term, str):
+            return add({"op": "variable", "value": variables.index(term)})
+        op, *args = term
+        if op == "literal":
+            return add({"op": op, "value": args[0]})
+        if op == "age":
+            return add({"op": op, "value": variables.index(args[0])})
+        if op in WINDOWS:
+            row = {"op": op, "args": [made(args[0])], "window": round(args[1] * SECOND)}
+            if op in BUFFERED:
+                row["capacity"] = 16
+            if len(args) > 2:
+                row["coverage"] = args[2]
+            return add(row)
+        return add({"op": op, "args": [made(arg) for arg in args]})
+
+    named = []
+    for number, term in enumerate(outputs):
+        polarity = "HAZARD" if number % 2 else "EVIDENCE"
+        named.append({"id": f"e{number}", "node": made(term), "polarity": polarity})
+    entries = []
+    for name in variables:
+        kind = "bool" if name in "abc" else "enum" if name == "m" else "number"
+        entry = {"name": name, "type": kind}
+        if kind == "enum":
+            entry["literals"] = ["P", "Q"]
+        entries.append(dict(entry, **said.get(name, {})))
+    return {
+        "version": 1,
+        "period": period,
+        "variables": entries,
+        "nodes": rows,
+        "outputs": named,
+    }
+
+
+def document(*outputs, inputs=None, **options):
+    """Return a model document of the kind ``event``."""
+    found = form(*outputs, **options)
+    entries = [
+        dict(
+            {"id": v["name"], "attribute": v["name"], "requires": []},
+            **(inputs or {}).get(v["name"], {}),
+        )
+        for v in found["variables"]
+    ]
+    data = {
+        "format": 1,
+        "kind": "event",
+        "id": "Test",
+        "requires_runtime": "0.1",
+        "source": {"file": "test.events", "sha256": "", "path": None},
+        "inputs": entries,
+        "model": {"form": found},
+        "settings": {},
+    }
+    data["sha256"] = digest_of(data)
+    return data
+
+
+def model_file(*outputs, **options):
+    return check_document(document(*outputs, **options))

@@ -1,0 +1,214 @@
+"""The monitor of events: attributes in, rows and messages out; never an exception."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+from eddi_runtime.event.expression import InputExpression, read_path, source_of
+from eddi_runtime.event.monitor import build
+from eddi_runtime.inputs import EDDIInputBase, InputState
+from eddi_runtime.model_file import ModelError
+
+from .event_documents import SECOND, form, model_file
+
+NAN = float("nan")
+
+
+class Hostile:
+    """Raises whatever is asked of it."""
+
+    def __getattribute__(self, name):
+        raise RuntimeError(name)
+
+
+def made(*outputs, **options):
+    return build(model_file(*outputs, **options))
+
+
+def step(monitor, k, **values):
+    return monitor.execute_step(SimpleNamespace(**values), k * SECOND)
+
+
+def verdicts(rows):
+    return [row["verdict"] for row in rows]
+
+
+def test_polarity_and_edges():
+    monitor = made(("gt", "x", 5), ("gt", "x", 5))
+    rows = step(monitor, 0, x=6.0)
+    assert rows[0] == {
+        "id": "e0",
+        "verdict": True,
+        "active": True,
+        "raised": True,
+        "cleared": False,
+    }
+    rows = step(monitor, 1, x=None)
+    assert [(r["verdict"], r["active"], r["cleared"]) for r in rows] == [
+        (None, False, True),
+        (None, True, True),
+    ]
+    assert [r["raised"] for r in step(monitor, 2, x=7)] == [True, True]
+    assert [r["raised"] for r in step(monitor, 2, x=0)] == [False, False]  # the same time
+    assert verdicts(step(monitor, 1, x=0)) == [False, False]  # the clock went back
+
+
+NO_VALUES = (None, NAN, object(), [], {}, "x", True, 10**400, 1j, Hostile())
+
+
+@pytest.mark.parametrize("number", range(len(NO_VALUES)))
+def test_what_is_no_value_is_unknown(number):
+    value = NO_VALUES[number]
+    monitor = made(("gt", "x", 5), "a")
+    a = value if value is not True else 1
+    rows = monitor.execute_step(SimpleNamespace(x=value, a=a), 0)
+    assert verdicts(rows) == [None, None]
+    missing = monitor.execute_step(object(), SECOND)
+    assert [tree[1]["verdict"] for tree in monitor.message(missing)] == [1, 1]
+    assert verdicts(monitor.execute_step(Hostile(), 2 * SECOND)) == [None, None]
+
+
+def test_numbers_of_other_types():
+    numpy = pytest.importorskip("numpy")
+    monitor = made(("gt", "x", 5), "a")
+    for x, a in (
+        (6, True),
+        (numpy.float32(6), numpy.bool_(1)),
+        (numpy.int16(6), numpy.array(True)[()]),
+    ):
+        assert verdicts(monitor.execute_step(SimpleNamespace(x=x, a=a), 0)) == [True, True]
+        monitor.reset()
+
+
+def test_messages():
+    monitor = made(("gt", "x", 5), ("gt", "x", 5))
+    (one, other) = monitor.message(step(monitor, 0, x=6.0))
+    fields = {"id": "e0", "verdict": 2, "active": True, "raised": True, "cleared": False}
+    assert one == ("EventOutput", fields)
+    assert other[1]["id"] == "e1"
+    assert monitor.output_faults() == ()
+    for spoilt in (
+        None,
+        [None],
+        [{"id": 1}],
+        [dict(fields, verdict="yes")],
+        [dict(fields, active=1)],
+    ):
+        assert monitor.message(spoilt) == []
+        assert len(monitor.output_faults()) == 1
+
+
+def test_who_keeps_an_event_from_being_known():
+    monitor = made(("and", ("gt", "x", 5), "a"), ("gt", "y", 1))
+    step(monitor, 0, x=None, y=2.0, a=True)
+    assert monitor.blocked() == {"x": ("e0",)}
+    step(monitor, 1, x=None, y=2.0, a=False)
+    assert monitor.blocked() == {}  # FALSE whatever x is
+    step(monitor, 2, x="six", y=NAN, a=True)
+    assert monitor.blocked() == {"x": ("e0",), "y": ("e1",)}
+    assert monitor.faults() == {"x": "expected a number, got 'six'"}
+    assert monitor.series(step(monitor, 3, x=6, y=0, a=True)) == {"e0": True, "e1": False}
+    assert monitor.status_message() is None
+
+
+def test_a_factor_brings_a_value_to_the_unit_of_the_model():
+    monitor = made(("gt", "x", 5), inputs={"x": {"factor": [1, 1000]}})
+    assert verdicts(step(monitor, 0, x=5001)) == [True]
+    assert verdicts(step(monitor, 1, x=4999)) == [False]
+    assert verdicts(step(monitor, 2, x="x")) == [None]
+
+
+def test_ages_come_from_the_input():
+    monitor = made(("gt", "x", 5), ("lt", ("age", "x"), 3), x={"timeout": 2 * SECOND})
+    source = EDDIInputBase()
+    source.x = 6.0
+    for age, wanted in (
+        (None, [True, True]),
+        (1.0, [True, True]),
+        (2.5, [None, True]),
+        (3.0, [None, False]),
+    ):
+        source.states["x"] = InputState("ok", "", age)
+        monitor.reset()
+        assert verdicts(monitor.execute_step(source, 10 * SECOND)) == wanted
+
+
+def test_time_is_the_clock_of_the_machine_when_none_is_given():
+    monitor = made(("time", "a", 1), period=SECOND)
+    assert verdicts(monitor.execute_step(SimpleNamespace(a=True))) == [True]
+
+
+def test_wrong_models():
+    for outputs, options in (
+        (("x",), {}),
+        ((("gt", "x", 5),), {"inputs": {"x": {"id": "z"}}}),
+    ):
+        with pytest.raises(ModelError):
+            made(*outputs, **options)
+
+
+# expressions of inputs
+
+
+def expression(kind, *parts, **more):
+    return InputExpression(dict({"type": kind, "parts": list(parts)}, **more))
+
+
+def messages(**fields):
+    return {"x": SimpleNamespace(**fields)}
+
+
+def test_an_expression_over_messages():
+    part = {"form": form(("gt", "x", 5), variables=("x",), x={"name": "x.data[1].value"})}
+    one = expression("bool", part)
+    assert one.requires == ("x",)
+    good = messages(data=[None, SimpleNamespace(value=6)])
+    assert one.value(0, good) is True
+    assert one.value(1, messages(data=[])) is None
+    assert one.value(2, {}) is None
+    hazard = expression("bool", part, polarity="HAZARD")
+    assert [hazard.value(0, good), hazard.value(1, {})] == [True, True]
+
+
+def test_numbers_and_states():
+    number = {"form": form(("mul", "x", 2), variables=("x",))}
+    assert expression("float", number).value(0, {"x": 1.25}) == 2.5
+    found = [expression("int", number).value(0, {"x": x}) for x in (1.25, 0.75, None, 1e308)]
+    assert found == [2, 2, None, None]
+    states = [
+        {"state": "High", "form": form(("gt", "x", 5), variables=("x",))},
+        {"state": "Low", "form": form(("lt", "x", 6), variables=("x",))},
+    ]
+    state = expression("state", *states)
+    assert [state.value(k, {"x": x}) for k, x in enumerate((7, 4, 5.5, None))] == [
+        "High",
+        "Low",
+        None,
+        None,
+    ]
+    state.reset()
+
+
+def test_ages_of_messages_end_them():
+    part = {"form": form(("gt", "x", 5), variables=("x",), x={"timeout": SECOND})}
+    one = expression("bool", part)
+    assert one.value(0, {"x": 6.0}, {"x": 0.5}) is True
+    assert one.value(1, {"x": 6.0}, {"x": 1.5}) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "parts"),
+    [("text", 1), ("bool", 0), ("bool", 2), ("float", 1), ("state", 1)],
+)
+def test_wrong_expressions(kind, parts):
+    with pytest.raises(ModelError):
+        expression(kind, *[{"form": form(("gt", "x", 5))}] * parts)
+
+
+def test_paths():
+    assert source_of("a.b[2][0].c") == ("a", ("b", 2, 0, "c"))
+    stamp = SimpleNamespace(stamp=SimpleNamespace(to_sec=lambda: 1.5))
+    assert read_path(stamp, ("stamp",)) == 1.5
+    assert read_path(stamp, ("other", 1)) is None
+    assert read_path(Hostile(), ()) is None
