@@ -61,6 +61,7 @@ def ks_tail(n: int, m: int, scaled: int) -> float:
         return 1.0
     if scaled > n * m:
         return 0.0
+    n, m = max(n, m), min(n, m)  # it is the same either way, and rows are the slower direction
     paths = np.zeros(n + 1)
     paths[: min(n, (scaled - 1) // m) + 1] = 1.0
     exponent = 0

@@ -1,0 +1,211 @@
+"""The kind as a whole: what is generated, what it says of itself, what goes to the robot."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import random
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from eddi_scaffold.kinds.safeml import KIND
+from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT
+from eddi_scaffold.kinds.safeml.report import detectable_shift
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.running import compiled
+from eddi_scaffold.source import Source, read_source
+from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
+
+_CHANCE = random.Random(11)
+ROWS = [[round(_CHANCE.gauss(5, 1), 3), _CHANCE.gauss(0, 2)] for _ in range(300)]
+FIGURE = {
+    "window_size": 10,
+    "significance_level": 0.1,
+    "distance_metric": "'KolmogorovSmirnovDistance'",
+}
+
+
+def model_of(folder: Path, **keys: object) -> dict[str, object]:
+    monitor, _ = joined(folder, ROWS, **{**FIGURE, **keys})
+    document: dict[str, dict[str, object]] = json.loads(monitor.model_json)
+    return document["model"]
+
+
+def test_the_reference_travels_with_its_digest(tmp_path: Path) -> None:
+    monitor, problems = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
+    assert problems == []
+    files = KIND.data_files(monitor.model)
+    assert files["reference.csv"] == (tmp_path / "reference.csv").read_bytes()
+    assert files["safeml_config.yml"] == (tmp_path / "safeml_config.yml").read_bytes()
+    document = json.loads(monitor.model_json)
+    digest = hashlib.sha256(files["reference.csv"]).hexdigest()
+    assert document["model"]["reference"]["sha256"] == digest
+    assert document["id"] == "scope"
+    assert document["settings"] == {"array_backend": "numpy", "max_age": 1.0, "on_omission": "hold"}
+    assert document["model"]["input_dtype"] == "float32"
+
+
+def test_whole_multi_arrays_fill_the_input(tmp_path: Path) -> None:
+    (binding,) = joined(tmp_path, ROWS, CONNECTED, **FIGURE)[0].inputs
+    assert binding.expression == "features"
+    assert binding.model.every_message
+    assert binding.max_age is None
+
+
+def test_several_messages_are_joined(tmp_path: Path) -> None:
+    connected = CONNECTED.replace(
+        "SimulatorOutputs: [",
+        "SimulatorOutputs: [{id: scan, type: sensor_msgs.LaserScan, topic: /scan}, "
+        "{id: more, type: std_msgs.Float64, topic: /more}, ",
+    )
+    other = connected.replace("requires: [features], field: data", "requires: [features, more]")
+    (binding,) = joined(tmp_path, ROWS, other, **FIGURE)[0].inputs
+    assert binding.expression == "joined(features, more.data)"
+    other = connected.replace(
+        "requires: [features], field: data", "requires: [scan], field: ranges"
+    )
+    (binding,) = joined(tmp_path, ROWS, other, **FIGURE)[0].inputs
+    assert binding.expression == "scan.ranges"
+    other = connected.replace("requires: [features], field: data", "requires: [scan]")
+    (binding,) = joined(tmp_path, ROWS, other, **FIGURE)[0].inputs
+    assert binding.expression is None  # a person writes the region
+
+
+@pytest.mark.parametrize(
+    ("type_", "key", "dtype"),
+    [
+        ("std_msgs.Float32MultiArray", "auto", "float32"),
+        ("std_msgs.Float64MultiArray", "auto", "float64"),
+        ("sensor_msgs.LaserScan", "auto", "float32"),
+        ("std_msgs.Float64MultiArray", "float32", "float32"),
+        ("std_msgs.Float32MultiArray", "float64", "float64"),
+    ],
+)
+def test_element_type(type_: str, key: str, dtype: str, tmp_path: Path) -> None:
+    connected = CONNECTED.replace("std_msgs.Float32MultiArray", type_)
+    if "Laser" in type_:
+        connected = connected.replace("field: data", "field: ranges")
+    monitor, _ = joined(tmp_path, ROWS, connected, **FIGURE, input_dtype=key)
+    assert json.loads(monitor.model_json)["model"]["input_dtype"] == dtype
+
+
+def test_without_a_configuration(tmp_path: Path) -> None:
+    monitor, _ = joined(tmp_path, ROWS, **FIGURE)
+    document = json.loads(monitor.model_json)
+    assert document["id"] == "safeml_config"
+    assert [item["id"] for item in document["inputs"]] == [DEFAULT_INPUT]
+    assert document["settings"]["max_age"] is None
+    assert document["model"]["input_dtype"] == "float64"
+
+
+def test_quantised_samples_in_float32_do_not_violate(tmp_path: Path) -> None:
+    """A constant column of 0.1 is another number in float32: both sides are rounded."""
+    rows = [[0.1, round(_CHANCE.gauss(0, 1), 1)] for _ in range(600)]
+    keys = {**FIGURE, "window_size": 50, "calibration": "iid"}
+    monitor = compiled(joined(tmp_path, rows, CONNECTED, **keys)[0])
+    violations = 0
+    for row in rows[300:]:
+        sample = np.array(row, dtype=np.float32)
+        violations += monitor.execute_step(SimpleNamespace(sample=sample), 0).odd_violation
+    assert violations <= 0.1 * 300
+    careless = running(tmp_path, rows, **keys)
+    for row in rows[300:]:
+        sample = np.array(row, dtype=np.float32)
+        result = careless.execute_step(SimpleNamespace(sample=sample), 0)
+    assert result.odd_violation
+
+
+def test_axes_come_from_the_other_half(tmp_path: Path) -> None:
+    model = model_of(tmp_path, n_components=1, calibration="iid")
+    assert (model["halves"], model["reference_size"], model["tests"]) == (True, 150, 2)
+    model = model_of(tmp_path, calibration="iid")
+    assert (model["halves"], model["reference_size"], model["tests"]) == (False, 300, 2)
+    model = model_of(tmp_path, n_components=2)
+    assert model["residual_test"] is False  # nothing is left out
+
+
+def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:
+    assert model_of(tmp_path, window_size=15)["calibration_windows"] != 0
+    assert model_of(tmp_path, window_size=16)["calibration_windows"] == 0
+
+
+def test_a_calibrated_threshold_is_never_below_the_theoretical_one(tmp_path: Path) -> None:
+    for metric in ("KolmogorovSmirnovDistance", "CramerVonMisesDistance"):
+        model = model_of(tmp_path, calibration="stream", distance_metric=metric)
+        assert model["threshold"] >= model["threshold_theoretical"]
+        assert model["threshold"] >= model["calibration_quantile"]
+
+
+def test_null_and_0_components_are_the_same(tmp_path: Path) -> None:
+    assert model_of(tmp_path, n_components=0) == model_of(tmp_path, n_components="null")
+
+
+def test_numbers_that_yaml_takes_for_texts(tmp_path: Path) -> None:
+    model = model_of(tmp_path, significance_level="1e-1", window_size="'10'")
+    assert model == model_of(tmp_path)
+
+
+def test_export_reads_back(tmp_path: Path) -> None:
+    keys = {"n_components": 2, "max_age": 3, "calibration_stride": 4, "stride": 2}
+    (model,) = KIND.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, **keys)), ()).models
+    other = tmp_path / "other"
+    other.mkdir()
+    for name, text in KIND.export(model).items():
+        (other / name).write_text(text)
+    (again,) = KIND.read_file(read_source(other / "safeml_config.yml"), ()).models
+    assert again.data.settings == model.data.settings
+    np.testing.assert_array_equal(again.data.reference.rows, model.data.reference.rows)
+
+
+def test_what_show_prints(tmp_path: Path) -> None:
+    (model,) = KIND.read_file(read_source(lay(tmp_path, ROWS, **FIGURE)), ()).models
+    assert KIND.counts(model) == {"rows": 300, "features": 2, "window_size": 10, "components": 0}
+    lines = KIND.outline(model)
+    assert lines[0] == "KolmogorovSmirnovDistance of the last 10 samples"
+    assert any("calibrated with 141 windows" in line for line in lines)
+    (model,) = KIND.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, n_components=9)), ()).models
+    assert KIND.outline(model)[-1] == "  no thresholds: see `check`"
+
+
+def test_what_the_readme_says(tmp_path: Path) -> None:
+    monitor, _ = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
+    text = "\n".join(KIND.readme(monitor.model))
+    assert "2 tests (features) at 0.05 each: 10 % together" in text
+    assert "3,600 per hour at 10 Hz" in text
+    assert "standard deviations" in text
+    monitor, _ = joined(tmp_path, ROWS, **FIGURE)
+    assert "per hour" not in "\n".join(KIND.readme(monitor.model))
+
+
+@pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])
+def test_the_detectable_shift_is_detected(metric: str, tmp_path: Path) -> None:
+    chance = np.random.default_rng(2)
+    rows = chance.normal(size=(600, 1)).tolist()
+    keys = {**FIGURE, "window_size": 25, "calibration": "iid", "distance_metric": metric}
+    monitor, _ = joined(tmp_path, rows, **keys)
+    shift = detectable_shift(monitor.model.options.plan)
+    assert shift is not None
+    one = compiled(monitor)
+    found = []
+    for _ in range(200):
+        one.reset()
+        window = chance.normal(shift, size=(25, 1))
+        found.append(one.execute_step(SimpleNamespace(sample=window), 0).odd_violation)
+    assert np.mean(found) > 0.45
+
+
+def test_sniff() -> None:
+    assert KIND.sniff(Source("x.yml", b"window_size : 100 #[steps]\n"))
+    assert KIND.sniff(Source("x.yaml", b"# text\n'distance_metric': x\n"))
+    assert not KIND.sniff(Source("x.csv", b"window_size: 100\n"))
+    assert not KIND.sniff(Source("x.yml", b"Model: {window_size: 3}\n"))
+
+
+def test_a_huge_window_ends_quickly(tmp_path: Path) -> None:
+    with pytest.raises(EddiError, match="a whole number of samples from 1 to 1000000"):
+        joined(tmp_path, [[1.0], [2.0]], **{**FIGURE, "window_size": 2_000_000})
+    _, problems = joined(tmp_path, [[1.0], [2.0]], **{**FIGURE, "window_size": 1_000_000})
+    assert {problem.code for problem in problems} == {"S009"}

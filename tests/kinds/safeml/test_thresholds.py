@@ -1,0 +1,111 @@
+"""Thresholds: exact for Kolmogorov-Smirnov, on the safe side for the others."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import numpy as np
+import pytest
+from eddi_runtime.safeml.comparison import Comparison
+from eddi_runtime.safeml.limits import critical_value
+
+from eddi_scaffold.kinds.safeml.plan import upwards
+from eddi_scaffold.kinds.safeml.thresholds import (
+    can_fire,
+    ks_asymptotic,
+    ks_tail,
+    smallest_window,
+    theoretical,
+)
+
+
+@pytest.mark.parametrize(("n", "m"), [(1, 1), (5, 3), (4, 4), (6, 4), (7, 2)])
+def test_exact_probabilities_by_counting_every_order(n: int, m: int) -> None:
+    distances = []
+    for places in combinations(range(n + m), m):
+        reference = np.array([[k for k in range(n + m) if k not in places]], dtype=float)
+        window = np.array([[places]], dtype=float)
+        distances.append(int(Comparison("ks", reference, m).of_windows(window)[0, 0]))
+    for scaled in range(n * m + 2):
+        expected = sum(distance >= scaled for distance in distances) / len(distances)
+        assert ks_tail(n, m, scaled) == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize(("n", "m"), [(20, 10), (997, 100), (1000, 100), (3000, 500)])
+@pytest.mark.parametrize("level", [0.1, 0.01, 1e-4])
+def test_the_threshold_is_the_smallest_of_its_level(n: int, m: int, level: float) -> None:
+    scaled, method = theoretical("ks", n, m, level)
+    assert method == "exact"
+    assert ks_tail(n, m, int(scaled)) <= level < ks_tail(n, m, int(scaled) - math.gcd(n, m))
+
+
+def test_large_samples_take_the_asymptotic_one_which_is_not_below() -> None:
+    scaled, method = theoretical("ks", 100_000, 1000, 0.01)
+    assert method == "asymptotic"
+    assert scaled == ks_asymptotic(100_000, 1000, 0.01)
+    for level in (0.1, 0.01, 0.001):
+        assert ks_asymptotic(1000, 100, level) >= theoretical("ks", 1000, 100, level)[0]
+
+
+@pytest.mark.parametrize(("n", "m"), [(20, 10), (1000, 100), (500, 7)])
+def test_agrees_with_scipy(n: int, m: int) -> None:
+    stats = pytest.importorskip("scipy.stats", reason="scipy is not installed")
+    chance = np.random.default_rng(n)
+    for shift in (0.0, 0.4, 1.0):
+        reference, window = chance.normal(size=n), chance.normal(shift, size=m)
+        comparison = {
+            metric: Comparison(metric, np.sort(reference)[None], m).of_windows(window[None, None])
+            for metric in ("ks", "cvm", "ad")
+        }
+        ks = stats.ks_2samp(reference, window, method="exact")
+        assert int(comparison["ks"][0, 0]) == round(ks.statistic * n * m)
+        assert ks_tail(n, m, int(comparison["ks"][0, 0])) == pytest.approx(ks.pvalue, rel=1e-7)
+        cvm = stats.cramervonmises_2samp(reference, window).statistic
+        assert comparison["cvm"][0, 0] == pytest.approx(cvm, rel=1e-10)
+        assert comparison["ad"][0, 0] == pytest.approx(anderson(reference, window), rel=1e-10)
+
+
+def anderson(reference: np.ndarray, window: np.ndarray) -> float:
+    """Return A2 by scipy, which gives it normalised."""
+    import warnings
+
+    from eddi_runtime.safeml.limits import moments
+    from scipy import stats
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # its p-value is capped
+        found = stats.anderson_ksamp([reference, window], midrank=False).statistic
+    return float(found * math.sqrt(moments("ad", len(reference), len(window))[1]) + 1.0)
+
+
+def test_scipy_differs_with_ties_as_the_documentation_says() -> None:
+    stats = pytest.importorskip("scipy.stats", reason="scipy is not installed")
+    same = [2.0] * 6
+    assert stats.cramervonmises_2samp(same, same[:4]).statistic == pytest.approx(0.1375)
+    found = Comparison("cvm", np.array([same]), 4).of_windows(np.array([[same[:4]]]))
+    assert float(found[0, 0]) == 0.0
+
+
+@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
+def test_a_window_that_can_fire_and_one_that_cannot(metric: str) -> None:
+    least = smallest_window(metric, 1000, 0.01)
+    assert least is not None
+    assert can_fire(metric, 1000, least, 0.01)
+    assert least == 1 or not can_fire(metric, 1000, least - 1, 0.01)
+    threshold, _ = theoretical(metric, 1000, least, 0.01)
+    beyond = np.arange(1000.0, 1000.0 + least)[None, None]
+    assert Comparison(metric, np.arange(1000.0)[None], least).of_windows(beyond)[0, 0] >= threshold
+
+
+@pytest.mark.parametrize("metric", ["cvm", "ad"])
+def test_thresholds_fall_with_the_level(metric: str) -> None:
+    values = [critical_value(metric, level, 1000, 100) for level in (0.5, 0.1, 0.03, 0.01, 1e-7)]
+    assert values == sorted(values)
+
+
+def test_upwards() -> None:
+    for value in (0.123456789012, 1e-9 / 3, 123456.7890123, 0.21, 1.0):
+        assert value <= upwards(value) <= value * (1 + 1.1e-8)
+        assert float(f"{upwards(value):.8e}") == upwards(value)
+    assert upwards(0.0) == 0.0
