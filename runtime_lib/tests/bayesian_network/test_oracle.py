@@ -5,14 +5,16 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-yaml = pytest.importorskip("yaml", reason="the oracle is YAML")
+pytest.importorskip("yaml", reason="the oracle is YAML")
 pytest.importorskip("numpy")
+import yaml
 from eddi_runtime.bayesian_network import Network, Shape
 from eddi_runtime.bayesian_network.declaration import read_declaration
 from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.evidence import finding
 from eddi_runtime.bayesian_network.readers import Discretiser
 from eddi_runtime.inputs import InputSpec
+from eddi_runtime.model_file import ModelError
 
 from runtime_lib.tests.bayesian_network.networks import furthest
 from tests.shared_data import shared
@@ -92,7 +94,9 @@ def test_discretisation():
         if "map" in given:
             given["map"] = list(given["map"].items())
         declaration = read_declaration(given, case["states"], "N")
-        reader = Discretiser(declaration, InputSpec("x", "x", (), None, None, None, False))
+        reader = Discretiser(
+            declaration, InputSpec("x", "x", (), None, None, None, every_message=False)
+        )
         known = [*case["states"], None]
         assert [known[reader.read(value, 0)] for value in case["values"]] == case["want"], case[
             "id"
@@ -100,8 +104,6 @@ def test_discretisation():
 
 
 def test_discretisations_that_are_refused():
-    from eddi_runtime.model_file import ModelError
-
     oracle = yaml.safe_load(shared("bn/oracle.yml").read_text("utf-8"))
     for case in oracle["discretise_errors"]:
         if case["id"] in ("nan_edge", "negative_hysteresis"):

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
-pgmpy = pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
+pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
 pytest.importorskip("numpy")
+pytest.importorskip("hypothesis")
 from eddi_runtime.bayesian_network import Network, Shape
 from eddi_runtime.bayesian_network.engine import Engine
+from hypothesis import settings
 
 from runtime_lib.tests.bayesian_network.networks import furthest
 
@@ -77,13 +79,12 @@ def compare(name):
 
 
 def sets(name):
-    from hypothesis import settings
-
     return 20 if name in FEW and settings.default.max_examples <= 50 else SETS
 
 
 def load(name):
     """Return a network that lies in the distribution; nothing is downloaded."""
+    import pgmpy
     from pgmpy.readwrite import BIFReader
 
     path = Path(pgmpy.__file__).parent / "utils" / "example_models" / f"{name}.bif.gz"

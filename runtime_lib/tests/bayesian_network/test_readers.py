@@ -28,7 +28,7 @@ def names(one, values, states=STATES):
 
 @pytest.mark.parametrize("hysteresis", [None, 0.0])
 def test_bins_closed_right_and_left(hysteresis):
-    values = [-5.0, 1.0, math.nextafter(1.0, 2.0) if hasattr(math, "nextafter") else 1.1, 2.0, 2.1]
+    values = [-5.0, 1.0, 1.0000000000000002, 2.0, 2.1]
     right = reader(bins=[1.0, 2.0], hysteresis=hysteresis)
     assert names(right, values) == ["low", "low", "mid", "mid", "high"]
     left = reader(bins=[1.0, 2.0], closed="left", hysteresis=hysteresis)
