@@ -69,6 +69,9 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
     fitting = [model for model in models if model.kind in of_type]
     wanted = package_name(section.id)
     found = [model for model in fitting if package_name(model.name) == wanted]
+    if not found and (name := named_model(config)) is not None:
+        named = (Path(config.name).parent / name).resolve()
+        found = [model for model in fitting if Path(model.source.name).resolve() == named]
     if not found and len(fitting) == 1 and len(models) == 1:
         found = (
             fitting  # one model, one configuration: the id of the configuration names the package

@@ -1,0 +1,76 @@
+"""The example: a camera's scope that is the evidence of a ConSert."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.checking import check_files
+from eddi_scaffold.recording import frames, read_recording
+from eddi_scaffold.running import compiled, picture
+from eddi_scaffold.source import read_source
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"
+FOG = 11.3
+"""Seconds from which on the recording is in fog."""
+
+
+@pytest.fixture(scope="module")
+def monitors() -> list[Monitor]:
+    configs = [EXAMPLE / "perception_config.yml", EXAMPLE / "landing_config.yml"]
+    return monitors_of(EXAMPLE / "landing.yml", configs)[0]
+
+
+def test_no_file_has_a_problem() -> None:
+    assert check_files(sorted(EXAMPLE.glob("*.yml"))) == []
+
+
+def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[Monitor]) -> None:
+    scope, landing = monitors
+    recording, problems = read_recording(
+        read_source(EXAMPLE / "recording.csv"), {scope.inputs[0].model.id: "float[]"}
+    )
+    assert recording is not None, problems
+    one, other = compiled(scope), compiled(landing)
+    verdicts, precise = {}, {}
+    for frame in frames(one, recording):
+        result = verdicts[frame.t] = frame.output
+        # what the node would publish and the ConSert's node receive
+        evidence = one.status_message()[1]["in_scope"]
+        flags = other.execute_step(SimpleNamespace(CameraInScope=evidence, MarkerVisible=True))
+        precise[frame.t] = {row["id"]: row["active"] for row in flags}["PreciseLanding"]
+        assert precise[frame.t] == (not result.omission and not result.odd_violation)
+    assert all(verdicts[t].omission for t in verdicts if t < 4.9)
+    assert not any(verdicts[t].odd_violation for t in verdicts if t < FOG)
+    assert [verdicts[t].reason for t in (11.0, 11.1, 11.2)] == ["empty", "empty", "wrong_length"]
+    assert verdicts[FOG + 5.0].odd_violation
+    assert min(t for t in verdicts if verdicts[t].odd_violation) < FOG + 2.0
+    assert precise[10.9]
+    assert not precise[11.0]
+    assert not precise[17.2]
+    worst = one.explain()[0]
+    assert worst.violated
+    assert {feature for feature, _ in worst.weights[:2]} & {1, 2}  # contrast and sharpness
+
+
+def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[Monitor]) -> None:
+    scope = monitors[0]
+    recording, _ = read_recording(
+        read_source(EXAMPLE / "recording.csv"), {scope.inputs[0].model.id: "float[]"}
+    )
+    assert recording is not None
+    svg = picture(scope, recording)
+    for name in ("statistic", "threshold", "odd_violation", "omission"):
+        assert f">{name}<" in svg
+
+
+def test_the_conserts_input_needs_no_hand_edit(monitors: list[Monitor]) -> None:
+    scope, landing = monitors
+    assert [binding.expression for binding in landing.inputs] == ["scope.in_scope", "marker.data"]
+    assert [binding.expression for binding in scope.inputs] == ["features"]
+    assert json.loads(scope.model_json)["settings"]["max_age"] == 1.0
