@@ -113,6 +113,8 @@ def monitor_of(
         The monitor, ``None`` when a problem is an error, and all problems of the join.
     """
     configured, problems = kind.configure(model, options_of(config))
+    if configured is None and not kind.inputs_of_model:
+        return None, problems  # what the inputs are is not known
     model = configured or model
     bindings, found = _bind(kind.inputs(model), config, _with_declared(known_messages, config))
     problems = [*problems, *found]

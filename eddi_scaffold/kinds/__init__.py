@@ -260,6 +260,7 @@ class Kind:
         options: keys of ``Model:`` in a configuration that this kind understands.
         configure: takes what the configuration says into the model; comes before ``inputs``,
             ``runtime_model`` and all below.
+        inputs_of_model: the inputs stand in the model, not in the configuration.
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
         aliases: generated modules with the names of SESAME D7.2.
@@ -289,6 +290,7 @@ class Kind:
     status_message: str | None = None
     options: tuple[str, ...] = ()
     configure: Callable[[Model, Options], tuple[Model | None, list[Problem]]] = _as_it_is
+    inputs_of_model: bool = True
     settings: Callable[[Model], dict[str, JsonValue]] = _nothing
     modules: Callable[[Model], Sequence[EditableModule]] = _none
     aliases: tuple[Alias, ...] = ()

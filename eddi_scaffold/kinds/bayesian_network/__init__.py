@@ -60,6 +60,7 @@ KIND = Kind(
     status_message="BayesianNetworkStatus",
     options=_KEYS,
     configure=_later("options", "configure"),
+    inputs_of_model=False,
     settings=_later("functions", "settings"),
     modules=_later("functions", "modules"),
     aliases=(

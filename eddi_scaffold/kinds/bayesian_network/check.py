@@ -62,7 +62,8 @@ class _Check:
                 self._error("B104", message, state.place)
                 counts[state.text] = 1
         if len(draft.states) < 2:
-            message = f"the node {draft.id!r} has {len(draft.states)} states, at least 2 are needed"
+            count = len(draft.states) or "no"
+            message = f"the node {draft.id!r} needs at least 2 states, it has {count}"
             self._error("B103", message, draft.place)
 
     def parents(self, draft: Draft) -> None:
@@ -106,8 +107,9 @@ class _Check:
         """Check the table; ``None`` when it has an error."""
         before = len(self.problems)
         shapes = [self._states_of(parent) for parent in draft.parents]
-        if draft.broken or None in shapes:
-            return None
+        names = [parent.text for parent in draft.parents]
+        if draft.broken or None in shapes or len(set(names)) < len(names):
+            return None  # said before
         own = [state.text for state in draft.states]
         parents = [states for states in shapes if states is not None]
         if draft.values is None:
@@ -127,10 +129,8 @@ class _Check:
         table = self._table(draft, parents, len(own))
         if has_errors(self.problems[before:]):
             return None
-        names = tuple(parent.text for parent in draft.parents)
-        return Node(
-            draft.id, draft.title or draft.id, tuple(own), names, table, draft.target, draft.place
-        )
+        title = draft.title or draft.id
+        return Node(draft.id, title, tuple(own), tuple(names), table, draft.target, draft.place)
 
     def _table(
         self, draft: Draft, parents: Sequence[Sequence[str]], width: int

@@ -132,6 +132,7 @@ class _Reader:
         """Return the texts of the table in order and the place of each row."""
         parents = list(dict.fromkeys(parent for parent, _ in node.parents))
         found: dict[tuple[Element, ...], tuple[Element, list[str]]] = {}
+        before = self.findings.errors
         for row in rows:
             key = self._combination(node, row, parents)
             values = self._values(node, row)
@@ -147,6 +148,8 @@ class _Reader:
             else:
                 found[key] = (row, values)
         states = [list(self.nodes[parent].states) for parent in parents]
+        if self.findings.errors > before:
+            return None  # which rows are missing would only repeat that
         if not self._complete(node, parents, states, found):
             return None
         order = [found[key] for key in product(*states)]

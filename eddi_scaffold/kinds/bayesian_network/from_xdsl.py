@@ -76,6 +76,7 @@ class _Reader:
         tag = "probabilities" if of == "cpt" else "resultingstates"
         holders = select(element, tag)
         values: tuple[str, ...] | None = None
+        before = len(self.problems)
         if holders:
             words = _words(element, tag).split()
             values = tuple(words) if of == "cpt" else self._rows(words, names, name, holders[0])
@@ -89,6 +90,7 @@ class _Reader:
             self._place(element),
             place,
             target=element.get("target") == "true",
+            broken=any(one.code == "B205" for one in self.problems[before:]),
         )
 
     def _rows(

@@ -37,7 +37,7 @@ def read_file(source: Source, _marks: Sequence[str]) -> Reading:
     clean, problems = without_doctype(source) if is_bif else (source, [])
     with clean.open() as stream:
         tree, found = load(stream, source.name)
-    problems = [*problems, *found]
+    problems = problems or found
     if tree is None:
         return Reading((), tuple(in_order(problems)))
     suffix = PurePath(source.name).suffix.lower()
@@ -58,7 +58,7 @@ def check(model: Model) -> Sequence[Problem]:
         return ()
     shown = ", ".join(f"{old!r} -> {new}" for old, new in changed[:4])
     more = ", ..." if len(changed) > 4 else ""
-    message = f"an export to XDSL changes {len(changed)} names: {shown}{more}"
+    message = f"an export to XDSL changes names ({len(changed)}): {shown}{more}"
     return (warning("B210", message, model.place),)
 
 

@@ -1,0 +1,312 @@
+"""The network kind: random networks against brute force and pgmpy, formats, names, widths."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from eddi_runtime.bayesian_network import InconsistentEvidenceError
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds import Model
+from eddi_scaffold.kinds.bayesian_network import crosscheck
+from eddi_scaffold.kinds.bayesian_network.crosscheck import cross_check
+from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.names import identifiers, xdsl_ids
+from eddi_scaffold.kinds.bayesian_network.proposing import proposed_bins
+from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
+from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
+from eddi_scaffold.problems import Place
+from eddi_scaffold.source import Source
+from tests.cli.command import ROOT
+from tests.fuzz.mutations import mutations
+from tests.kinds.bayesian_network.networks import (
+    KIND,
+    brute_force,
+    joined,
+    networks,
+    read,
+    read_path,
+    running,
+)
+
+EXAMPLE = ROOT / "examples" / "pedestrian"
+
+
+def model_of(network: Network) -> Model:
+    return Model("bayesian_network", network.name, network, Source("n.xdsl", b""), Place("n.xdsl"))
+
+
+@st.composite
+def cases(draw: st.DrawFn) -> tuple[Network, dict[str, str | list[float]]]:
+    network = draw(networks())
+    evidence: dict[str, str | list[float]] = {}
+    for node in network.nodes:
+        what = draw(st.sampled_from(["nothing", "hard", "soft"]))
+        if what == "hard":
+            evidence[node.id] = draw(st.sampled_from(node.states))
+        elif what == "soft":
+            count = len(node.states)
+            floats = st.floats(0.0, 1.0)
+            evidence[node.id] = draw(st.lists(floats, min_size=count, max_size=count))
+    return network, evidence
+
+
+@given(cases())
+def test_posteriors_are_those_of_brute_force(
+    case: tuple[Network, Mapping[str, str | list[float]]],
+) -> None:
+    network, evidence = case
+    monitor, problems = joined(model_of(network))
+    assert monitor is not None, problems
+    machine = running(monitor)
+    known = {
+        name: value for name, value in evidence.items() if isinstance(value, str) or any(value)
+    }
+    used = {
+        name: value if isinstance(value, str) or sum(v > 0 for v in value) > 1 else
+        [float(v > 0) for v in value]
+        for name, value in known.items()
+    }  # fmt: skip
+    for output in KIND.runtime_model(monitor.model)["outputs"]:
+        wanted = brute_force(network, used, output)
+        try:
+            found = machine.inference.posteriors(known)[output]
+        except InconsistentEvidenceError:
+            assert wanted is None
+            continue
+        if wanted is not None and min(v for v in wanted if v > 0) > 1e-200:
+            assert list(found) == pytest.approx(wanted, abs=1e-12)
+
+
+@given(networks())
+def test_each_format_gives_back_the_same_network(network: Network) -> None:
+    order = {node.id: node for node in network.nodes}
+    for text, name in ((to_xdsl(network), "n.xdsl"), (to_xmlbif(network), "n.xmlbif")):
+        reading = read(text, name)
+        assert reading.problems == ()
+        (model,) = reading.models
+        for node in model.data.nodes:
+            assert (node.states, node.parents, node.table) == (
+                order[node.id].states,
+                order[node.id].parents,
+                order[node.id].table,
+            )
+        done: set[str] = set()
+        for node in model.data.nodes:
+            assert done.issuperset(node.parents)
+            done.add(node.id)
+
+
+@given(networks(4))
+def test_the_cross_check_agrees(network: Network) -> None:
+    pytest.importorskip("pgmpy", reason="the extra `bn` is not installed")
+    model = model_of(network)
+    monitor, _ = joined(model)
+    assert monitor is not None
+    result = cross_check(monitor.model, monitor.model_json)
+    assert result.problems == ()
+    assert result.text.startswith("Cross-checked with pgmpy: ")
+
+
+def test_a_difference_stops_the_generation(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pgmpy", reason="the extra `bn` is not installed")
+    monkeypatch.setattr(crosscheck, "TOLERANCE", -1.0)
+    monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
+    assert monitor is not None
+    result = cross_check(monitor.model, monitor.model_json)
+    assert [problem.code for problem in result.problems] == ["B307"]
+
+
+def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pgmpy.inference", None)
+    monkeypatch.setitem(sys.modules, "pgmpy", None)
+    monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
+    assert monitor is not None
+    result = cross_check(monitor.model, monitor.model_json)
+    assert [(problem.level, problem.code) for problem in result.problems] == [("warning", "B306")]
+
+
+def test_figures_21_and_22_as_they_are_printed(tmp_path: Path) -> None:
+    from tests.cli.command import run
+
+    words = ("generate", "--platform", "plain", "-o", tmp_path, "-m", "pedestrian.xml")
+    assert run(*words, "-c", "eddi_config.yml", cwd=EXAMPLE).status == 0
+    code = (
+        "from pedestrian_prediction_example.bn_monitor import BayesianNetworkMonitor\n"
+        "class InputData:\n"
+        "    def __init__(self, speed, distance):\n"
+        "        self.vehicleSpeed = speed\n"
+        "        self.pedestrianDistance = distance\n"
+        "bn_monitor = BayesianNetworkMonitor()\n"
+        "print(bn_monitor.execute_step(InputData(4 / 3.6, 0.4)))\n"
+        "print(bn_monitor.execute_step(InputData(4 / 3.6, 5.3)))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    start = (
+        "[BayesianNetworkOutput(actor_id=0, bayesian_network_id='pedestrian_prediction_example', "
+        "output_nodes=[Node(title='Critical', outcomes=[Outcome(name='Yes', value="
+    )
+    assert done.stdout.splitlines() == [
+        f"{start}0.7), Outcome(name='No', value=0.3)])])]",
+        f"{start}0.2), Outcome(name='No', value=0.8)])])]",
+    ]
+
+
+def test_a_region_may_override_a_declaration(tmp_path: Path) -> None:
+    from tests.cli.command import run
+
+    words = ("generate", "--platform", "plain", "-o", tmp_path, "-m", "pedestrian.xml")
+    run(*words, "-c", "eddi_config.yml", cwd=EXAMPLE)
+    path = tmp_path / "pedestrian_prediction_example" / "bayesian_network_config.py"
+    text = path.read_text("utf-8")
+    begin = text.index("# region: node:Distance_to_Pedestrian")
+    at = text.index("        pass\n", begin)
+    body = "        outcome_more_than_2_m = 1.0 if self.dra_data.pedestrianDistance else 0.0\n"
+    path.write_text(text[:at] + body + text[at + len("        pass\n") :], "utf-8")
+    code = (
+        "from types import SimpleNamespace as S\n"
+        "from pedestrian_prediction_example.EDDIMonitor import EDDIMonitor\n"
+        "print(EDDIMonitor().execute_step(S(vehicleSpeed=4/3.6, pedestrianDistance=0.4))"
+        "[0].output_nodes[0].outcomes[0].value)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "0.2\n"
+
+
+def grid(side: int, card: int) -> str:
+    nodes = []
+    for i in range(side):
+        for j in range(side):
+            above = [f"G{i - 1}_{j}"] if i else []
+            left = [f"G{i}_{j - 1}"] if j else []
+            rows = card ** len(above + left)
+            given = f"<parents>{' '.join(above + left)}</parents>" if above + left else ""
+            states = "".join(f'<state id="s{k}"/>' for k in range(card))
+            values = " ".join([str(1 / card)] * card * rows)
+            text = f"{states}{given}<probabilities>{values}</probabilities>"
+            nodes.append(f'<cpt id="G{i}_{j}">{text}</cpt>')
+    return f'<smile version="1.0" id="Grid"><nodes>{"".join(nodes)}</nodes></smile>'
+
+
+@pytest.mark.parametrize(("side", "card", "code"), [(5, 8, "B301"), (6, 8, "B302")])
+def test_networks_that_are_too_wide(side: int, card: int, code: str) -> None:
+    (model,) = read(grid(side, card), "grid.xdsl").models
+    last = f"G{side - 1}_{side - 1}"
+    config = (
+        f"Model: {{id: grid, type: BayesianNetwork, outputs: [{last}]}}\n"
+        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
+        "EDDIInputs: [{id: G0_0, requires: [x], max_age: 1}]\n"
+    )
+    monitor, problems = joined(model, config)
+    assert code in [problem.code for problem in problems], problems
+    assert (monitor is None) == (code == "B302")
+
+
+def test_an_observed_node_without_influence_is_told() -> None:
+    text = (
+        '<smile version="1.0" id="N"><nodes><cpt id="A"><state id="y"/><state id="n"/>'
+        '<probabilities>0.5 0.5</probabilities></cpt><cpt id="B"><state id="y"/><state id="n"/>'
+        "<probabilities>0.5 0.5</probabilities></cpt></nodes></smile>"
+    )
+    (model,) = read(text, "n.xdsl").models
+    config = (
+        "Model: {id: n, type: BayesianNetwork, outputs: [A]}\n"
+        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
+        "EDDIInputs: [{id: B, requires: [x], max_age: 1}]\n"
+    )
+    assert ("info", "B305") in [(p.level, p.code) for p in joined(model, config)[1]]
+
+
+def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
+    code = (
+        "import sys; from eddi_scaffold.models import read_models; "
+        "from eddi_scaffold.source import read_source; "
+        "from eddi_scaffold.kinds import kinds; "
+        f"model = read_models(read_source({str(EXAMPLE / 'pedestrian.xml')!r})).models[0]; "
+        "print(''.join(kinds()['bayesian_network'].export(model).values()))"
+    )
+    found = set()
+    for seed, locale in (("1", "C"), ("2", "de_DE.UTF-8")):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale}
+        environment["PYTHONPATH"] = f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"
+        done = subprocess.run(
+            [sys.executable, "-c", code], env=environment, capture_output=True, check=True
+        )
+        found.add(done.stdout)
+    assert len(found) == 1
+
+
+def test_names_in_python_and_in_xdsl() -> None:
+    assert identifiers(["a b", "a_b", "<7.5", ">=7.5", "2x", "class", "ä", "\u3000"]) == [
+        "a_b", "a_b_2", "_7_5", "__7_5", "2x", "class", "ä", "_",
+    ]  # fmt: skip
+    assert xdsl_ids(["CO2 report", "CO2_report", "2nd", "ä"]) == {
+        "CO2_report": "CO2_report",
+        "CO2 report": "CO2_report_2",
+        "2nd": "n_2nd",
+        "ä": "_",
+    }
+
+
+@pytest.mark.parametrize(
+    ("states", "edges"),
+    [
+        (["range_0_to_1_m", "range_1_to_2_m", "more_than_2_m"], [1, 2]),
+        (["NotDriving", "range_0_to_2_kmh", "range_2_to_4_kmh", "more_than_4_kmh"], [0, 2, 4]),
+        (["lt_5_deg", "gt_5_deg"], [5]),
+        (["Yes", "No"], None),
+        (["range_0_to_1", "range_2_to_3"], None),
+    ],
+)
+def test_names_that_look_like_bins(states: list[str], edges: list[float] | None) -> None:
+    assert proposed_bins(states) == edges
+
+
+@given(
+    st.sampled_from(["pedestrian.xml", "net.xdsl", "net.xmlbif"]).flatmap(
+        lambda name: st.tuples(st.just(name), mutations(DAMAGED[name]))
+    )
+)
+def test_damaged_networks_are_problems_not_tracebacks(one: tuple[str, bytes]) -> None:
+    name, data = one
+    for model in read(data, name).models:
+        KIND.check(model)
+        monitor, _ = joined(model)
+        if monitor is not None:
+            running(monitor).execute_step(SimpleNamespace())
+
+
+def example_network() -> Network:
+    network: Network = read_path(EXAMPLE / "pedestrian.xml").data
+    return network
+
+
+DAMAGED = {
+    "pedestrian.xml": (EXAMPLE / "pedestrian.xml").read_bytes(),
+    "net.xdsl": to_xdsl(example_network()).encode(),
+    "net.xmlbif": to_xmlbif(example_network()).encode(),
+}
+
+
+def test_permuting_nodes_changes_no_answer() -> None:
+    network = example_network()
+    turned = replace(network, nodes=network.nodes[::-1])
+    values = SimpleNamespace(AV_Shuttle_Speed="NotDriving", Distance_to_Pedestrian="more_than_2_m")
+    answers = []
+    for one in (network, turned):
+        monitor, _ = joined(model_of(one))
+        assert monitor is not None
+        answers.append(running(monitor).execute_step(values)[0].output_nodes)
+    assert answers[0] == answers[1]
