@@ -74,6 +74,7 @@ def analyse(
     declarations: str = "",
     name: str = EXPRESSION,
     locate: Locate | None = None,
+    any_rate: bool = False,
 ) -> Analysis:
     """Check a text of events and make its intermediate form.
 
@@ -84,19 +85,21 @@ def analyse(
         declarations: ENUM, VAR and CONST that stand elsewhere and are checked there.
         name: of the file, for the places of problems.
         locate: offset -> place, for a text inside of another file.
+        any_rate: the rate is said later: what only it decides is not checked, and the form is
+            good for nothing.
 
     Raises:
         EddiError: the rate is no positive number up to 1e9 (E005).
     """
     findings = Findings(text, locate or in_text(text, name))
-    builder = GraphBuilder(period_of(rate))
+    builder = GraphBuilder(1 if any_rate else period_of(rate))
     file = parse(text, findings)
     outer = parse(declarations, Findings("", in_text(declarations))) if declarations else None
     scope = build_scope(file, findings, variables, outer)
     syntax_errors = has_errors(findings.problems)
     if not syntax_errors:
         infer_types(file, scope)
-    checker = Checker(file, scope, findings, builder, line_and_column(text))
+    checker = Checker(file, scope, findings, builder, line_and_column(text), any_rate=any_rate)
     values = {event.name: checker.event(event) for event in scope.order}
     declared = [event for event in file.events if values.get(event.name) is not None]
     _warn(file, declared, values, findings, builder)

@@ -52,6 +52,8 @@ class Checker:
         findings: Findings,
         builder: GraphBuilder,
         locate: Callable[[int], tuple[int, int]],
+        *,
+        any_rate: bool = False,
     ) -> None:
         self.used: dict[str, int] = {}
         self._file = file
@@ -59,6 +61,7 @@ class Checker:
         self._findings = findings
         self._builder = builder
         self._locate = locate
+        self._any_rate = any_rate
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
 
@@ -224,7 +227,8 @@ class Checker:
             message = f"the window is shorter than one sample period ({period / 1e9:g} s)"
             self._findings.error("E005", node.window_at, message)
             return None
-        if node.op in BUFFERED and capacity(node.window, period) > MAX_CAPACITY:
+        too_many = node.op in BUFFERED and capacity(node.window, period) > MAX_CAPACITY
+        if too_many and not self._any_rate:
             samples = -(-node.window // period)
             message = f"the window has {samples} samples, more than {MAX_CAPACITY // 2 - 8}"
             self._findings.error("E013", node.window_at, message, "TIME and ONCE need no buffer")

@@ -74,3 +74,19 @@ def nanoseconds(number: str, unit: str) -> int:
     if float(number) < 1e-12:  # the exact fraction of 1e-999999 would fill the memory
         return 0
     return round(Fraction(number) * DURATIONS[unit])
+
+
+def same_dimension(unit: str | None) -> dict[str, tuple[int, int]] | None:
+    """Return unit -> exact factor (numerator, denominator) to a unit; ``None`` without a unit.
+
+    Degrees and radians have no exact factor.
+    """
+    if unit is None:
+        return None
+    found = {}
+    kind, to_up, to_down = _UNITS[unit]
+    for name, (other, up, down) in sorted(_UNITS.items()):
+        if other == kind and (name == unit or math.pi not in (up, to_up)):
+            factor = Fraction(up * to_down) / Fraction(down * to_up)
+            found[name] = (factor.numerator, factor.denominator)
+    return found

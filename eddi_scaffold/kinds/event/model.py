@@ -1,0 +1,140 @@
+"""Files of events as models."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from eddi_scaffold.events.analysis import Analysis, analyse
+from eddi_scaffold.events.report import cost_line
+from eddi_scaffold.events.units import same_dimension
+from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, Reading
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.source import Source
+
+NAME = "event"
+DEFAULT_RATE = 10.0
+"""Steps per second where no configuration says another number."""
+_TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool", "enum": "str"}
+
+
+@dataclass(frozen=True)
+class Events:
+    """A file of events.
+
+    Attributes:
+        text: of the file.
+        analysis: of the text, at the rate if it is known already.
+        rate: steps per second.
+    """
+
+    text: str
+    analysis: Analysis
+    rate: float
+
+
+def read_file(source: Source, _marks: Sequence[str] = ()) -> Reading:
+    """Read a file of events; what depends on the rate is checked by ``configure``."""
+    try:
+        text = source.data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = source.data.count(b"\n", 0, problem.start) + 1
+        place = Place(source.name, line, 1)
+        return Reading((), (error("E001", "the file is not UTF-8 text", place),))
+    analysis = analyse(text, any_rate=True, name=source.name)
+    problems = [*analysis.problems, *_numbers(analysis, source)]
+    if has_errors(problems):
+        return Reading((), tuple(problems))
+    data = Events(text, analysis, DEFAULT_RATE)
+    model = Model(NAME, source.stem, data, source, Place(source.name, 1, 1))
+    return Reading((model,), tuple(problems))
+
+
+def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+    """Bring the events to the frequency of the configuration."""
+    events = events_of(model)
+    rate = DEFAULT_RATE if options.frequency is None else options.frequency
+    try:
+        analysis = analyse(events.text, rate=rate, name=model.source.name)
+    except EddiError as failure:
+        return None, list(failure.problems)
+    if analysis.form is None:
+        return None, [problem for problem in analysis.problems if problem.level == "error"]
+    return replace(model, data=replace(events, analysis=analysis, rate=rate)), []
+
+
+def inputs(model: Model) -> Sequence[ModelInput]:
+    """Return one input for each variable, in the order of their first use."""
+    return [
+        ModelInput(
+            variable.name,
+            _TYPES[variable.type.kind if variable.type else "number"],
+            unit=variable.unit or ("" if _is_number(variable.type) else None),
+            units=same_dimension(variable.unit) if _is_number(variable.type) else None,
+            covered=_covered(variable.range, variable.unit),
+        )
+        for variable in events_of(model).analysis.variables
+    ]
+
+
+def model_part(model: Model) -> dict[str, Any]:
+    """Return the ``model`` part of ``config/model.json``."""
+    form = events_of(model).analysis.form
+    assert form is not None
+    return {"form": form}
+
+
+def counts(model: Model) -> Mapping[str, int]:
+    """Return how many events and variables there are."""
+    analysis = events_of(model).analysis
+    return {"events": len(analysis.events), "variables": len(analysis.variables)}
+
+
+def outline(model: Model) -> Sequence[str]:
+    """Return the events in canonical form, each above its line of the file."""
+    return [
+        f"event {event.id} ({event.polarity}): {event.canonical}"
+        for event in events_of(model).analysis.events
+    ]
+
+
+def export(model: Model) -> Mapping[str, str]:
+    """Return the file itself: it is the format of events."""
+    return {f"{model.source.stem}.events": events_of(model).text}
+
+
+def readme(model: Model) -> Sequence[str]:
+    """Return the events, their rate and what they cost, for the package's README."""
+    events = events_of(model)
+    lines = ["| event | UNKNOWN counts as | condition |", "|---|---|---|"]
+    for event in events.analysis.events:
+        counts_as = "active" if event.polarity == "HAZARD" else "not active"
+        lines.append(f"| {event.id} | {counts_as} | `{event.canonical}` |")
+    assert events.analysis.form is not None
+    return [*lines, "", f"{events.rate:g} steps a second; {cost_line(events.analysis.form)}."]
+
+
+def events_of(model: Model) -> Events:
+    """Return what this kind keeps in a model."""
+    events: Events = model.data
+    return events
+
+
+def _is_number(type_: Any) -> bool:
+    return type_ is not None and type_.kind == "number"
+
+
+def _covered(limits: tuple[float, float] | None, unit: str | None) -> str | None:
+    if limits is None:
+        return None
+    return f"known in [{limits[0]:g}, {limits[1]:g}] {unit or ''}".rstrip()
+
+
+def _numbers(analysis: Analysis, source: Source) -> Sequence[Problem]:
+    """Return an error for a bare numeric expression: it is no event."""
+    return [
+        error("E007", "an event is a boolean, this is a number", Place(source.name, 1, 1))
+        for event in analysis.events
+        if event.type != "bool"
+    ]

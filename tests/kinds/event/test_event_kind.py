@@ -1,0 +1,129 @@
+"""Events as a kind: a file becomes a monitor, a package, and runs on recorded inputs."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from eddi_runtime.model_file import parse_model
+from eddi_runtime.monitor import build
+
+from eddi_scaffold.assembly import monitors_of
+from tests.cli.command import ROOT, run
+
+TEXT = """\
+VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 1s
+VAR warning : BOOL TIMEOUT 1s
+EVENT hot (EVIDENCE) := AVERAGE(temp, 500ms) > 100 degC AND TIME(warning, 500ms)
+EVENT cold (HAZARD) := temp < 10
+"""
+CONFIG = """\
+Model: {id: overheat, type: Event, frequency: 10, parameters: [{file: overheat.events}]}
+SimulatorOutputs:
+  - {id: temp, type: std_msgs.Float32, topic: /temp}
+  - {id: warning, type: std_msgs.Bool, topic: /warning}
+EDDIInputs:
+  - {id: temp, type: float, requires: [temp], field: data, max_age: 1}
+  - {id: warning, type: bool, requires: [warning], field: data, max_age: 1}
+EDDIOutputs:
+  - {id: overheat, topic: /events}
+"""
+CSV = "t,temp,warning\n" + "".join(f"{k / 10},{120 if k < 8 else 5},true\n" for k in range(14))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "overheat.events").write_text(TEXT)
+    (tmp_path / "eddi_config.yml").write_text(CONFIG)
+    (tmp_path / "values.csv").write_text(CSV)
+    return tmp_path
+
+
+def test_check_and_show(folder: Path) -> None:
+    assert run("check", "overheat.events", "eddi_config.yml", cwd=folder).status == 0
+    shown = run("show", "overheat.events", cwd=folder)
+    assert shown.out == (
+        "Event overheat\n"
+        "  event hot (EVIDENCE): ((AVERAGE(temp, 500ms) > 100 degC) AND TIME(warning, 500ms))\n"
+        "  event cold (HAZARD): (temp < 10)\n"
+    )
+    assert run("export", "overheat.events", "-o", "out", cwd=folder).status == 0
+    assert (folder / "out" / "overheat.events").read_text() == TEXT
+
+
+def test_what_the_rate_decides_is_checked_with_it(folder: Path) -> None:
+    (folder / "overheat.events").write_text(TEXT.replace("500ms)", "50ms)"))
+    assert run("check", "overheat.events", cwd=folder).status == 0
+    both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
+    assert both.status == 1
+    assert "overheat.events:3:39: error: the window is shorter than one sample period" in both.err
+    faster = CONFIG.replace("frequency: 10", "frequency: 100")
+    (folder / "eddi_config.yml").write_text(faster)
+    assert run("check", "overheat.events", "eddi_config.yml", cwd=folder).status == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E002"), ("", "E002")],
+)
+def test_wrong_files(text: str, code: str, folder: Path) -> None:
+    (folder / "overheat.events").write_text(text)
+    result = run("check", "overheat.events", cwd=folder)
+    assert (result.status, f"[{code}]" in result.err) == (1, True)
+
+
+def test_run_on_recorded_inputs(folder: Path) -> None:
+    words = ("run", "overheat.events", "-c", "eddi_config.yml", "-i", "values.csv", "--json")
+    result = run(*words, cwd=folder)
+    assert result.status == 0, result.err
+    rows = [json.loads(line)["outputs"] for line in result.out.splitlines()]
+    assert [row[0]["verdict"] for row in rows] == [None] * 4 + [True] * 4 + [False] * 6
+    assert [row[1]["raised"] for row in rows] == [False] * 8 + [True] + [False] * 5
+    alone = run("run", "overheat.events", "-i", "values.csv", "--json", cwd=folder)
+    assert alone.out == result.out
+
+
+def test_units_of_a_configuration(folder: Path) -> None:
+    config = CONFIG.replace("id: temp, type: float,", "id: temp, type: float, unit: K,")
+    (folder / "eddi_config.yml").write_text(config)
+    result = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
+    assert "[K022]" in result.err
+
+
+def test_a_plain_package(folder: Path) -> None:
+    done = run("generate", "--platform", "plain", "-o", "out", "-m", "overheat.events", cwd=folder)
+    assert done.status == 0, done.err
+    program = (
+        "from overheat.EDDIMonitor import EDDIMonitor\n"
+        "from types import SimpleNamespace as N\n"
+        "monitor = EDDIMonitor()\n"
+        "rows = [monitor.execute_step(N(temp=120.0, warning=True), k * 10**8) for k in range(6)]\n"
+        "assert [row[0]['verdict'] for row in rows] == [None] * 4 + [True] * 2, rows\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(folder / "out")}
+    package = folder / "out" / "overheat"
+    found = sorted(path.name for path in package.iterdir())
+    assert "EDDIMonitor.py" in found
+    subprocess.run(
+        [sys.executable, "-c", program],
+        check=True,
+        cwd=folder,
+        env={**environment, "PYTHONPATH": f"{folder / 'out'}:{ROOT / 'runtime_lib' / 'src'}"},
+    )
+
+
+def test_the_model_is_the_same_every_time(folder: Path) -> None:
+    texts = set()
+    for _ in range(2):
+        (monitor,), problems = monitors_of(
+            folder / "overheat.events", [folder / "eddi_config.yml"], None, ()
+        )
+        assert [problem.level for problem in problems] == []
+        texts.add(monitor.model_json)
+    (text,) = texts
+    assert build(parse_model(text)).kind == "event"
+    assert "500ms" not in text  # nothing of the text becomes code
