@@ -12,7 +12,7 @@ from eddi_scaffold.assembly import monitors_of
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.checking import check_files
 from eddi_scaffold.recording import frames, read_recording
-from eddi_scaffold.running import compiled, picture
+from eddi_scaffold.running import compiled, of_recording, picture
 from eddi_scaffold.source import read_source
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"
@@ -64,7 +64,7 @@ def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[Monitor])
         read_source(EXAMPLE / "recording.csv"), {scope.inputs[0].model.id: "float[]"}
     )
     assert recording is not None
-    svg = picture(scope, recording)
+    svg = picture(scope, of_recording(recording))
     for name in ("statistic", "threshold", "odd_violation", "omission"):
         assert f">{name}<" in svg
 

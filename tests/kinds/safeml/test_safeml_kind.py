@@ -209,3 +209,10 @@ def test_a_huge_window_ends_quickly(tmp_path: Path) -> None:
         joined(tmp_path, [[1.0], [2.0]], **{**FIGURE, "window_size": 2_000_000})
     _, problems = joined(tmp_path, [[1.0], [2.0]], **{**FIGURE, "window_size": 1_000_000})
     assert {problem.code for problem in problems} == {"S009"}
+
+
+def test_the_frozen_message_has_the_md5_of_packages_in_the_field() -> None:
+    """What genmsg computes of a message without constants and comments."""
+    text = KIND.messages["SafeMLOutput"].strip()
+    digest = hashlib.md5(text.encode(), usedforsecurity=False).hexdigest()
+    assert digest == "195444b28061334335568bfdb01494e8"
