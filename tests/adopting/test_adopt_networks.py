@@ -1,0 +1,79 @@
+"""An old package of a network: bodies with five and ten dashes, and what could be declared."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
+from tests.adopting.old_networks import write_old_network
+from tests.cli.command import ROOT, run
+from tests.kinds.bayesian_network.networks import read_path
+
+
+@pytest.fixture
+def old(tmp_path: Path) -> Path:
+    network = read_path(ROOT / "examples" / "pedestrian" / "pedestrian.xml").data
+    return write_old_network(tmp_path / "bn_monitor", to_xdsl(network))
+
+
+def test_every_body_is_in_its_method(old: Path) -> None:
+    result = run("adopt", "bn_monitor", "-o", "out", cwd=old.parent)
+    assert result.status == 3, result.err  # a helper, and a body without a node
+    package = old.parent / "out" / "pedestrianrisk"
+    text = (package / "bayesian_network_config.py").read_text("utf-8")
+    for body in (
+        "        kmh = self.to_kmh(self.dra_data.vehicleSpeed)\n        if kmh < 0.05:\n",
+        "        pedestrian_distance = self.dra_data.pedestrianDistance\n",
+        "        is_bn_output = True\n",
+    ):
+        assert text.count(body) == 1
+    kept = (package / ".eddi" / "rejects" / "bayesian_network_config.py.adopted").read_text("utf-8")
+    assert "return value * 3.6" in kept
+    (orphan,) = (package / ".eddi" / "orphans").iterdir()
+    assert "of a node that is not in the network" in orphan.read_text("utf-8")
+    assert "node:Gone: no region of that name" in result.err
+    config = yaml.safe_load((old.parent / "out" / "pedestrianrisk_config.yml").read_text("utf-8"))
+    assert config["Model"] == {
+        "id": "PedestrianRisk",
+        "type": "BayesianNetwork",
+        "parameters": [{"model": "PedestrianRisk.xdsl"}],
+    }
+
+
+def test_what_could_be_declared_is_proposed(old: Path) -> None:
+    result = run("adopt", "bn_monitor", "-o", "out", cwd=old.parent)
+    assert (
+        "Distance_to_Pedestrian: observed by code; could be declared: Distance_to_Pedestrian: "
+        "{input: pedestrianDistance, bins: [1, 2], order: [range_0_to_1_m, range_1_to_2_m, "
+        "more_than_2_m]}"
+    ) in " ".join(result.err.split())
+    assert "AV_Shuttle_Speed: observed by code\n" in result.err
+    assert "Critical: an output\n" in result.err
+
+
+def test_the_adopted_monitor_gives_the_old_answers(old: Path) -> None:
+    run("adopt", "bn_monitor", "-o", "out", cwd=old.parent)
+    path = old.parent / "out" / "pedestrianrisk" / "bayesian_network_config.py"
+    text = path.read_text("utf-8").replace("self.to_kmh(self.dra_data.vehicleSpeed)", "4.0")
+    path.write_text(text, "utf-8")
+    code = (
+        "from types import SimpleNamespace as S\n"
+        "from pedestrianrisk.bn_monitor import BayesianNetworkMonitor\n"
+        "monitor = BayesianNetworkMonitor()\n"
+        "for distance in (0.4, 5.3):\n"
+        "    (one,) = monitor.execute_step(S(pedestrianDistance=distance))\n"
+        "    print(one.output_nodes[0].outcomes[0].value)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=old.parent / "out",
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "0.7\n0.2\n"
