@@ -402,6 +402,19 @@ def test_explanation():
     assert "Gap: 0.5, 1" in direct.explain().text()
 
 
+def test_posteriors_of_former_states_are_remembered():
+    one, never = monitor(direct=DIRECT), monitor(direct=DIRECT)
+    one.remembered, never.remembered = 4, 0
+    cases = [give(s=s, g=g) for s in ("stands", "slow", "fast", None) for g in ("near", "far")]
+    for _ in range(2):
+        for case in cases:
+            assert one.execute_step(case) == never.execute_step(case)
+    assert (len(one._known_rows), len(never._known_rows)) == (4, 0)
+    impossible = give(s="stands", g="far", x="yes")
+    fresh = monitor(direct=DIRECT, outputs=["Alarm"])
+    assert fresh.execute_step(impossible) == fresh.execute_step(impossible) == []
+
+
 def test_time_is_for_holding_only():
     bins = {"Gap": {"input": "d", "bins": [2.0], "missing": "hold"}}
     one = monitor(bins=bins, specs={"d": {"max_age": 1.0}})

@@ -31,6 +31,7 @@ from .width import TooWideError
 
 Output = List[BayesianNetworkOutput]
 _ACTOR = 0
+_UNKNOWN: Posteriors = []
 _NO_ANSWER = Answer()
 
 
@@ -70,8 +71,10 @@ class BayesianNetworkMonitor(Monitor):
         kind: ``bayesian_network``.
         inputs: what ``execute_step`` reads, one attribute each.
         inference: posteriors by name, without inputs and methods.
+        remembered: cases of states whose posteriors are kept at most.
     """
 
+    remembered = 1024
     kind = "bayesian_network"
 
     def __init__(self, model_file: ModelFile, hooks: Any = None) -> None:
@@ -141,7 +144,7 @@ class BayesianNetworkMonitor(Monitor):
             else:
                 weights[position] = finding
         last.raw, last.states, last.weights = raw, states, weights
-        rows = self.inference.engine.infer(states, weights)
+        rows = self._posteriors(states, weights)
         last.inconsistent = rows is None
         if rows is not None:
             self._good = rows, flagged
@@ -150,6 +153,20 @@ class BayesianNetworkMonitor(Monitor):
         elif self._model.on_inconsistent == "hold" and self._good is not None:
             rows, flagged = self._good
         return [] if rows is None else self._output(rows, flagged)
+
+    def _posteriors(
+        self, states: List[int], weights: Mapping[int, List[float]]
+    ) -> Optional[Posteriors]:
+        """Return the posteriors, of former steps where the same states were seen."""
+        if weights:
+            return self.inference.engine.infer(states, weights)
+        key = tuple(states)
+        rows = self._known_rows.get(key, _UNKNOWN)
+        if rows is _UNKNOWN:
+            rows = self.inference.engine.infer(states)
+            if len(self._known_rows) < self.remembered:
+                self._known_rows[key] = rows
+        return rows
 
     def as_json(self, output: Output) -> Optional[List[Dict[str, Any]]]:
         """Return an output as JSON; None when no posterior was given."""
@@ -251,6 +268,7 @@ class BayesianNetworkMonitor(Monitor):
         self._missing = engine.missing
         self._positions = {node: k for k, node in enumerate(engine.observable)}
         self._known = frozenset(engine.outputs)
+        self._known_rows: Dict[Tuple[int, ...], Optional[Posteriors]] = {}
         self._titles = [(node, names[node], states[node]) for node in engine.outputs]
         self._readers = [
             (one.node, self._positions[one.node], one.spec.attribute, one.reader)

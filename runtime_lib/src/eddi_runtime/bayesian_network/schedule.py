@@ -25,6 +25,9 @@ Rows = List[List[float]]
 States = Sequence[int]
 Weights = Mapping[int, Sequence[float]]
 
+_GEMV, _GEMM = 9_000, 200_000
+"""Multiplications of a product with a vector, or a matrix, from which OpenBLAS uses threads."""
+
 
 class Schedule:
     """The compiled operations of one part of a network. Not thread-safe: results stay in place.
@@ -178,7 +181,7 @@ class _Emission:
             self._emit("multiply", forms, result)
         elif not batch:
             first, second = (left, summed), (summed, right)
-            if left and right and axes[0] in right:  # the result lies the other way round
+            if not left or (right and axes[0] in right):  # the result lies the other way round
                 parts.reverse()
                 first, second = (right, summed), (summed, left)
             forms = [
@@ -186,7 +189,9 @@ class _Emission:
                 for part, groups in zip(parts, (first, second))
             ]
             sizes = [self._size(group) for group in (first[0], second[1]) if group]
-            self._emit("dot", forms, result.reshape(sizes))
+            work = self._size(summed) * self._size(second[1])
+            chunk = (_GEMM if second[1] else _GEMV) // work
+            self._emit_sliced("dot", forms, result.reshape(sizes), 0, chunk)
         else:
             forms = [
                 self._form(parts[0], (batch, left, summed)),
@@ -194,7 +199,24 @@ class _Emission:
             ]
             view = self._view(result, axes, (batch, left, right))
             assert view is not None
-            self._emit("matmul", forms, view)
+            work = self._size(summed) * self._size(right)
+            self._emit_sliced("matmul", forms, view, 1, (_GEMM if right else _GEMV) // work)
+
+    def _emit_sliced(
+        self, function: str, forms: Sequence[str], result: Array, axis: int, chunk: int
+    ) -> None:
+        """Emit a product in pieces that are too small for several threads.
+
+        A thread that is not scheduled at once costs milliseconds, now and then.
+        """
+        first, count = self._names.get(forms[0]), result.shape[axis] if result.ndim > axis else 1
+        if first is None or count <= chunk or chunk < 1:
+            self._emit(function, forms, result)
+            return
+        before = (slice(None),) * axis
+        for start in range(0, count, chunk):
+            piece = (*before, slice(start, start + chunk))
+            self._emit(function, [self._name("v", first[piece]), forms[1]], result[piece])
 
     def _emit(self, function: str, forms: Sequence[str], result: Array) -> None:
         name = self._name("r", result)
