@@ -316,9 +316,36 @@ static int greatest(int a, int b)
     return a > b ? a : b;
 }
 """
+_COMPARISONS = """\
+/* 0 is FALSE, 1 UNKNOWN, 2 TRUE. */
+static int less(double a, double b)
+{
+    return a < b ? 2 : a >= b ? 0 : 1;
+}
+
+static int less_or_equal(double a, double b)
+{
+    return a <= b ? 2 : a > b ? 0 : 1;
+}
+
+static int equal(double a, double b)
+{
+    return a == b ? 2 : (a < b || a > b) ? 0 : 1;
+}
+
+static int same_truth(int a, int b)
+{
+    return (a == 1 || b == 1) ? 1 : a == b ? 2 : 0;
+}
+
+static int same_literal(int a, int b)
+{
+    return (a < 0 || b < 0) ? 1 : a == b ? 2 : 0;
+}
+"""
 _STATISTICS = (_SUM + _STACKS.format(name="sum"), _STDDEV + _STACKS.format(name="stddev"))
 _ALL = (
-    *(_EXACT, _RING, _QUEUE, _PLAIN),
+    *(_COMPARISONS, _EXACT, _RING, _QUEUE, _PLAIN),
     *(_EXTREME.format(name="max", sign="<="), _EXTREME.format(name="min", sign=">=")),
     *(_RATE, _MEDIAN, *_STATISTICS, _SUM_VALUE, _STDDEV_VALUE, _COVERED, _HOLD),
 )

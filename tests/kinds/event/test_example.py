@@ -1,0 +1,43 @@
+"""The example: an event on the motor that is the evidence of a ConSert."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.checking import check_files
+from eddi_scaffold.recording import frames, read_recording
+from eddi_scaffold.running import compiled
+from eddi_scaffold.source import read_source
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
+
+
+@pytest.fixture(scope="module")
+def monitors() -> list[Monitor]:
+    configs = [EXAMPLE / "motor_config.yml", EXAMPLE / "drive_config.yml"]
+    return monitors_of(EXAMPLE / "drive.yml", configs)[0]
+
+
+def test_no_file_has_a_problem() -> None:
+    assert check_files([*sorted(EXAMPLE.glob("*.yml")), *EXAMPLE.glob("*.events")]) == []
+
+
+def test_the_guarantee_follows_the_event(monitors: list[Monitor]) -> None:
+    motor, drive = monitors
+    types = {binding.model.id: binding.model.type for binding in motor.inputs}
+    recording, problems = read_recording(read_source(EXAMPLE / "recording.csv"), types)
+    assert recording is not None, problems
+    one, other = compiled(motor), compiled(drive)
+    full_speed = {}
+    for frame in frames(one, recording):
+        ((_, event),) = one.message(frame.output)
+        flags = other.execute_step(SimpleNamespace(MotorFit=event["active"]))
+        full_speed[frame.t] = {row["id"]: row["active"] for row in flags}["FullSpeed"]
+    on = [t for t in full_speed if full_speed[t]]
+    assert (on[0], on[-1]) == (1.9, 10.9)
+    assert not any(full_speed[t] for t in full_speed if 6.0 <= t < 8.1 or 9.0 <= t < 10.3)
