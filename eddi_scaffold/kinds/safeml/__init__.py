@@ -65,5 +65,6 @@ KIND = Kind(
     requirements=("numpy",),
     data_files=_later("data_files"),
     readme=_later("readme"),
+    diagram=_later("diagram"),
 )
 """What the generator knows of SafeML."""

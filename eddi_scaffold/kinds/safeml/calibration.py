@@ -15,6 +15,7 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.kinds.safeml.model import Calibration, Metric, Rows
 
+_LARGEST = 1e300
 _AT_ONCE = 2_000_000
 """Numbers of the windows that are compared at once: bounds memory, not the result."""
 
@@ -73,7 +74,10 @@ def effective(
 
 def autocorrelation(series: Rows) -> tuple[float, int]:
     """Return the largest correlation of neighbouring values, and the series it is of."""
-    centred = series - series.mean(axis=1, keepdims=True)
+    finite = np.clip(series, -_LARGEST, _LARGEST)
+    largest = np.abs(finite).max(axis=1, keepdims=True)
+    scaled = finite / np.where(largest > 0.0, largest, 1.0)  # squares stay numbers
+    centred = scaled - scaled.mean(axis=1, keepdims=True)
     power = (centred * centred).sum(axis=1)
     shifted = (centred[:, :-1] * centred[:, 1:]).sum(axis=1)
     # what never changes has no correlation

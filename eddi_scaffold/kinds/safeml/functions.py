@@ -7,9 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.kinds import DeclaredInput, Model, ModelInput, Options, Reading
 from eddi_scaffold.kinds.safeml import report, runtime_model
 from eddi_scaffold.kinds.safeml.model import Connection, Plan, Planned, SafeMLFile
+from eddi_scaffold.kinds.safeml.picture import picture
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
 from eddi_scaffold.kinds.safeml.settings import read_settings
@@ -128,9 +130,12 @@ def counts(model: Model) -> Mapping[str, int]:
 
 def outline(model: Model) -> Sequence[str]:
     """Return the lines that ``show`` prints."""
-    single = _file(model).settings.input_dtype == "float32"
-    made: Plan | None = _planned(model, single=single).plan
-    return report.outline(_file(model), made)
+    return report.outline(_file(model), _plan(model))
+
+
+def diagram(model: Model) -> Diagram:
+    """Return what a picture of the monitor shows."""
+    return picture(model.name, _file(model), _plan(model))
 
 
 def readme(model: Model) -> Sequence[str]:
@@ -142,6 +147,13 @@ def readme(model: Model) -> Sequence[str]:
 def _file(model: Model) -> SafeMLFile:
     file: SafeMLFile = model.data
     return file
+
+
+def _plan(model: Model) -> Plan | None:
+    """Return the configured plan, or the one without a configuration; ``None`` on an error."""
+    if model.options is not None:
+        return _connection(model).plan
+    return _planned(model, single=_file(model).settings.input_dtype == "float32").plan
 
 
 def _connection(model: Model) -> Connection:

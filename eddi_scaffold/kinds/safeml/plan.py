@@ -34,6 +34,7 @@ ROWS_PER_WINDOW = 20
 _DEPENDENT = 0.2
 _SMALL_COMPONENT = 1e-12
 _UNLIKE_UNITS = 100.0
+_LARGEST_SQUARED = 1e150
 _HIGHEST_LEVEL = 0.5
 _FEWEST_FOR_LIMITS = 10
 _LISTED = 10
@@ -159,6 +160,11 @@ class _Planner:
                 f"half of the reference for the axes has {rows} rows, and {features} features"
             )
             self.problems.append(error("S006", text, settings.place("n_components")))
+            return None
+        if np.abs(self.rows).max() > _LARGEST_SQUARED:
+            text = "the reference holds numbers so large that their squares are none"
+            where = settings.place("reference_sample_file")
+            self.problems.append(error("S005", text, where, "choose a larger unit"))
             return None
         singular = principal_axes(other, wanted, standardize=settings.standardize).singular
         if singular[0] == 0.0:

@@ -9,6 +9,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+from eddi_runtime.safeml.reference import BLANKS, filled_lines
 
 from eddi_scaffold.kinds.safeml.model import Reference, Rows
 from eddi_scaffold.problems import Place, Problem, error, has_errors
@@ -35,12 +36,7 @@ def read_reference(source: Source) -> tuple[Reference | None, list[Problem]]:
         text = source.data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return None, [error("S004", "the reference is not UTF-8 text", Place(source.name))]
-    # not splitlines(), which sees line ends that editors do not
-    lines = [
-        (number, line.strip())
-        for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = filled_lines(text)
     if not lines:
         return None, [error("S004", "the reference is empty", Place(source.name), _WRITTEN)]
     reader = _Reader(source.name, lines)
@@ -127,7 +123,7 @@ def _cells(count: int) -> str:
 
 
 def _is_number(cell: str) -> bool:
-    text = cell.strip()
+    text = cell.strip(BLANKS)
     return bool(_NUMBER.fullmatch(text) or _NOT_FINITE.fullmatch(text))
 
 

@@ -113,14 +113,22 @@ class Design:
         self.reference = np.sort(self.series(reference), axis=1)
 
     def values(self, sample: Array) -> Array:
-        """Return the value of each test (K,) for one sample (d,)."""
+        """Return the value of each test (K,) for one sample (d,).
+
+        Numbers too large to multiply become infinite, which is beyond every reference.
+        """
         if self.axes is None:
             return sample
-        centred = (sample - self.axes.centre) / self.axes.scale
-        found = self.axes.vectors @ centred
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = self._projected(sample, self.axes)
+        return found if np.isfinite(found).all() else np.where(np.isnan(found), np.inf, found)
+
+    def _projected(self, sample: Array, axes: Axes) -> Array:
+        centred = (sample - axes.centre) / axes.scale
+        found = axes.vectors @ centred
         if self._floor is None:
             return found
-        rest = centred - found @ self.axes.vectors
+        rest = centred - found @ axes.vectors
         size = float(np.sqrt(rest @ rest))
         return np.append(found, size if size >= self._floor else 0.0)
 

@@ -1,0 +1,109 @@
+"""Damaged configurations and references: problems or a monitor that runs, never anything else."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.running import compiled
+from tests.fuzz.mutations import mutations
+from tests.kinds.safeml.monitors import joined
+
+_CHANCE = random.Random(2)
+CONFIG = b"""# Constants to specify at design time
+window_size : 6 #[steps]
+reference_sample_file : 'reference.csv'
+significance_level: 0.1
+distance_metric : 'AndersonDarlingDistance'
+n_components : 2
+standardize: true
+calibration: stream
+stride: 1
+max_age: 2.5
+"""
+CSV = "\n".join(
+    ",".join(f"{_CHANCE.gauss(0, 1):.3f}" for _ in range(3)) for _ in range(60)
+).encode()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bad")
+
+
+def answer(folder: Path, config: bytes, csv: bytes) -> None:
+    """Read both files; where they are sound, let the monitor run some steps."""
+    (folder / "safeml_config.yml").write_bytes(config)
+    (folder / "reference.csv").write_bytes(csv)
+    try:
+        (monitor,), _ = monitors_of(folder / "safeml_config.yml", [])
+    except EddiError as refused:
+        for problem in refused.problems:
+            assert problem.place.file
+            assert "\n" not in problem.message
+        return
+    one = compiled(monitor)
+    features = monitor.model.data.reference.rows.shape[1]
+    for value in (0.0, 1e308, -1e-308, 5.0):
+        result = one.execute_step(SimpleNamespace(sample=[value] * features), 0)
+        one.message(result)
+        one.status_message()
+
+
+@given(config=mutations(CONFIG))
+def test_configuration(folder: Path, config: bytes) -> None:
+    answer(folder, config, CSV)
+
+
+@given(csv=mutations(CSV))
+def test_reference(folder: Path, csv: bytes) -> None:
+    answer(folder, CONFIG, csv)
+
+
+VALUES = st.sampled_from([0.0, 1.0, -1.0, 1e-320, 1e150, 1e300, -1e308, 0.1])
+
+
+@pytest.mark.filterwarnings("error")
+@given(
+    st.lists(st.lists(VALUES, min_size=2, max_size=2), min_size=8, max_size=40),
+    st.sampled_from(["ks", "cvm", "ad"]),
+    st.sampled_from([0, 1, 2]),
+    st.booleans(),
+)
+def test_extreme_numbers(
+    folder: Path, rows: list[list[float]], metric: str, components: int, standardize: bool
+) -> None:
+    names = {
+        "ks": "KolmogorovSmirnovDistance",
+        "cvm": "CramerVonMisesDistance",
+        "ad": "AndersonDarlingDistance",
+    }
+    config = (
+        f"window_size: 4\nreference_sample_file: reference.csv\nsignificance_level: 0.3\n"
+        f"distance_metric: {names[metric]}\nn_components: {components}\n"
+        f"standardize: {str(standardize).lower()}\n"
+    )
+    csv = "\n".join(",".join(map(repr, row)) for row in rows)
+    answer(folder, config.encode(), csv.encode())
+
+
+def test_a_number_beyond_all_multiplication_is_beyond_the_reference(tmp_path: Path) -> None:
+    rows = [[_CHANCE.gauss(0, 1), _CHANCE.gauss(0, 1)] for _ in range(40)]
+    keys = {
+        "window_size": 4,
+        "significance_level": 0.2,
+        "distance_metric": "KolmogorovSmirnovDistance",
+        "n_components": 1,
+        "calibration": "iid",
+    }
+    one = compiled(joined(tmp_path, rows, **keys)[0])
+    for _ in range(4):
+        result = one.execute_step(SimpleNamespace(sample=[1.7e308, -1.7e308]), 0)
+    assert result.odd_violation
