@@ -62,7 +62,6 @@ def rows_of(value, features=2, *, single=False):
         (Messages(), [], []),
         (Messages([[1.0, 2.0], None, []]), [[1.0, 2.0]], ["wrong_length", "empty"]),
     ],
-    ids=repr,
 )
 def test_values(value, rows, bad):
     assert rows_of(value) == (rows, bad)
