@@ -131,7 +131,7 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "id": ascii(item.id),
         "title": title,
         "attribute": binding.attribute,
-        "updater": "update_each" if item.every_message else "update",
+        "updater": _updater(binding),
         "type": f"{item.type} in {table_cell(binding.unit)}" if binding.unit else item.type,
         "default": ascii(binding.default),
         "arguments": list(binding.arguments),
@@ -147,6 +147,13 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
     }
 
 
+def _updater(binding: InputBinding) -> str:
+    """Return the method of the runtime that calls ``process_<input>``."""
+    if binding.computed is not None:
+        return "update_expression"
+    return "update_each" if binding.model.every_message else "update"
+
+
 def _comments(binding: InputBinding) -> list[str]:
     item = binding.model
     lines = []
@@ -157,10 +164,14 @@ def _comments(binding: InputBinding) -> list[str]:
         unit += f" (converted to {comment_text(item.unit or 'a ratio')})"
     good = f", good when {comment_text(item.covered)}" if item.covered else ""
     lines.append(f"{item.type}{unit}{good}")
+    if binding.computed_text:
+        lines.append(f"computed: {comment_text(binding.computed_text)}")
     return lines
 
 
 def _body(binding: InputBinding) -> list[str]:
+    if binding.computed is not None:
+        return [f"self.{binding.attribute} = self.expression({binding.model.id!a})"]
     if binding.expression is not None:
         return [f"self.{binding.attribute} = {binding.expression}"]
     shown = "; ".join(

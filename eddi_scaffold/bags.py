@@ -136,7 +136,7 @@ def _wrong_types(
 
 def written_by_hand(monitor: Monitor) -> list[str]:
     """Return the inputs whose values only code of a person gives: they stay unknown here."""
-    return [one.model.id for one in monitor.inputs if one.requires and one.expression is None]
+    return [one.model.id for one in monitor.inputs if one.requires and not one.is_given]
 
 
 def frames_of(monitor: Monitor, running: RuntimeMonitor, bag: Bag) -> Iterator[Frame]:
@@ -196,11 +196,13 @@ class _Node:
             self._times[one.source] = one.t
             new[one.source].append(one.message)
         ages = {name: (t - at) / 1e9 for name, at in self._times.items()}
-        self._eddi_input.begin_step(ages, new)
+        self._eddi_input.begin_step(ages, new, t)
         for binding, process in zip(self._bindings, self._process, strict=True):
             update = self._eddi_input.update
             if binding.model.every_message:
                 update = self._eddi_input.update_each
+            elif binding.computed is not None:
+                update = self._eddi_input.update_expression
             update(binding.model.id, process, self._latest, [one.id for one in binding.requires])
         output = self._running.execute_step(self._eddi_input, t)
         values = {one.model.id: getattr(self._eddi_input, one.attribute) for one in self._bindings}
@@ -210,6 +212,10 @@ class _Node:
 def _process(target: EDDIInputBase, binding: InputBinding) -> Callable[..., None]:
     """Return what ``process_<input>`` does in a package without hand-written lines."""
     tree = ast.parse(binding.expression, mode="eval").body if binding.expression else None
+
+    if binding.computed is not None:
+        name = binding.model.id
+        return lambda *_: setattr(target, binding.attribute, target.expression(name))
 
     def process(*messages: Any) -> None:
         names = dict(zip(binding.arguments, messages, strict=True))

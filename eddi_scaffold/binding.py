@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from eddi_scaffold import fields
 from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput, options_of
+from eddi_scaffold.expressions import InputExpression, bind_expression
 from eddi_scaffold.identifiers import attribute, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.message_types import Fields, FieldsOf, declared, python_type
@@ -56,6 +57,8 @@ class InputBinding:
         unit: unit in which the value is given.
         renamed_from: former id.
         known_fields: argument -> its fields, for the messages that are known.
+        computed: what ``expression:`` computes, for the runtime.
+        computed_text: the same for people.
     """
 
     model: ModelInput
@@ -69,6 +72,13 @@ class InputBinding:
     unit: str | None = None
     renamed_from: str | None = None
     known_fields: Mapping[str, Sequence[str]] | None = None
+    computed: Mapping[str, JsonValue] | None = None
+    computed_text: str = ""
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the value comes without hand-written code."""
+        return self.expression is not None or self.computed is not None
 
 
 @dataclass(frozen=True)
@@ -146,8 +156,10 @@ def _with_declared(known: FieldsOf, config: ConfigFile | None) -> FieldsOf:
 
 def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
     every = {"every_message": True} if binding.model.every_message else {}
+    computed = {"expression": binding.computed} if binding.computed is not None else {}
     return {
         **every,
+        **computed,
         "id": binding.model.id,
         "attribute": binding.attribute,
         "requires": [source.id for source in binding.requires],
@@ -177,6 +189,7 @@ def _bind(
         return [_unconfigured(item) for item in inputs], []
     problems: list[Problem] = []
     left = {item.id: item for item in inputs}
+    types = {item.id: item.type for item in inputs}
     bindings: list[InputBinding] = []
     for index, entry in enumerate(config.config.EDDIInputs):
         item = left.pop(entry.id, None)
@@ -186,7 +199,7 @@ def _bind(
             place = config.place("EDDIInputs", index, "id")
             problems.append(error("K013", f"the model has no input {entry.id!r}", place, hint))
             continue
-        binding, found = _Binder(item, entry, index, config, known).bind()
+        binding, found = _Binder(item, entry, index, config, known, types).bind()
         bindings.append(binding)
         problems += found
     for item in left.values():
@@ -227,11 +240,18 @@ class _Binder:
     """Joins one input of the model with one entry of ``EDDIInputs``."""
 
     def __init__(
-        self, item: ModelInput, entry: Input, index: int, config: ConfigFile, known: FieldsOf
+        self,
+        item: ModelInput,
+        entry: Input,
+        index: int,
+        config: ConfigFile,
+        known: FieldsOf,
+        types: Mapping[str, str],
     ) -> None:
         self.item, self.entry, self.index, self.config = item, entry, index, config
         self.problems: list[Problem] = []
         self.known = known
+        self.types = types
         sources = {source.id: source for source in reversed(config.config.SimulatorOutputs)}
         self.requires = tuple(sources[name] for name in dict.fromkeys(entry.requires))
         self.arguments = tuple(attribute(source.id) for source in self.requires)
@@ -243,6 +263,7 @@ class _Binder:
 
     def bind(self) -> tuple[InputBinding, list[Problem]]:
         """Return the joined input and what does not fit."""
+        computed = self._computed()
         self._check_arguments()
         self._check_type()
         factor = self._factor()
@@ -252,15 +273,33 @@ class _Binder:
             _attribute(self.item),
             self.requires,
             self.arguments,
-            self._expression(),
+            self._expression() if computed is None else None,
             self._max_age(),
             self.entry.default,
             factor,
             self.entry.unit if factor is not None else self.item.unit,
             self.entry.renamed_from,
             {name: tuple(of) for name, of in self.fields.items()},
+            computed.document if computed is not None else None,
+            computed.text if computed is not None else "",
         )
         return binding, self.problems
+
+    def _computed(self) -> InputExpression | None:
+        """Check ``expression:`` or ``states:``; what it reads becomes what the input requires."""
+        entry = self.entry
+        if entry.expression is None and entry.states is None:
+            return None
+        if entry.field is not None:
+            self._error("K043", f"{entry.id!r} has `field:` and `expression:`", "field")
+        found, problems = bind_expression(
+            self.item, self.index, self.config, self._fields_of, self.types
+        )
+        self.problems += problems
+        if found is not None:
+            self.requires = found.requires
+            self.arguments = tuple(attribute(source.id) for source in self.requires)
+        return found
 
     def _place(self, *key: str) -> Place:
         return self.config.place("EDDIInputs", self.index, *key)
@@ -298,6 +337,8 @@ class _Binder:
     def _expression(self) -> str | None:
         """Return the expression of ``field:``, or of the only field where that fits."""
         entry = self.entry
+        if entry.expression is not None or entry.states is not None:
+            return None  # it has an error
         if self.item.type == "float[]" and self.requires:
             return self._numbers()
         if len(self.requires) != 1:

@@ -40,6 +40,7 @@ from eddi_scaffold.problems import (
 )
 from eddi_scaffold.readers.xml_text import looks_like_xml
 from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.yaml_inside import inside_scalar
 from eddi_scaffold.yaml_nodes import Items, Map, Node, differs_between_versions, read_map, value_11
 
 _ALIASES = {
@@ -185,6 +186,9 @@ class Input(_Entry):
         default: value before the first message.
         unit: unit of the value, when it is not the model's.
         field: path into the message (``data``, ``guarantees[G0].active``).
+        expression: a condition or value over the messages (docs/events.md), in place of ``field``.
+        states: for an input that is a state: state -> condition.
+        polarity: what an UNKNOWN condition gives: nothing (``EVIDENCE``) or true (``HAZARD``).
         max_age: seconds after which the value is unknown, or ``none`` for never.
         renamed_from: former id; its hand-written body moves along.
     """
@@ -194,6 +198,9 @@ class Input(_Entry):
     default: Default = None
     unit: StrictStr | None = None
     field: StrictStr | None = None
+    expression: StrictStr | None = None
+    states: dict[StrictStr, StrictStr] | None = None
+    polarity: Literal["EVIDENCE", "HAZARD"] = "EVIDENCE"
     max_age: MaxAge = None
     renamed_from: Name | None = None
     allow_unsafe_default: StrictBool = False
@@ -224,12 +231,14 @@ class Config(_Section):
     """The whole file, checked for form; whether it fits the model is checked with the model.
 
     Attributes:
+        declarations: VAR, CONST and ENUM for the expressions of inputs.
         MessageTypes: message type -> field -> type, as in its ``.msg`` file: for types that
             eddi-scaffold does not know.
     """
 
     Model: ModelSection
     SimulatorOutputs: list[SimulatorOutput] = []
+    declarations: list[StrictStr] = []
     EDDIInputs: list[Input] = []
     EDDIOutputs: list[Output] = []
     Package: PackageSection = PackageSection()
@@ -247,12 +256,14 @@ class ConfigFile:
     Attributes:
         places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
         remembered: it comes from the answers of a package, not from its file.
+        text: of the file.
     """
 
     config: Config
     name: str
     places: Mapping[tuple[str | int, ...], Place]
     remembered: bool = False
+    text: str = ""
 
     def read(self, name: str) -> Source:
         """Open a file that is named relative to this configuration.
@@ -264,6 +275,10 @@ class ConfigFile:
             message = f"{name!r} cannot be read: the configuration is remembered, not given"
             raise EddiError(error("K033", message, hint="name the configuration with -c"))
         return read_source(Path(self.name).parent / name)
+
+    def inside(self, *path: str | int) -> Callable[[int], Place]:
+        """Return offset in the text of a value -> its place in the file."""
+        return inside_scalar(self.text, self.place(*path))
 
     def place(self, *path: str | int) -> Place:
         """Return the place of a part, or of the nearest part around it."""
@@ -316,7 +331,8 @@ def read_config(
         config = Config.model_validate(data)
     except ValidationError as failed:
         return None, in_order([*problems, *_translated(failed, places, source.name)])
-    file = ConfigFile(_with_types(config, robot), source.name, places)
+    text = source.data.decode("utf-8-sig", "replace")
+    file = ConfigFile(_with_types(config, robot), source.name, places, text=text)
     problems += _repeated_ids(file)
     return (None if has_errors(problems) else file), in_order(problems)
 
@@ -344,7 +360,7 @@ def options_of(file: ConfigFile | None) -> Options:
             type=_TYPES[item.type] if item.type is not None else None,
             unit=item.unit,
             default=item.default,
-            has_expression=False,
+            has_expression=item.expression is not None or item.states is not None,
             place=file.place("EDDIInputs", index),
             messages=tuple(types[name] for name in item.requires),
         )

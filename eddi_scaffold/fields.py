@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from eddi_scaffold.identifiers import is_identifier
-from eddi_scaffold.message_types import Fields, element, python_type
+from eddi_scaffold.message_types import Fields, element, is_primitive, python_type
 from eddi_scaffold.problems import did_you_mean
 
 _STEP = re.compile(r"\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)|\[(?P<key>[^\[\]\r\n]+)\]")
@@ -96,7 +96,7 @@ def type_at(path: FieldPath, message: str, fields_of: Callable[[str], Fields | N
         if inner is not None:
             message = f"{of} is a list; one element of it is [0]"
             raise ValueError(f"{message}, or [id] where the elements have ids")
-        if python_type(of) != of:
+        if is_primitive(of):
             raise ValueError(f"a {of} has no field {step.name!r}: the path ends before")
         known = fields_of(of)
         if known is None:

@@ -40,7 +40,7 @@ class Entry:
 def unwritten(root: Path, monitors: Iterable[Monitor]) -> list[str]:
     """Return where a person must still write how an input is made of its messages."""
     needed = {
-        monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if b.expression is None}
+        monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if not b.is_given}
         for monitor in monitors
     }
     return [

@@ -55,6 +55,7 @@ RESERVED = frozenset(
 )
 INPUT_MEMBERS = frozenset(
     {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
+    | {"update_expression"}
 )
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 

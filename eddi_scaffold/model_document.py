@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from eddi_runtime import EDDIInputBase
 from eddi_runtime import __version__ as runtime_version
 from eddi_runtime.model_file import ModelError, canonical, digest_of, parse_model
 from eddi_runtime.monitor import build
@@ -46,7 +47,9 @@ def model_document(
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:
-        build(parse_model(text, "the runtime model", kind.data_files(model)))
+        parsed = parse_model(text, "the runtime model", kind.data_files(model))
+        EDDIInputBase().bind(parsed.inputs)
+        build(parsed)
     except ModelError as refused:  # the runtime that will run it has the last word
         raise EddiError(error("K028", refused.reason, place)) from None
     return text

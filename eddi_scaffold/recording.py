@@ -335,6 +335,7 @@ class _Player:
         self.eddi_input.begin_step(
             {k: round(row.t - t, 9) for k, t in self._times.items()},
             {name: [sample] for name, sample in row.samples.items()},
+            round(row.t * 1e9),
         )
         for name, process in self._process.items():
             self._update[name](name, process, self._samples, (name,))

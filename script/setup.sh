@@ -6,14 +6,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ROS_PACKAGES="python3-rospy python3-roslaunch python3-rostopic python3-rosnode rosout python3-std-msgs
   python3-diagnostic-msgs python3-numpy ros-environment catkin catkin-tools cmake make g++
   ros-message-generation ros-message-runtime ros-std-msgs libstd-msgs-dev libdiagnostic-msgs-dev
-  rosbash catkin-lint"
+  rosbash catkin-lint python3-sensor-msgs"
 
 have_ros() {
   local name
   for name in roscore roslaunch rostopic rosnode catkin_make catkin catkin_lint cmake g++; do
     command -v "$name" >/dev/null || return 1
   done
-  /usr/bin/python3 -c 'import rospy, std_msgs.msg, diagnostic_msgs.msg, numpy' 2>/dev/null
+  /usr/bin/python3 -c 'import rospy, std_msgs.msg, diagnostic_msgs.msg, sensor_msgs.msg, numpy' 2>/dev/null
 }
 
 apt_install() { # as root on a Debian system; anything else says so and goes on without

@@ -12,6 +12,7 @@ from eddi_scaffold.message_types.definitions import (
     declared,
     element,
     fields_of,
+    is_primitive,
     packages_of,
     python_type,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "declared",
     "element",
     "fields_of",
+    "is_primitive",
     "known_messages",
     "packages_of",
     "python_type",

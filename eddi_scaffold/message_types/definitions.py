@@ -67,6 +67,11 @@ def element(of: str) -> str | None:
     return of.partition("[")[0] if of.endswith("]") else None
 
 
+def is_primitive(of: str) -> bool:
+    """Tell whether a type has no fields: ``bool``, ``float64``, ``string``, ..."""
+    return of in _PYTHON_TYPES
+
+
 def python_type(of: str) -> str:
     """Return ``bool``, ``int``, ``float``, ``str``, ``float[]`` or ``bool[]``, else the type.
 

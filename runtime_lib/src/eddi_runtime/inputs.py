@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
 import traceback
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 RESERVED_ATTRIBUTES = frozenset(
-    {"begin_step", "bind", "processing", "states", "update", "update_each"}
+    {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
+    | {"update_expression"}
 )
 """Members of ``EDDIInputBase``: no input can be held in an attribute of these names."""
 
@@ -26,6 +28,8 @@ class InputSpec(NamedTuple):
         factor: numerator and denominator: a given number times this is in the model's unit.
         default: value before the first message.
         every_message: the attribute holds the list of all values since the last step.
+        expression: what ``expression`` computes: forms of ``event.expression``, and ``names``:
+            first word of a variable -> ``message`` or ``input``, and its id.
     """
 
     id: str
@@ -35,6 +39,7 @@ class InputSpec(NamedTuple):
     factor: Optional[Tuple[int, int]] = None
     default: Any = None
     every_message: bool = False
+    expression: Optional[Mapping[str, Any]] = None
 
 
 class InputState(NamedTuple):
@@ -81,15 +86,27 @@ class EDDIInputBase:
         self.__specs: Dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = _NO_AGES
         self.__new: Optional[Mapping[str, Sequence[Any]]] = None
+        self.__expressions: Dict[str, Any] = {}
+        self.__messages: Mapping[str, Any] = _NO_AGES
+        self.__now: Optional[int] = None
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
-        """Take over attribute names and age limits of the model; called once by the node."""
+        """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
+        if any(spec.expression is not None for spec in specs):
+            from .event.expression import InputExpression  # noqa: PLC0415 - no other input pays for it
+
+            self.__expressions = {
+                spec.id: InputExpression(spec.expression)
+                for spec in specs
+                if spec.expression is not None
+            }
 
     def begin_step(
         self,
         ages: Optional[Mapping[str, float]] = None,
         new: Optional[Mapping[str, Sequence[Any]]] = None,
+        t_ns: Optional[int] = None,
     ) -> None:
         """Begin a step.
 
@@ -97,7 +114,9 @@ class EDDIInputBase:
             ages: SimulatorOutput id -> age of its latest message in seconds; absent means fresh.
             new: SimulatorOutput id -> the messages since the last step, oldest first, for inputs
                 that take every message; None: the latest message is the only new one.
+            t_ns: time of the step in nanoseconds, for expressions; None: the monotonic clock.
         """
+        self.__now = t_ns
         self.__ages = _NO_AGES if ages is None else ages
         self.__new = new
 
@@ -169,6 +188,66 @@ class EDDIInputBase:
             after = _invalid(problem, before)
         setattr(self, attribute, values)
         self.states[input_id] = after
+
+    def update_expression(
+        self,
+        input_id: str,
+        process: Callable[..., object],
+        simulator_outputs: Mapping[str, Any],
+        requires: Sequence[str],
+    ) -> None:
+        """Call ``process`` in every step, whatever has come; never raises.
+
+        A message that is missing, or older than the limit, is None for ``process`` and UNKNOWN for
+        ``expression``, whose windows go on.
+        """
+        spec = self.__specs.get(input_id)
+        attribute = input_id if spec is None else spec.attribute
+        before = self.states.get(input_id, _NEW)
+        limit = None if spec is None else spec.max_age
+        after: InputState
+        try:
+            messages = [simulator_outputs.get(name) for name in requires]
+            ages = [self.__ages.get(name, 0.0) for name in requires]
+            known = [
+                message if _aged([age], limit, before).state == "ok" else None
+                for message, age in zip(messages, ages)
+            ]
+            self.__messages = dict(zip(requires, known))
+            setattr(self, attribute, None)
+            process(*known)
+            if getattr(self, attribute, None) is not None:
+                after = InputState("ok", "", max(ages, default=0.0), before.errors)
+            elif any(message is None for message in messages):
+                after = _missing(messages, requires, before)
+            else:
+                after = _aged(ages, limit, before)
+                if after.state == "ok":
+                    after = InputState("invalid", "unknown as yet", after.age, before.errors)
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            setattr(self, attribute, None)
+            after = _invalid(problem, before)
+        self.states[input_id] = after
+
+    def expression(self, input_id: str) -> Any:
+        """Return what the expression of an input gives in this step, None for UNKNOWN.
+
+        Once in a step and only below ``update_expression``: it moves the expression's windows.
+        """
+        compiled = self.__expressions.get(input_id)
+        if compiled is None:
+            return None
+        names = self.__specs[input_id].expression["names"]  # type: ignore[index]  # it has one
+        values: Dict[str, Any] = {}
+        ages: Dict[str, float] = {}
+        for word, (kind, name) in names.items():
+            if kind == "message":
+                values[word] = self.__messages.get(name)
+                ages[word] = self.__ages.get(name, 0.0)
+            else:
+                values[word] = getattr(self, name, None)
+        now = time.monotonic_ns() if self.__now is None else self.__now
+        return compiled.value(now, values, ages)
 
     def _each(
         self,

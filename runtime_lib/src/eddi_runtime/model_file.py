@@ -235,7 +235,20 @@ def _input(item: Any, where: str) -> InputSpec:
         factor=_factor(item.get("factor"), where),
         default=item.get("default"),
         every_message=item.get("every_message") is True,
+        expression=_expression(item.get("expression"), where),
     )
+
+
+def _expression(value: Any, where: str) -> Optional[Mapping[str, Any]]:
+    if value is None:
+        return None
+    names = value.get("names") if isinstance(value, dict) else None
+    if not isinstance(names, dict) or not all(
+        isinstance(one, list) and len(one) == 2 and one[0] in ("message", "input")
+        for one in names.values()
+    ):
+        raise ModelError("", f"'expression' of {where} has no 'names'")
+    return dict(value)
 
 
 def _max_age(value: Any, where: str) -> Union[float, str, None]:

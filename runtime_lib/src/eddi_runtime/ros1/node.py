@@ -146,15 +146,14 @@ class MonitorNode:
         self.simulator_values = {name: receipt.message for name, receipt in receipts.items()}
         ages = {name: now - receipt.at for name, receipt in receipts.items()}
         new = self._subscriptions.new_messages()
+        t_ns = _time_ns()
+        self.eddi_input.begin_step(ages, new or None, t_ns)
         if new:
-            self.eddi_input.begin_step(ages, new)
             self._health.log_error("queue", _dropped_text(self._subscriptions.dropped()))
-        else:
-            self.eddi_input.begin_step(ages)
         self.eddi_input.processing(self.simulator_values)
         if not self._takes_time:
             return self.monitor.execute_step(self.eddi_input)
-        return self.monitor.execute_step(self.eddi_input, _time_ns())
+        return self.monitor.execute_step(self.eddi_input, t_ns)
 
     def _publish(self, output: Any) -> str:
         """Publish an output; return what was wrong with it although it could be published."""

@@ -1,0 +1,184 @@
+"""Inputs from expressions: checked in their places, and evaluated by the runtime."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from eddi_runtime import EDDIInputBase
+from eddi_runtime.model_file import parse_model
+
+from eddi_scaffold.binding import Monitor, monitor_of
+from eddi_scaffold.config import read_config
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.message_types import known_messages
+from eddi_scaffold.models import read_models
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.yaml_inside import inside_scalar
+from eddi_scaffold.yaml_nodes import Map, Scalar, read_document
+from tests.checkouts import HERE
+
+EXAMPLE = HERE / "examples" / "rover-events"
+SECOND = 1_000_000_000
+
+
+def joined(config: str) -> tuple[Monitor | None, list[Problem]]:
+    (model,) = read_models(read_source(EXAMPLE / "Rover.yml")).models
+    file, problems = read_config(Source("c.yml", config.encode()))
+    if file is None:
+        return None, problems
+    known = known_messages(kinds().values())
+    monitor, found = monitor_of(model, kinds()["consert"], file, known)
+    return monitor, [*problems, *found]
+
+
+def config(battery: str, motor: str = "expression: motor.data < 80", more: str = "") -> str:
+    return f"""Model: {{id: Rover, type: ConSert, frequency: 10}}
+SimulatorOutputs:
+  - {{id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1.0}}
+  - {{id: motor, type: std_msgs.Float32, topic: /motor, max_age: 0.5}}
+{more}EDDIInputs:
+  - id: BatteryIsFine
+    {battery}
+  - id: MotorIsCool
+    {motor}
+EDDIOutputs:
+  - {{id: rover, topic: /rover/guarantees}}
+"""
+
+
+def bound(monitor: Monitor) -> EDDIInputBase:
+    eddi_input = EDDIInputBase()
+    specs = parse_model(monitor.model_json, "model").inputs
+    eddi_input.bind(specs)
+    eddi_input.requires = {spec.id: spec.requires for spec in specs}
+    return eddi_input
+
+
+def step(
+    eddi_input: EDDIInputBase, name: str, t: int, ages: dict[str, float], **messages: Any
+) -> Any:
+    eddi_input.begin_step(ages, None, t)
+    eddi_input.update_expression(
+        name,
+        lambda *_: setattr(eddi_input, name, eddi_input.expression(name)),
+        messages,
+        eddi_input.requires[name],
+    )
+    return getattr(eddi_input, name)
+
+
+def test_an_expression_needs_no_requires_and_no_code() -> None:
+    monitor, problems = joined((EXAMPLE / "eddi_config.yml").read_text("utf-8"))
+    assert monitor is not None, problems
+    assert problems == []
+    battery = monitor.inputs[0]
+    assert [source.id for source in battery.requires] == ["battery"]
+    assert battery.is_given
+
+
+def test_missing_stale_and_nan_are_unknown() -> None:
+    monitor, problems = joined(config('expression: "battery.percentage > 0.2"'))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    good = SimpleNamespace(percentage=0.5)
+    name = "BatteryIsFine"
+    assert step(eddi_input, name, 0, {}) is None
+    assert eddi_input.states[name].state == "missing"
+    assert step(eddi_input, name, SECOND, {}, battery=good) is True
+    assert step(eddi_input, name, 2 * SECOND, {"battery": 1.1}, battery=good) is None
+    assert eddi_input.states[name].state == "stale"
+    nan = SimpleNamespace(percentage=float("nan"))
+    assert step(eddi_input, name, 3 * SECOND, {}, battery=nan) is None
+    assert step(eddi_input, name, 4 * SECOND, {}, battery=SimpleNamespace()) is None
+    assert step(eddi_input, name, 5 * SECOND, {}, battery=SimpleNamespace(percentage=0.1)) is False
+
+
+def test_what_is_known_decides_where_it_can() -> None:
+    monitor, problems = joined(config('expression: "battery.present AND motor.data < 80"'))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    absent = SimpleNamespace(present=False)
+    assert step(eddi_input, "BatteryIsFine", 0, {}, battery=absent) is False
+    assert step(eddi_input, "BatteryIsFine", 1, {}, battery=SimpleNamespace(present=True)) is None
+
+
+def test_a_hazard_is_true_when_unknown() -> None:
+    monitor, problems = joined(
+        config('expression: "battery.percentage < 0.2"\n    polarity: HAZARD')
+    )
+    assert monitor is not None, problems
+    assert step(bound(monitor), "BatteryIsFine", 0, {}) is True
+
+
+def test_another_input_may_be_named() -> None:
+    text = config(
+        'expression: "battery.present"', 'expression: "BatteryIsFine AND motor.data < 80"'
+    )
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    messages = {"battery": SimpleNamespace(present=True), "motor": SimpleNamespace(data=20.0)}
+    assert step(eddi_input, "BatteryIsFine", 0, {}, **messages) is True
+    assert step(eddi_input, "MotorIsCool", 0, {}, **messages) is True
+
+
+@pytest.mark.parametrize(
+    ("battery", "code", "line", "col", "words"),
+    [
+        ('expression: "batery.present"', "E002", 7, 18, "no simulator output 'batery'"),
+        ("expression: battery.presnt", "K020", 7, 17, "has no field 'presnt'"),
+        ("expression: battery.present.x", "K020", 7, 17, "a bool has no field 'x'"),
+        ("expression: battery.header", "K020", 7, 17, "is a std_msgs/Header"),
+        ('expression: "battery.present AND"', "E002", 7, 37, ""),
+        ("expression: battery.percentage", "E007", 7, 17, "the input needs a boolean"),
+        ("expression: battery.present > 2", "E007", 7, 17, ""),
+        ("expression: motor.data > 2\n    requires: [battery]", "K042", 8, 5, "`requires`"),
+        ("expression: motor.data > 2\n    field: data", "K043", 8, 12, "`field:`"),
+        ("states: {High: motor.data > 2}", "K043", 6, 5, "give `expression:`"),
+        ("expression: >-\n      battery.present\n      AND batery.present", "E002", 9, 11, ""),
+    ],
+)
+def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, words: str) -> None:
+    monitor, problems = joined(config(battery))
+    assert monitor is None
+    found = [(p.code, p.place.line, p.place.col) for p in problems if p.level == "error"]
+    assert (code, line, col) in found
+    assert words in " ".join(problem.message for problem in problems)
+
+
+def test_declarations_beside_the_inputs() -> None:
+    text = config(
+        "expression: battery.percentage > LEAST", more='declarations: ["CONST LEAST = 0.2"]\n'
+    )
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "key: plain text here",
+        'key: "quoted \\n \\u00e4 text"',
+        "key: 'it''s quoted'",
+        "key: folded\n  over lines",
+        "key: >\n  block of\n  text",
+        "key: |\n  two\n  lines",
+    ],
+)
+def test_places_inside_of_scalars(text: str) -> None:
+    node, problems = read_document(Source("x.yml", text.encode()), "K001")
+    assert not problems
+    assert isinstance(node, Map)
+    value = node.entries[0][1]
+    assert isinstance(value, Scalar)
+    of = inside_scalar(text, value.place)
+    lines = text.split("\n")
+    for offset, char in enumerate(value.text.rstrip("\n")):
+        place = of(offset)
+        assert place.line is not None
+        assert place.col is not None
+        there = lines[place.line - 1][place.col - 1 :]
+        assert there.startswith(char) or there[:1] in ("", "\\") or char in " \n"
