@@ -8,31 +8,48 @@ from eddi_scaffold.events.analysis import Analysis
 from eddi_scaffold.events.canonical import number_text
 from eddi_scaffold.events.scope import Variable
 
-ROWS = 60
+MIN_ROWS, MAX_ROWS = 60, 600
+_CELLS = 4000
+"""Cells at most: the page takes the values back in a form of limited size."""
 
 
 def example_signal(analysis: Analysis, rate: float | None) -> str:
-    """Return a recording as CSV: waves for numbers, slow changes for all else, one hole."""
-    step = 1 / (rate or 1.0)
+    """Return a recording as CSV, some windows long: waves for numbers, slow changes for all else.
+
+    In its last part one sample of each number is missing.
+    """
+    rows = _rows(analysis)
     lines = [",".join(["t", *(variable.name for variable in analysis.variables)])]
-    for row in range(ROWS):
+    for row in range(rows):
+        part = row / rows
+        missing = row == rows * 4 // 5
         cells = [
-            "nan"
-            if row == ROWS // 2 and variable.type and variable.type.kind == "number"
-            else _cell(variable, row, number, analysis)
-            for number, variable in enumerate(analysis.variables)
+            "nan" if missing and _kind(variable) == "number" else _cell(variable, part, k, analysis)
+            for k, variable in enumerate(analysis.variables)
         ]
-        lines.append(",".join([number_text(round(row * step, 9)), *cells]))
+        lines.append(",".join([number_text(round(row / (rate or 1.0), 9)), *cells]))
     return "\n".join(lines) + "\n"
 
 
-def _cell(variable: Variable, row: int, number: int, analysis: Analysis) -> str:
-    turn = row // (7 + 3 * number)
+def _rows(analysis: Analysis) -> int:
+    assert analysis.form is not None
+    longest: int = max((node.get("window", 0) for node in analysis.form["nodes"]), default=0)
+    wanted: int = 6 * longest // max(1, analysis.form["period"])
+    room = _CELLS // (len(analysis.variables) + 1)
+    return max(2, min(max(wanted, MIN_ROWS), MAX_ROWS, room))
+
+
+def _kind(variable: Variable) -> str:
+    return "number" if variable.type is None else variable.type.kind
+
+
+def _cell(variable: Variable, part: float, number: int, analysis: Analysis) -> str:
+    """Return the value at a part (0 to 1) of the recording."""
     if variable.type is not None and variable.type.enum:
         literals = analysis.enums[variable.type.enum]
-        return literals[turn % len(literals)]
-    if variable.type is not None and variable.type.kind == "bool":
-        return "true" if turn % 3 else "false"
+        return literals[int(part * 3 * len(literals)) % len(literals)]
+    if _kind(variable) == "bool":
+        return "false" if (part * (3 + number)) % 1 < 0.15 else "true"
     low, high = variable.range or (0.0, 120.0)
-    wave = 0.5 - 0.5 * math.cos(row / (5 + number))
-    return number_text(round(low + (high - low) * wave, 3))
+    wave = 0.5 - 0.5 * math.cos(2 * math.pi * part * (2 + 0.5 * number))
+    return number_text(round(low + (high - low) * min(1.0, 1.5 * wave), 3))
