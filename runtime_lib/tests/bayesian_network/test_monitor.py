@@ -275,6 +275,8 @@ def test_unforeseen_evidence_and_outputs_are_taken_in():
     hooks.said["Alarm"] = alarm
     assert posterior(one.execute_step(give()))["yes"] > 0.9
     assert one.inference.engine.observable == (3,)
+    assert one.status() == out.OK
+    assert one.explain().evidence == {"Alarm": "on"}
     hooks.said["Alarm"] = (True, {"on": 0.3, "off": 0.3})
     assert posterior(one.execute_step(give()), "Alarm")["on"] == pytest.approx(0.2180375)
     hooks.said["Alarm"] = alarm

@@ -125,6 +125,7 @@ class BayesianNetworkMonitor(Monitor):
         foreseen = flagged <= self._known and findings.keys() <= self._positions.keys()
         if not foreseen and not self._grow(flagged, findings):
             return []
+        last = self._last
         states = list(self._missing)
         weights: Dict[int, List[float]] = {}
         raw: List[object] = []
@@ -220,9 +221,14 @@ class BayesianNetworkMonitor(Monitor):
         return explain(self.inference.engine, self._last.states, self._last.weights)
 
     def posteriors(self, evidence: Mapping[str, Evidence]) -> Dict[str, Tuple[float, ...]]:
-        """Return the posteriors for evidence by name; see ``Inference.posteriors``."""
+        """Return the posteriors for evidence by name; see ``Inference.posteriors``.
+
+        Steps are not touched by it, unless a node was not foreseen as observable.
+        """
+        before = self.inference.engine
         found = self.inference.posteriors(evidence)
-        self._prepare()
+        if self.inference.engine is not before:
+            self._prepare()
         return found
 
     def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
@@ -257,8 +263,9 @@ class BayesianNetworkMonitor(Monitor):
             fresh.answer, fresh.problem = self._last.answer, str(problem)
             self._last = fresh
             return False
-        self._good = None
+        self._good, answer = None, self._last.answer
         self._prepare()
+        self._last.answer = answer
         return True
 
     def _prepare(self) -> None:
