@@ -68,7 +68,7 @@ def test_check_mend_generate_and_copy_by_the_keyboard(browser: Browser, address:
     assert "E005" in result(browser)
     assert browser.script("document.querySelector('mark').innerText") == "5"
     # the caret stands at the error: what is typed goes there
-    assert browser.script("document.getElementById('text').selectionStart") == 14
+    browser.wait("document.getElementById('text').selectionStart === 14")
     browser.type("5s")
     tab_to(browser, "check")
     browser.press("Enter")
@@ -78,6 +78,7 @@ def test_check_mend_generate_and_copy_by_the_keyboard(browser: Browser, address:
     browser.wait("document.getElementById('code0') !== null")
     code = browser.script("document.getElementById('code0').value")
     assert "class Monitor(Variables):" in code
+    browser.wait("!document.querySelector('.copy').hidden")
     browser.script("document.querySelector('.copy').focus()")
     browser.press("Enter")
     browser.wait("document.querySelector('.copy').innerText !== 'Copy'")

@@ -349,7 +349,7 @@ _ALL = (
     *(_EXTREME.format(name="max", sign="<="), _EXTREME.format(name="min", sign=">=")),
     *(_RATE, _MEDIAN, *_STATISTICS, _SUM_VALUE, _STDDEV_VALUE, _COVERED, _HOLD),
 )
-_WORD = re.compile(r"[a-z_]\w*")
+_WORD = re.compile(r"\b([a-z_]\w*)\(")
 _NAME = re.compile(r"(?m)^static \w+ (\w+)\(")
 
 
