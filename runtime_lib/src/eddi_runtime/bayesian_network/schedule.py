@@ -7,7 +7,7 @@ evidence: messages that depend on few inputs are looked up, only the others are 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, List, Mapping, Sequence, Tuple
+from typing import Callable, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from .graph import Component
 from .messages import Program
 from .model import Network
 from .tree import Tree
-
-if TYPE_CHECKING:
-    pass
 
 Weights = Mapping[int, Sequence[float]]
 
