@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 
-from eddi_runtime.event import values, windows
+from eddi_runtime.event import stacks, values, windows
 from eddi_runtime.event.form import BUFFERED, WINDOWS
 from eddi_runtime.event.source import CLASSES, class_lines
 
@@ -84,12 +84,13 @@ def _functions(model: MonitorModel) -> list[str]:
     used: dict[type, None] = {}
     for node in model.form.nodes:
         if node.op in WINDOWS:
-            found = getattr(windows, CLASSES[node.op])
+            name = CLASSES[node.op]
+            found = getattr(windows, name, None) or getattr(stacks, name)
             used.update(dict.fromkeys(reversed(found.__mro__[:-1])))
         if node.op in BUFFERED and node.coverage is not None:
             used[windows.Covered] = None
     # As they stand in the library: a base class comes first.
-    order = sorted(used, key=lambda cls: inspect.getsourcelines(cls)[1])
+    order = sorted(used, key=lambda cls: (cls.__module__ == stacks.__name__, _line(cls)))
     lines = _title(2, "Functions")
     for cls in order:
         lines += [*_source(cls), "", ""]
@@ -101,6 +102,10 @@ def _functions(model: MonitorModel) -> list[str]:
 def _types() -> list[str]:
     lines = _title(3, "Types")
     return [*lines, *_source(values.BoolVal), "", "", *_source(values.NumVal)]
+
+
+def _line(cls: type) -> int:
+    return inspect.getsourcelines(cls)[1]
 
 
 def _source(cls: type) -> list[str]:

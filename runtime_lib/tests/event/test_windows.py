@@ -7,7 +7,7 @@ import random
 import statistics
 
 import pytest
-from eddi_runtime.event import windows
+from eddi_runtime.event import stacks, windows
 
 STEP = 10**7
 
@@ -23,7 +23,8 @@ def play(window, samples, length):
 
 def made(name, samples, capacity=1 << 20):
     length = samples * STEP
-    return getattr(windows, name)(length, length - STEP, capacity), length
+    made_of = getattr(windows, name, None) or getattr(stacks, name)
+    return made_of(length, length - STEP, capacity), length
 
 
 @pytest.mark.parametrize("spikes", [(), (1e16,), (1e30,), (1e16, 1e30), (1e308, 1e308, -1e308)])

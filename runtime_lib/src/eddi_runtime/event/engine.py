@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ..plain_values import plain, show
-from . import windows
+from . import stacks, windows
 from .form import BOOL, NUMBER, Form, Variable, read_form
 from .source import class_lines
 
@@ -34,7 +34,7 @@ class Engine:
     """
 
     def __init__(self, form: Form) -> None:
-        names: Dict[str, Any] = {**vars(windows), "stamp_of": _stamp_of}
+        names: Dict[str, Any] = {**vars(windows), **vars(stacks), "stamp_of": _stamp_of}
         text = "\n".join([*class_lines(form), *_step_lines(form)])
         exec(compile(text, "<event>", "exec"), names)  # noqa: S102 - our own text, numbers only
         self.form = form

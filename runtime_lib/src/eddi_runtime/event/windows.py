@@ -2,9 +2,7 @@
 
 A window at time t holds the samples in (t - length, t]. It is full when the time since the first
 sample (after the start, a gap, or a clock that went back) is at least ``need`` = length - period.
-An UNKNOWN sample is NaN; it makes the window UNKNOWN as long as it is inside. Sums and moments are
-kept in two stacks, as sums from the newest sample to each older one, and as a sum of what came
-since: nothing is ever subtracted, so that a spike that has left leaves no error behind.
+An UNKNOWN sample is NaN; it makes the window UNKNOWN as long as it is inside.
 
 The classes stand in generated modules as they are here (``inspect.getsource``).
 """
@@ -247,133 +245,6 @@ class Median(Queue):
             return high
         value = 0.5 * low + 0.5 * high
         return value if value - value == 0.0 else nan
-
-
-class Stacks(Window):
-    """Two stacks: old samples with what was gathered from the newest of them, and new samples."""
-
-    __slots__ = ("_back", "_front")
-
-    def _clear(self) -> None:
-        self._front: List[Tuple[int, float, float]] = []
-        self._back: List[Tuple[int, float]] = []
-        self._start_back()
-
-    def expire(self, start: int) -> None:
-        """Drop the samples up to a time."""
-        front = self._front
-        while front and front[-1][0] <= start:
-            front.pop()
-        if not front and self._back and self._back[0][0] <= start:
-            self._turn(start)
-
-    def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
-        if len(self._front) + len(self._back) == self.capacity:
-            if not self._front:
-                self._turn(NEVER)
-            self._front.pop()
-            self._overflow(t)
-        self._back.append((t, x))
-        self._gather(x, len(self._back))
-
-    def _turn(self, start: int) -> None:
-        """Move the new samples to the old ones, gathering from the newest on."""
-        front = self._front
-        back, self._back = self._back, []
-        self._start_back()
-        for t, x in reversed(back):
-            if t <= start:
-                break
-            self._gather(x, len(front) + 1)
-            front.append((t, *self._gathered()))
-        self._start_back()
-
-    def _start_back(self) -> None:
-        raise NotImplementedError
-
-    def _gather(self, x: float, count: int) -> None:
-        raise NotImplementedError
-
-    def _gathered(self) -> Tuple[float, float]:
-        raise NotImplementedError
-
-
-class Sum(Stacks):
-    """SUM: compensated (Neumaier 1974), as a rounded sum and the sum of what was rounded off."""
-
-    __slots__ = ("_high", "_low")
-
-    def _start_back(self) -> None:
-        self._high = self._low = 0.0
-
-    def _gather(self, x: float, count: int) -> None:
-        high = self._high
-        total = high + x
-        if abs(high) >= abs(x):
-            self._low += (high - total) + x
-        else:
-            self._low += (x - total) + high
-        self._high = total
-
-    def _gathered(self) -> Tuple[float, float]:
-        return self._high, self._low
-
-    def value(self) -> float:
-        """Return the value over the samples."""
-        if not self._front:
-            total = self._high + self._low
-        else:
-            _, high, low = self._front[-1]
-            total = high + self._high
-            if abs(high) >= abs(self._high):
-                rest = (high - total) + self._high
-            else:
-                rest = (self._high - total) + high
-            total += rest + (low + self._low)
-        return total if total - total == 0.0 else nan
-
-
-class Average(Sum):
-    """AVERAGE: the sum by the number of samples."""
-
-    __slots__ = ()
-
-    def value(self) -> float:
-        """Return the value over the samples."""
-        return Sum.value(self) / (len(self._front) + len(self._back))
-
-
-class Deviation(Stacks):
-    """STDDEV: sample standard deviation (n - 1), from means and squares (Welford 1962)."""
-
-    __slots__ = ("_mean", "_squares")
-
-    def _start_back(self) -> None:
-        self._mean = self._squares = 0.0
-
-    def _gather(self, x: float, count: int) -> None:
-        away = x - self._mean
-        self._mean += away / count
-        self._squares += away * (x - self._mean)
-
-    def _gathered(self) -> Tuple[float, float]:
-        return self._mean, self._squares
-
-    def value(self) -> float:
-        """Return the value over the samples."""
-        old, new = len(self._front), len(self._back)
-        if old + new < 2:
-            return nan
-        squares = self._squares
-        if old:
-            _, mean, front = self._front[-1]
-            squares = front + squares
-            if new:  # Chan, Golub, LeVeque 1979
-                away = self._mean - mean
-                squares += away * away * (float(old) * float(new) / float(old + new))
-        value = squares / float(old + new - 1)
-        return math.sqrt(value) if value - value == 0.0 else nan
 
 
 class Hold:
