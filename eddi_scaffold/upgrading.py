@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -84,7 +84,7 @@ def targets(
         message = f"no package here is called {name!r}"
         hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
         raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
-    models, problems = _newer_models(group, model_file)
+    models, problems = _newer_models(group, model_file, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
     for folder, answers in group.present.items():
@@ -107,7 +107,9 @@ def targets(
     return packages, problems
 
 
-def _newer_models(group: Group, model_file: Path | None) -> tuple[dict[str, Model], list[Problem]]:
+def _newer_models(
+    group: Group, model_file: Path | None, configs: Iterable[str]
+) -> tuple[dict[str, Model], list[Problem]]:
     """Return the newer model of each package that has one in the file, read with its marks."""
     if model_file is None:
         return {}, []
@@ -116,6 +118,9 @@ def _newer_models(group: Group, model_file: Path | None) -> tuple[dict[str, Mode
     first = read_models(source)
     names = {(model.kind, model.name) for model in first.models}
     folders = [folder for folder, made in made_of.items() if made in names]
+    unnamed = _made_of_unnamed(group, first.models, source.file_name, configs)
+    made_of.update(unnamed)
+    folders += [folder for folder in unnamed if folder not in folders]
     if not folders:
         if has_errors(first.problems):
             raise EddiError(*first.problems)
@@ -133,6 +138,28 @@ def _newer_models(group: Group, model_file: Path | None) -> tuple[dict[str, Mode
             hint = f"remove the folder {folder} if the monitor is not wanted any more"
             problems.append(warning("U007", message, Place(source.name), hint))
     return {folder: found[made_of[folder]] for folder in folders}, problems
+
+
+def _made_of_unnamed(
+    group: Group, models: Sequence[Model], file: str, configs: Iterable[str]
+) -> dict[str, tuple[str, str]]:
+    """Return the packages that were made of a file whose model has no name: by the file's name.
+
+    Raises:
+        EddiError: several were, and no configuration says which one is meant (U006).
+    """
+    named = {model.kind: model.name for model in models if kinds()[model.kind].named_by_config}
+    found = {
+        folder: (answers["kind"], named[answers["kind"]])
+        for folder, answers in group.present.items()
+        if answers.get("kind") in named and answers.get("model_file") == file
+    }
+    chosen = {folder: made for folder, made in found.items() if folder in set(configs)} or found
+    if len(chosen) > 1:
+        message = f"several packages here were made of a file {file!r}: {', '.join(chosen)}"
+        hint = "name the folder of the one that is meant, or add its configuration with -c"
+        raise EddiError(error("U006", message, Place(models[0].source.name), hint))
+    return chosen
 
 
 def _answers(package: Path) -> dict[str, Any]:

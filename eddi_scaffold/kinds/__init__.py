@@ -270,6 +270,7 @@ class Kind:
             tool before a package is written.
         readme: lines of Markdown for the package's README.
         diagram: the picture of a model.
+        named_by_config: its files hold one model without a name; the configuration's id is one.
     """
 
     name: str
@@ -299,6 +300,7 @@ class Kind:
     cross_check: Callable[[Model, str], CrossCheck] | None = None
     readme: Callable[[Model], Sequence[str]] = _none
     diagram: Callable[[Model], Diagram] | None = None
+    named_by_config: bool = False
 
 
 @cache

@@ -66,5 +66,6 @@ KIND = Kind(
     data_files=_later("data_files"),
     readme=_later("readme"),
     diagram=_later("diagram"),
+    named_by_config=True,
 )
 """What the generator knows of SafeML."""
