@@ -42,6 +42,8 @@ def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[Monito
         result = verdicts[frame.t] = frame.output
         # what the node would publish and the ConSert's node receive
         evidence = one.status_message()[1]["in_scope"]
+        said = one.message(result)[1]
+        assert evidence == (not said["omission"] and not said["odd_violation"])
         flags = other.execute_step(SimpleNamespace(CameraInScope=evidence, MarkerVisible=True))
         precise[frame.t] = {row["id"]: row["active"] for row in flags}["PreciseLanding"]
         assert precise[frame.t] == (not result.omission and not result.odd_violation)
@@ -69,8 +71,25 @@ def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[Monitor])
         assert f">{name}<" in svg
 
 
+def test_the_status_message_has_the_evidence_as_a_field(tmp_path: Path) -> None:
+    text = (EXAMPLE / "landing_config.yml").read_text("utf-8")
+    expression = "expression: NOT scope.omission AND NOT scope.odd_violation"
+    assert expression in text
+    config = tmp_path / "landing_config.yml"
+    config.write_text(
+        text.replace(expression, "requires: [scope]\n    field: in_scope")
+        .replace("SafeMLOutput", "SafeMLStatus")
+        .replace("camera_scope/safeml", "camera_scope/safeml/status")
+    )
+    (landing,), problems = monitors_of(EXAMPLE / "landing.yml", [config])
+    assert problems == []
+    assert landing.inputs[0].expression == "scope.in_scope"
+
+
 def test_the_conserts_input_needs_no_hand_edit(monitors: list[Monitor]) -> None:
     scope, landing = monitors
-    assert [binding.expression for binding in landing.inputs] == ["scope.in_scope", "marker.data"]
     assert [binding.expression for binding in scope.inputs] == ["features"]
+    assert landing.inputs[0].requires[0].type == "eddi_messages/SafeMLOutput"
+    assert '"expression"' in landing.model_json
+    assert landing.inputs[1].expression == "marker.data"
     assert json.loads(scope.model_json)["settings"]["max_age"] == 1.0
