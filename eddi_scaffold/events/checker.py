@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -275,16 +276,22 @@ class Checker:
             )
             return None
         if constant[1]:
-            return left, self._converted(right, left.unit)
+            made = self._converted(right, left.unit, places[1])
+            return None if made is None else (left, made)
         if constant[0]:
-            return self._converted(left, right.unit), right
+            made = self._converted(left, right.unit, places[0])
+            return None if made is None else (made, right)
         factor = converted(1.0, right.unit, left.unit)
         message = f"the left side is in {left.unit}, this is in {right.unit}"
         self._findings.error("E009", places[1], message, f"multiply it by {factor:g}")
         return None
 
-    def _converted(self, value: Value, unit: str) -> Value:
+    def _converted(self, value: Value, unit: str, place: int) -> Value | None:
+        """Return a constant in another unit of its dimension."""
         row = self._builder.rows[value.node]
         number = None if row["value"] is None else converted(row["value"], value.unit or "", unit)
+        if number is not None and not math.isfinite(number):
+            self._findings.error("E013", place, f"the number does not fit into a double in {unit}")
+            return None
         line, column = row["at"]
         return Value(NUMBER, unit, self._builder.number(number, (line, column)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
@@ -204,6 +205,10 @@ def _range(
             return None
         else:
             ends.append(converted(bound.value, bound.unit, unit))
+    if not all(map(math.isfinite, ends)):
+        message = f"the bounds do not fit into doubles in {unit}"
+        findings.error("E013", declared.range[0].at, message)
+        return None
     if ends[0] > ends[1]:
         findings.error("E007", declared.range[0].at, "the RANGE is empty: its ends are swapped")
         return None

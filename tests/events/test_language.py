@@ -128,6 +128,8 @@ def test_diagnostics(text: str) -> None:
         ("VAR v : BOOL RANGE 0 .. 1 TIMEOUT 1s", "1:9 E007 UNIT and RANGE are for numbers"),
         ("VAR v : NUMBER RANGE 5 .. 1 TIMEOUT 1s", "1:22 E007 the RANGE is empty"),
         ("VAR v : NUMBER UNIT m RANGE 0 .. 5 degC TIMEOUT 1s", "1:34 E009 a bound in degC"),
+        ("VAR v : NUMBER UNIT mm TIMEOUT 1s v > 1e308 km", "1:39 E013 the number does not fit"),
+        ("VAR v : NUMBER UNIT mm RANGE 0 .. 1e308 km", "1:30 E013 the bounds do not fit"),
         ("VAR v : NUMBER RATE 10", "1:21 E002 a rate such as 10 Hz is expected"),
         ("EVENT e (MAYBE) := TRUE", "1:10 E002 EVIDENCE or HAZARD is expected, found 'MAYBE'"),
         ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E011 the name 'A' has two meanings"),

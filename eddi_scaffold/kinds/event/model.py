@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,7 +10,7 @@ from eddi_scaffold.events.analysis import Analysis, analyse
 from eddi_scaffold.events.report import cost_line
 from eddi_scaffold.events.units import same_dimension
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, Reading
-from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import Source
 
 NAME = "event"
@@ -61,7 +61,8 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
         return None, list(failure.problems)
     if analysis.form is None:
         return None, [problem for problem in analysis.problems if problem.level == "error"]
-    return replace(model, data=replace(events, analysis=analysis, rate=rate)), []
+    configured = replace(model, data=replace(events, analysis=analysis, rate=rate))
+    return configured, [] if options.frequency is None else list(_one_topic(model, analysis))
 
 
 def inputs(model: Model) -> Sequence[ModelInput]:
@@ -119,6 +120,14 @@ def events_of(model: Model) -> Events:
     """Return what this kind keeps in a model."""
     events: Events = model.data
     return events
+
+
+def _one_topic(model: Model, analysis: Analysis) -> Iterable[Problem]:
+    """Warn where the latest message of a topic may be that of another event."""
+    if len(analysis.events) > 1:
+        message = f"{len(analysis.events)} events share one topic: the latest message is of any"
+        hint = "evidence for another monitor is a file of its own, with one event"
+        yield warning("W005", message, model.place, hint)
 
 
 def _is_number(type_: Any) -> bool:

@@ -76,6 +76,14 @@ def test_wrong_files(text: str, code: str, folder: Path) -> None:
     assert (result.status, f"[{code}]" in result.err) == (1, True)
 
 
+def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
+    both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
+    assert "2 events share one topic: the latest message is of any [W005]" in both.err
+    (folder / "overheat.events").write_text(TEXT.rpartition("EVENT")[0])
+    alone = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
+    assert "W005" not in alone.err
+
+
 def test_run_on_recorded_inputs(folder: Path) -> None:
     words = ("run", "overheat.events", "-c", "eddi_config.yml", "-i", "values.csv", "--json")
     result = run(*words, cwd=folder)
@@ -122,7 +130,7 @@ def test_the_model_is_the_same_every_time(folder: Path) -> None:
         (monitor,), problems = monitors_of(
             folder / "overheat.events", [folder / "eddi_config.yml"], None, ()
         )
-        assert [problem.level for problem in problems] == []
+        assert [problem.code for problem in problems] == ["W005"]
         texts.add(monitor.model_json)
     (text,) = texts
     assert build(parse_model(text)).kind == "event"
