@@ -83,6 +83,18 @@ def test_hold_keeps_the_verdict_and_clear_does_not():
     assert not step(violated(settings={"on_omission": "clear"}), []).odd_violation
 
 
+def test_the_status_says_whether_a_verdict_is_held():
+    one = monitor(ROWS)
+    assert one.status_message()[1]["held"] is False
+    one = filled()
+    assert one.status_message()[1]["held"] is False
+    step(one, [])
+    assert one.status_message()[1]["held"] is True  # of no violation
+    one = filled(settings={"on_omission": "clear"})
+    step(one, [])
+    assert one.status_message()[1]["held"] is False
+
+
 def test_rows_with_a_bad_one_are_pushed_and_the_step_is_an_omission():
     one = filled()
     result = step(one, [[0.1], [NAN], [0.2]])

@@ -79,7 +79,7 @@ class SafeMLMonitor:
         self._phase = 0
         self._accepted = self._rejected = 0
         self._accepted_ns: Optional[int] = None
-        self._violation = False
+        self._violation = self._judged = False
         self._statistics: Optional[Array] = None
         self._fault = ""
         self._last = self._omitted(FILLING)
@@ -134,6 +134,7 @@ class SafeMLMonitor:
             self._statistics = self._window.statistics()
         test = int(self._statistics.argmax())
         largest = self._statistics[test]
+        self._judged = True
         self._violation = bool(largest >= self._model.threshold)
         value = self._comparison.value(largest)
         return SafeMLResult(
@@ -224,7 +225,11 @@ class SafeMLMonitor:
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``SafeMLStatus`` tree without header."""
         return result.status_message(
-            self._last, self._model.metric_name, self._window.filled, self._model.window_size
+            self._last,
+            self._model.metric_name,
+            self._window.filled,
+            self._model.window_size,
+            held=self._last.omission and self._model.hold and self._judged,
         )
 
     def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:

@@ -111,12 +111,22 @@ def output_message(result: Any, significance_level: float) -> Tuple[Tree, List[s
     return ("SafeMLOutput", fields), faults
 
 
-def status_message(result: SafeMLResult, metric: str, filled: int, window_size: int) -> Tree:
-    """Return the facts behind a result as a ``SafeMLStatus`` tree without header."""
+def status_message(
+    result: SafeMLResult, metric: str, filled: int, window_size: int, *, held: bool
+) -> Tree:
+    """Return the facts behind a result as a ``SafeMLStatus`` tree without header.
+
+    Args:
+        result: of the last step.
+        metric: its name in the configuration.
+        filled: samples in the window.
+        window_size: samples in a full one.
+        held: ``odd_violation`` is the verdict of a former step.
+    """
     fields = {
         "omission": result.omission,
         "odd_violation": result.odd_violation,
-        "held": result.omission and result.odd_violation,
+        "held": held,
         "metric": metric,
         "statistic": result.statistic,
         "threshold": result.threshold,
