@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from eddi_runtime.safeml.comparison import Comparison
 
-from benchmarks.safeml_power import WINDOW, Rows, planned, power, process, rate
 from eddi_scaffold.kinds.safeml.model import Metric
 from eddi_scaffold.kinds.safeml.thresholds import theoretical
+from tests.kinds.safeml.simulation import WINDOW, Rows, planned, power, process, rate
 
 METRICS: tuple[Metric, ...] = ("ks", "cvm", "ad")
 

@@ -1,33 +1,26 @@
 """What SafeML monitors find: share of windows that count as a violation, per fault and statistic.
 
 20 features are made of 10 factors and noise; the fault changes one feature, by its standard
-deviation. ``features`` tests the 20 features themselves; ``PCA-10`` tests ten components and the
-residual. The row ``none`` is the rate of false violations.
+deviation. Prints the table of docs/safeml.md: the 20 features themselves, then ten components and
+the residual. The row ``none`` is the rate of false violations.
 
-    python benchmarks/safeml_power.py [--quick] [--json]
+    PYTHONPATH=.:runtime_lib/src python -m tests.kinds.safeml.simulation [--quick]
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from eddi_runtime.safeml.comparison import Comparison
+from eddi_runtime.safeml.design import Design
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
-
-from eddi_runtime.safeml.comparison import Comparison  # noqa: E402 - runs from the checkout
-from eddi_runtime.safeml.design import Design  # noqa: E402
-
-from eddi_scaffold.kinds.safeml.calibration import largest_statistics  # noqa: E402
-from eddi_scaffold.kinds.safeml.model import Metric, Plan, Reference, Settings  # noqa: E402
-from eddi_scaffold.kinds.safeml.plan import plan  # noqa: E402
-from eddi_scaffold.source import Source  # noqa: E402
+from eddi_scaffold.kinds.safeml.calibration import largest_statistics
+from eddi_scaffold.kinds.safeml.model import Metric, Plan, Reference, Settings
+from eddi_scaffold.kinds.safeml.plan import plan
+from eddi_scaffold.source import Source
 
 Rows = Any
 """numpy.ndarray (rows, features)."""
@@ -97,23 +90,16 @@ def power(
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="fewer windows")
-    parser.add_argument("--json", action="store_true")
-    options = parser.parse_args()
-    references, windows = (2, 50) if options.quick else (8, 250)
+    references, windows = (2, 50) if parser.parse_args().quick else (8, 250)
     columns: list[tuple[Metric, int | None]] = [
         (metric, components) for components in (None, 10) for metric in ("ks", "cvm", "ad")
     ]
-    rows = []
     for fault in FAULTS:
-        found = [
+        found = (
             power(metric, components, fault, references=references, windows=windows)
             for metric, components in columns
-        ]
-        rows.append({"fault": fault, "found": found})
-        if not options.json:
-            print(f"| {fault} | {' | '.join(f'{share:.2f}' for share in found)} |", flush=True)
-    if options.json:
-        print(json.dumps({"columns": columns, "rows": rows}, indent=1))
+        )
+        print(f"| {fault} | {' | '.join(f'{share:.2f}' for share in found)} |", flush=True)
 
 
 if __name__ == "__main__":
