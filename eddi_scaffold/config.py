@@ -212,10 +212,12 @@ class Output(_Entry):
     Attributes:
         field: path into the result (``guarantees[G0].active``): its value alone is published, as a
             message of ``std_msgs``; without it the whole result.
+        event: of a kind that gives several messages in a step: the id of the one that goes here.
     """
 
     topic: Topic
     field: StrictStr | None = None
+    event: Name | None = None
 
 
 class PackageSection(_Section):
@@ -367,13 +369,13 @@ def options_of(file: ConfigFile | None) -> Options:
         for index, item in enumerate(config.EDDIInputs)
     )
     return Options(
-        section.id,
-        {key: value for key, value in values.items() if value is not None},
-        inputs,
-        section.frequency,
-        section.id,
-        lambda *path: file.place("Model", *path),
-        file.read,
+        id=section.id,
+        values={key: value for key, value in values.items() if value is not None},
+        inputs=inputs,
+        frequency=section.frequency,
+        parts=tuple(output.event for output in config.EDDIOutputs),
+        place=lambda *path: file.place("Model", *path),
+        read=file.read,
     )
 
 

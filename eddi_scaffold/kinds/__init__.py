@@ -125,7 +125,7 @@ class Options:
         values: the keys of ``Model:`` that the kind declares, and ``parameters``; plain values.
         inputs: the entries of ``EDDIInputs``.
         frequency: steps per second.
-        model_id: the id that the configuration gives the model.
+        parts: of each output, the part of the result that it publishes; ``None`` for all.
         place: path into ``values`` (``"outputs", 0``) -> where it stands, or what is around it.
         read: opens a file that is named relative to the configuration; raises EddiError.
     """
@@ -134,7 +134,7 @@ class Options:
     values: Mapping[str, JsonValue] = field(default_factory=dict)
     inputs: tuple[DeclaredInput, ...] = ()
     frequency: float | None = None
-    model_id: str | None = None
+    parts: tuple[str | None, ...] = ()
     place: Callable[..., Place] = _nowhere
     read: Callable[[str], Source] = _no_files
 
@@ -257,6 +257,7 @@ class Kind:
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
         output_message: name of the message that the monitor publishes.
         status_message: name of the message with the facts behind it, ``None`` for none.
+        parts: ids of results that are messages of their own, which an output may choose.
         options: keys of ``Model:`` in a configuration that this kind understands.
         configure: takes what the configuration says into the model; comes before ``inputs``,
             ``runtime_model`` and all below.
@@ -300,6 +301,7 @@ class Kind:
     cross_check: Callable[[Model, str], CrossCheck] | None = None
     readme: Callable[[Model], Sequence[str]] = _none
     diagram: Callable[[Model], Diagram] | None = None
+    parts: Callable[[Model], Sequence[str]] = _none
     named_by_config: bool = False
 
 

@@ -78,7 +78,7 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     )
     if has_errors(problems):
         return None, problems
-    name = options.model_id or model.name
+    name = options.id or model.name
     return replace(model, name=name, options=settings), problems
 
 

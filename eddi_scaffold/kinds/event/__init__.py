@@ -15,6 +15,7 @@ from eddi_scaffold.kinds.event.model import (
     inputs,
     model_part,
     outline,
+    parts,
     read_file,
     readme,
 )
@@ -57,5 +58,6 @@ KIND = Kind(
     output_message="EventOutput",
     configure=configure,
     readme=readme,
+    parts=parts,
 )
 """What the generator knows of events."""

@@ -62,7 +62,9 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     if analysis.form is None:
         return None, [problem for problem in analysis.problems if problem.level == "error"]
     configured = replace(model, data=replace(events, analysis=analysis, rate=rate))
-    return configured, [] if options.frequency is None else list(_one_topic(model, analysis))
+    return configured, [] if options.frequency is None else list(
+        _one_topic(model, analysis, options.parts)
+    )
 
 
 def inputs(model: Model) -> Sequence[ModelInput]:
@@ -122,12 +124,17 @@ def events_of(model: Model) -> Events:
     return events
 
 
-def _one_topic(model: Model, analysis: Analysis) -> Iterable[Problem]:
+def _one_topic(model: Model, analysis: Analysis, parts: Sequence[str | None]) -> Iterable[Problem]:
     """Warn where the latest message of a topic may be that of another event."""
-    if len(analysis.events) > 1:
+    if len(analysis.events) > 1 and None in parts:
         message = f"{len(analysis.events)} events share one topic: the latest message is of any"
-        hint = "evidence for another monitor is a file of its own, with one event"
+        hint = "give each event an output of its own: `event: ID` beside `topic:`"
         yield warning("W005", message, model.place, hint)
+
+
+def parts(model: Model) -> Sequence[str]:
+    """Return the ids of the events, each of which is a message of its own."""
+    return [event.id for event in events_of(model).analysis.events]
 
 
 def _is_number(type_: Any) -> bool:

@@ -11,7 +11,7 @@ from eddi_scaffold.config import ConfigFile, Output
 from eddi_scaffold.fields import Attribute, ById, FieldPath, Index, parse_field, type_at
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.message_types import FieldsOf, known_messages
-from eddi_scaffold.problems import Problem, error
+from eddi_scaffold.problems import Problem, did_you_mean, error
 
 MESSAGE_PACKAGE = "eddi_messages"
 _OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
@@ -38,7 +38,14 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
     known = known_messages([monitor.kind])
     found: list[Publication] = []
     problems: list[Problem] = []
+    parts = list(monitor.kind.parts(monitor.model))
     for index, output in enumerate(config.config.EDDIOutputs):
+        if output.event is not None and output.event not in parts:
+            hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
+            place = config.place("EDDIOutputs", index, "event")
+            message = f"the monitor gives no message of {output.event!r} alone"
+            problems.append(error("K045", message, place, hint))
+            continue
         if output.field is None:
             found.append(Publication(output, whole))
             continue
@@ -67,8 +74,15 @@ def publication_answers(
         "message_class": classes[publication.type],
         "status_topic": ascii(f"{output.topic}/status" if status and whole else None),
         "status_class": f"eddi_messages.msg.{status}" if status and whole else "None",
-        "more": "" if whole else f"\n            field={_literal(publication.path)},",
+        "more": _more(publication),
     }
+
+
+def _more(publication: Publication) -> str:
+    """Return the arguments that only some publications have."""
+    field = f"\n            field={_literal(publication.path)}," if publication.path else ""
+    event = publication.output.event
+    return field + (f"\n            only={event!a}," if event is not None else "")
 
 
 def _type_at(path: FieldPath, message: str, known: FieldsOf) -> str:

@@ -79,6 +79,22 @@ def test_wrong_files(text: str, code: str, folder: Path) -> None:
 def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
     both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
     assert "2 events share one topic: the latest message is of any [W005]" in both.err
+    config = folder / "eddi_config.yml"
+    text = config.read_text()
+    outputs = "EDDIOutputs:\n  - {id: e, topic: /e, event: %s}\n"
+    (first, *_) = [line.split()[1] for line in TEXT.splitlines() if line.startswith("EVENT")]
+    config.write_text(text.partition("EDDIOutputs:")[0] + outputs % first)
+    apart = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
+    assert "W005" not in apart.err
+    (folder / "ws" / "src").mkdir(parents=True)
+    words = ("generate", "-w", "ws", "-m", "overheat.events", "-c", "eddi_config.yml")
+    assert run(*words, cwd=folder).status == 0
+    (node,) = (folder / "ws").rglob("RosNode.py")
+    assert f"only={first!a}," in node.read_text()
+    config.write_text(text.partition("EDDIOutputs:")[0] + outputs % "nothing")
+    wrong = run(*words, cwd=folder)
+    assert (wrong.status, "[K045]" in wrong.err) == (2, True)
+    config.write_text(text)
     (folder / "overheat.events").write_text(TEXT.rpartition("EVENT")[0])
     alone = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
     assert "W005" not in alone.err

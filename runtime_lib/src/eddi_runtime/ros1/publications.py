@@ -278,7 +278,7 @@ class Publications:
         messages = message if isinstance(message, list) else [message]
         for output, publisher in self._results:
             for one in messages:
-                if one is not None:
+                if one is not None and output.only in (None, getattr(one, "id", None)):
                     publisher.publish(picked(one, output, output.topic))
 
     def publish_status(self, message: Any) -> None:

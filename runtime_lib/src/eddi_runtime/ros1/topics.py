@@ -40,6 +40,7 @@ class Output(NamedTuple):
         status_type: its message class (with a header), ``None`` for none.
         field: where the value stands that is published alone, as ``data`` of a message of
             std_msgs: names of fields, positions and ``("id", id)``; empty: the whole result.
+        only: id of the one message, of several in a step, that goes here; ``None``: all.
     """
 
     id: str
@@ -48,3 +49,4 @@ class Output(NamedTuple):
     status_topic: Optional[str] = None
     status_type: Any = None
     field: Tuple[Any, ...] = ()
+    only: Optional[str] = None
