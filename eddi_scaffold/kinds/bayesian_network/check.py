@@ -6,10 +6,10 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import islice, product
 
-from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network, Node
+from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network, Node, in_digits
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
 
 TOLERANCE = 1e-6
@@ -117,10 +117,10 @@ class _Check:
             return None
         counts = [*(len(states) for states in parents), len(own)]
         if len(draft.values) != math.prod(counts):
-            expected = " x ".join(map(str, counts))
+            expected = " x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else "")
             message = (
                 f"the table of {draft.id!r} has {len(draft.values)} values, expected "
-                f"{math.prod(counts)} ({expected})"
+                f"{in_digits(math.prod(counts))} ({expected})"
             )
             self._error("B111", message, draft.values_place)
             return None
@@ -196,8 +196,3 @@ def first_missing(
         for combination in islice(lacking, 3)
     ]
     return total - len(there), shown
-
-
-def renamed(network: Network, name: str) -> Network:
-    """Return the network under another name."""
-    return replace(network, name=name)

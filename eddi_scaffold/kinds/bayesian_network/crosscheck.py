@@ -143,10 +143,10 @@ def _difference(
     try:
         ours = monitor.inference.posteriors(case)
     except InconsistentEvidenceError:
-        return 0.0  # pgmpy gives NaN, or echoes an output that is observed
+        return 0.0  # pgmpy says so only where the contradiction touches what is asked
     largest = 0.0
     for output in outputs:
         theirs = peer.posterior(output, case)
         pairs = zip(ours[output], theirs, strict=True)
-        largest = max(largest, *(abs(a - b) if b == b else 0.0 for a, b in pairs))  # noqa: PLR0124 - NaN
+        largest = max(largest, *(1.0 if math.isnan(b) else abs(a - b) for a, b in pairs))
     return largest

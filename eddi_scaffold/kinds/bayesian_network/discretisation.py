@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -134,8 +135,6 @@ class _Entry:
 
     def _input(self) -> str | None:
         name = self.given.get("input")
-        if name is None and len(self.inputs) == 0:
-            return self.node.id  # without a configuration around it, as in a test of one node
         if not isinstance(name, str):
             self._error("B404", "`input` must name an entry of EDDIInputs")
             return None
@@ -197,8 +196,10 @@ class _Entry:
             value: JsonValue = self.given[key]
             if not _is_number(value) or not math.isfinite(value):
                 self._error("B404", f"`{key}` must be a finite number", key)
-            elif (key == "hysteresis" and value < 0) or (key == "scale" and value == 0):
-                self._error("B404", f"`{key}` must be above 0", key)
+            elif key == "hysteresis" and value < 0:
+                self._error("B404", "`hysteresis` must not be negative", key)
+            elif key == "scale" and value == 0:
+                self._error("B404", "`scale` must not be 0", key)
         if "range" in self.given:
             limits: JsonValue = self.given["range"]
             fits = isinstance(limits, list) and len(limits) == 2 and all(map(_is_number, limits))
@@ -251,7 +252,7 @@ class _Entry:
             self._error("B404", message, "sentinel")
             return []
         for number, pair in enumerate(given):
-            if not isinstance(pair, list) or len(pair) != 2 or isinstance(pair[0], (list, dict)):
+            if not isinstance(pair, list) or len(pair) != 2 or not _is_raw(pair[0]):
                 self._error("B404", message, "sentinel", number)
             elif pair[1] != UNOBSERVED:
                 self._known_state(pair[1], "sentinel", number)
@@ -275,7 +276,17 @@ class _Entry:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Tell whether a value is a number that a double can hold; NaN and infinity are."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return isinstance(value, float) or abs(value) <= sys.float_info.max
+
+
+def _is_raw(value: object) -> bool:
+    """Tell whether an input can have this value and JSON can hold it."""
+    if isinstance(value, bool | str):
+        return True
+    return _is_number(value) and math.isfinite(float(str(value)))
 
 
 def _as_integer(text: str) -> int | None:

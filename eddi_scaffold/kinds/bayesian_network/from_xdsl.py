@@ -6,12 +6,19 @@ from collections.abc import Iterator
 
 from eddi_scaffold.kinds.bayesian_network.check import check_network
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
-from eddi_scaffold.problems import Place, Problem, error
+from eddi_scaffold.kinds.bayesian_network.noisymax import NoisyMaxError, noisy_max_table
+from eddi_scaffold.problems import Place, Problem, error, has_errors, warning
 from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
 
+_TYPES = {
+    "cpt": "probabilities",
+    "deterministic": "resultingstates",
+    "noisymax": "parameters",
+}
+"""Type of node -> element with its numbers."""
+_GENERAL = "GeNIe: change the node type to General, then save"
 _ADVICE = {
-    "noisymax": "GeNIe: change the node type to General, then save",
-    "noisyadder": "GeNIe: change the node type to General, then save",
+    "noisyadder": _GENERAL,
     "decision": "remove it: a monitor does not decide",
     "utility": "remove it: a monitor does not decide",
     "mau": "remove it: a monitor does not decide",
@@ -34,7 +41,7 @@ def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list
     drafts = list(reader.drafts())
     place = Place(file, line_of(root))
     network, problems = check_network(root.get("id") or stem, drafts, place)
-    problems = [*reader.problems, *problems]
+    problems = [*reader.problems, *reader.warnings, *problems]
     return (None if reader.problems else network), problems
 
 
@@ -42,6 +49,7 @@ class _Reader:
     def __init__(self, root: Element, file: str) -> None:
         self.root, self.file = root, file
         self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
         self.titles = {
             str(node.get("id")): _words(node, "name")
             for node in select(root, "extensions//node[@id]")
@@ -55,7 +63,7 @@ class _Reader:
         declared = {str(e.get("id")) for e in select(self.root, "nodes/*[@id]")}
         for element in select(self.root, "nodes/*"):
             of, name = feature_of(element), element.get("id") or ""
-            if of not in ("cpt", "deterministic"):
+            if of not in _TYPES:
                 message = f"the node {name!r} is of type {of!r}, which cannot be run"
                 hint = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
                 self._error("B202", message, element, hint)
@@ -73,13 +81,18 @@ class _Reader:
                 self.problems.append(error("B203", message, parent.place, hint))
         names = [state.text for state in states]
         self.states[name] = names
-        tag = "probabilities" if of == "cpt" else "resultingstates"
+        tag = _TYPES[of]
         holders = select(element, tag)
         values: tuple[str, ...] | None = None
         before = len(self.problems)
         if holders:
             words = _words(element, tag).split()
-            values = tuple(words) if of == "cpt" else self._rows(words, names, name, holders[0])
+            if of == "cpt":
+                values = tuple(words)
+            elif of == "deterministic":
+                values = self._rows(words, names, name, holders[0])
+            else:
+                values = self._noisy_max(words, names, [one.text for one in parents], element)
         place = self._place(holders[0]) if holders else self._place(element)
         return Draft(
             name,
@@ -90,7 +103,7 @@ class _Reader:
             self._place(element),
             place,
             target=element.get("target") == "true",
-            broken=any(one.code == "B205" for one in self.problems[before:]),
+            broken=has_errors(self.problems[before:]) or bool(holders and values is None),
         )
 
     def _rows(
@@ -104,6 +117,25 @@ class _Reader:
                 self._error("B205", message, element, f"its states: {', '.join(states)}")
             found += ["1.0" if state == word else "0.0" for state in states]
         return tuple(found)
+
+    def _noisy_max(
+        self, words: list[str], states: list[str], parents: list[str], element: Element
+    ) -> tuple[str, ...] | None:
+        """Return the whole table; ``None`` when states are missing, which is said elsewhere."""
+        cards = [len(self.states.get(parent, ())) for parent in parents]
+        if min([len(states), *cards]) < 2:
+            return None
+        name, strengths = element.get("id") or "", _words(element, "strengths").split()
+        try:
+            values, leaks = noisy_max_table(words, strengths, cards, len(states))
+        except NoisyMaxError as fault:
+            self._error("B206", f"the noisy-MAX node {name!r}: {fault}", element, _GENERAL)
+            return None
+        if leaks:
+            message = f"the leak of the noisy-MAX node {name!r} is read as a net parameter (Diez)"
+            hint = "compare its table with GeNIe's, or change the node type to General there"
+            self.warnings.append(warning("B208", message, self._place(element), hint))
+        return values
 
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))

@@ -12,7 +12,7 @@ from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
 from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
 from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
 from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
-from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import settings_of
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
@@ -85,7 +85,9 @@ def outline(model: Model) -> Sequence[str]:
     settings = settings_of(model)
     lines.append(f"outputs: {', '.join(settings.outputs)}")
     width = settings.width
-    lines.append(f"largest table of the inference, all nodes observable: {width.largest} entries")
+    lines.append(
+        f"largest table of the inference, all nodes observable: {in_digits(width.largest)} entries"
+    )
     return lines
 
 
@@ -121,7 +123,7 @@ def runtime_model(model: Model) -> dict[str, JsonValue]:
             for node in network.nodes
         ],
         "outputs": list(settings.outputs),
-        "observed": None,
+        "observed": None if settings.foreseen is None else list(settings.foreseen),
         "discretisation": {one.node: dict(one.data) for one in settings.declarations},
         "direct": dict(settings.direct),
     }
@@ -152,5 +154,5 @@ def readme(model: Model) -> Sequence[str]:
         "",
         text,
         "",
-        f"The largest table of the inference has {width.largest} entries.",
+        f"The largest table of the inference has {in_digits(width.largest)} entries.",
     )

@@ -8,9 +8,8 @@ Source: SESAME D7.2 section 3.2; Pearl, "Probabilistic Reasoning in Intelligent 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from itertools import product
 
 from eddi_scaffold.problems import Place
 
@@ -65,6 +64,18 @@ class Network:
                 found[parent].append(node.id)
         return found
 
+    def ancestors(self, names: Iterable[str]) -> set[str]:
+        """Return the nodes with everything above them."""
+        parents = {node.id: node.parents for node in self.nodes}
+        found: set[str] = set()
+        waiting = list(names)
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                waiting += parents[name]
+        return found
+
     def in_order(self) -> list[Node]:
         """Return the nodes, parents first; the order of the file wherever it allows that."""
         done: set[str] = set()
@@ -109,11 +120,8 @@ class Draft:
     broken: bool = False
 
 
-def combinations(network_states: list[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
-    """Return the combinations of the parents' states in the order of a table's rows."""
-    return product(*network_states)
-
-
-def size_of(counts: list[int]) -> int:
-    """Return the number of entries of a table."""
-    return math.prod(counts)
+def in_digits(number: int) -> str:
+    """Return a count for people; beyond 15 digits its order of magnitude."""
+    if number < 10**15:
+        return str(number)
+    return f"about 10^{math.floor(math.log10(number))}"

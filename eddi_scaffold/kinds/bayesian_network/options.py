@@ -10,7 +10,7 @@ from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import InputType, JsonValue, Model, ModelInput, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
-from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import node_attributes
 from eddi_scaffold.problems import Problem, did_you_mean, error, has_errors, info, warning
 
@@ -23,7 +23,8 @@ class Settings:
 
     Attributes:
         outputs: nodes whose posteriors are given, in the order of the network.
-        observed: nodes that inputs feed, in the order of the network.
+        observed: nodes that inputs feed or `observed:` names, in the order of the network.
+        foreseen: what `observed:` names, `None` without it.
         declarations: discretised nodes.
         direct: node -> input that holds its state or likelihoods.
         inputs: what the monitor reads.
@@ -38,6 +39,7 @@ class Settings:
     direct: Mapping[str, str]
     inputs: tuple[ModelInput, ...]
     width: Width
+    foreseen: tuple[str, ...] | None = None
     renamed: Mapping[str, str] = field(default_factory=dict)
     evidence: Mapping[str, JsonValue] = field(default_factory=dict)
 
@@ -49,10 +51,9 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     problems += _wrong_choices(options)
     direct = _direct(network, options, declarations)
     inputs = _apart(_inputs(network, options, declarations, direct))
-    observed = _named(network, options, "observed", problems)
-    fed = {one.node for one in declarations} | set(direct)
-    if observed is None:
-        observed = [node for node in network.names() if node in fed]
+    foreseen = _named(network, options, "observed", problems)
+    fed = {one.node for one in declarations} | set(direct) | set(foreseen or ())
+    observed = [node for node in network.names() if node in fed]
     outputs = _outputs(network, options, observed, problems)
     renamed = _renamed(network, options, problems)
     if has_errors(problems):
@@ -73,6 +74,7 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
         direct,
         inputs,
         width,
+        None if foreseen is None else tuple(foreseen),
         renamed,
         evidence,
     )
@@ -238,8 +240,8 @@ def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
     shown = ", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else "")
     limit = TOO_LARGE if width.too_large else LARGE
     message = (
-        f"the largest table of the inference has {width.largest} entries (over {shown}), more than "
-        f"{limit}"
+        f"the largest table of the inference has {in_digits(width.largest)} entries, more than "
+        f"{limit} (over {shown})"
     )
     hint = (
         "observe fewer nodes, ask for fewer outputs, give nodes fewer parents (divorcing), or "
@@ -254,25 +256,32 @@ def _without_influence(
     """Tell of observed nodes that no output depends on (B305)."""
     if not options.inputs:
         return
+    near = _neighbours(network, network.ancestors([*outputs, *observed]))
     for name in observed:
-        if name not in outputs and not _connected(network, name, outputs):
+        if name not in outputs and not _connected(near, name, outputs):
             message = f"the observed node {name!r} cannot influence any output"
             yield info("B305", message, options.place("discretisation", name))
 
 
-def _connected(network: Network, name: str, outputs: Sequence[str]) -> bool:
-    """Tell whether an active trail leads from a node to an output when nothing else is observed.
-
-    Other observations can open trails as well, so descendants of common children count too.
-    """
-    neighbours: dict[str, set[str]] = {node.id: set() for node in network.nodes}
+def _neighbours(network: Network, known: set[str]) -> dict[str, set[str]]:
+    """Return the neighbours of each node among the known ones."""
+    found: dict[str, set[str]] = {name: set() for name in known}
     for node in network.nodes:
-        for parent in node.parents:
-            neighbours[node.id].add(parent)
-            neighbours[parent].add(node.id)
+        for parent in node.parents if node.id in known else ():
+            found[node.id].add(parent)
+            found[parent].add(node.id)
+    return found
+
+
+def _connected(near: Mapping[str, set[str]], name: str, outputs: Sequence[str]) -> bool:
+    """Tell whether evidence on a node can reach an output, whatever else is observed.
+
+    Among the ancestors of what is observed or asked for, every common child is, or leads to, an
+    output or an observed node; so each way can be open, in one step or another.
+    """
     seen, waiting = {name}, [name]
     while waiting:
-        for near in neighbours[waiting.pop()] - seen:
-            seen.add(near)
-            waiting.append(near)
+        for one in near[waiting.pop()] - seen:
+            seen.add(one)
+            waiting.append(one)
     return not seen.isdisjoint(outputs)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -123,6 +124,7 @@ def test_a_difference_stops_the_generation(monkeypatch: pytest.MonkeyPatch) -> N
     assert monitor is not None
     result = cross_check(monitor.model, monitor.model_json)
     assert [problem.code for problem in result.problems] == ["B307"]
+    assert "the compiled network differs from pgmpy by " in result.problems[0].message
 
 
 def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,6 +214,13 @@ def test_networks_that_are_too_wide(side: int, card: int, code: str) -> None:
     monitor, problems = joined(model, config)
     assert code in [problem.code for problem in problems], problems
     assert (monitor is None) == (code == "B302")
+    (message,) = [problem.message for problem in problems if problem.code == code]
+    limit = {"B301": 100_000, "B302": 10_000_000}[code]
+    found = re.match(
+        r"the largest table of the inference has (\d+) entries, more than (\d+) ", message
+    )
+    assert found is not None, message
+    assert int(found[1]) > int(found[2]) == limit
 
 
 def test_an_observed_node_without_influence_is_told() -> None:

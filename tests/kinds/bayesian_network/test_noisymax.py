@@ -1,0 +1,128 @@
+"""Noisy-MAX nodes of XDSL against their definition, and what is refused of them."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds.bayesian_network.noisymax import NoisyMaxError, noisy_max_table
+from tests.kinds.bayesian_network.networks import read
+
+TWO = '<state id="y"/><state id="n"/>'
+START = (
+    '<smile version="1.0" id="N"><nodes>'
+    f'<cpt id="A">{TWO}<probabilities>0.25 0.75</probabilities></cpt>'
+    f'<cpt id="B">{TWO}<probabilities>0.5 0.5</probabilities></cpt>'
+)
+
+
+def network(inner: str) -> str:
+    return f'{START}<noisymax id="C">{TWO}<parents>A B</parents>{inner}</noisymax></nodes></smile>'
+
+
+@st.composite
+def gates(draw: st.DrawFn) -> tuple[list[int], int, list[list[list[float]]], list[float]]:
+    """Return numbers of states, and for each parent and the leak what it causes."""
+    own = draw(st.integers(2, 4))
+    cards = draw(st.lists(st.integers(2, 3), max_size=3))
+
+    def column() -> list[float]:
+        weights = draw(st.lists(st.integers(1, 9), min_size=own, max_size=own))
+        return [weight / sum(weights) for weight in weights]
+
+    nothing = [0.0] * (own - 1) + [1.0]
+    causes = [[*(column() for _ in range(card - 1)), nothing] for card in cards]
+    return cards, own, causes, draw(st.sampled_from([nothing, column()]))
+
+
+@given(gates())
+def test_the_strongest_cause_wins(
+    gate: tuple[list[int], int, list[list[list[float]]], list[float]],
+) -> None:
+    cards, own, causes, leak = gate
+    texts = [repr(value) for one in [*itertools.chain(*causes), leak] for value in one]
+    table, leaks = noisy_max_table(texts, [], cards, own)
+    assert leaks == (leak[-1] != 1.0)
+    wanted: list[float] = []
+    for states in itertools.product(*(range(card) for card in cards)):
+        active = [*(causes[k][state] for k, state in enumerate(states)), leak]
+        row = [0.0] * own
+        for effects in itertools.product(range(own), repeat=len(active)):
+            weight = 1.0
+            for column, effect in zip(active, effects, strict=True):
+                weight *= column[effect]
+            row[min(effects)] += weight  # the first state is the strongest
+        wanted += row
+    assert [float(text) for text in table] == pytest.approx(wanted, abs=1e-12)
+
+
+def test_a_noisy_or_without_a_leak() -> None:
+    text = network(
+        "<strengths>0 1 0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>"
+    )
+    reading = read(text, "n.xdsl")
+    assert reading.problems == ()
+    table = reading.models[0].data.node("C").table
+    assert table == pytest.approx([0.98, 0.02, 0.9, 0.1, 0.8, 0.2, 0.0, 1.0])
+
+
+def test_strengths_name_the_states_of_the_columns() -> None:
+    """The absence of A is what causes C: its columns stand in the order n, y."""
+    text = network(
+        "<strengths>1 0 0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>"
+    )
+    table = read(text, "n.xdsl").models[0].data.node("C").table
+    assert table == pytest.approx([0.8, 0.2, 0.0, 1.0, 0.98, 0.02, 0.9, 0.1])
+
+
+def test_a_leak_is_read_with_a_warning() -> None:
+    text = network("<parameters>0.9 0.1 0 1 0.8 0.2 0 1 0.1 0.9</parameters>")
+    reading = read(text, "n.xdsl")
+    assert [(problem.level, problem.code) for problem in reading.problems] == [("warning", "B208")]
+    table = reading.models[0].data.node("C").table
+    assert table == pytest.approx([0.982, 0.018, 0.91, 0.09, 0.82, 0.18, 0.1, 0.9])
+
+
+@pytest.mark.parametrize(
+    ("inner", "said"),
+    [
+        ("<parameters>0.9 0.1 0 1</parameters>", "4 parameters, expected 10"),
+        ("<parameters>0.9 0.1 0.1 0.9 0.8 0.2 0 1 0 1</parameters>", "of parent 1 must be"),
+        ("<parameters>0.9 0.2 0 1 0.8 0.2 0 1 0 1</parameters>", "sums to 1.1"),
+        ("<parameters>x 0.1 0 1 0.8 0.2 0 1 0 1</parameters>", "'x' is no probability"),
+        (
+            "<strengths>0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>",
+            "2 strengths, expected 4",
+        ),
+        (
+            "<strengths>0 0 0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>",
+            "no order of its states",
+        ),
+    ],
+)
+def test_what_is_no_noisy_max(inner: str, said: str) -> None:
+    reading = read(network(inner), "n.xdsl")
+    assert [problem.code for problem in reading.problems] == ["B206"]
+    assert said in reading.problems[0].message
+    assert reading.models == ()
+
+
+def test_orders_that_can_be_read_in_two_ways_are_refused() -> None:
+    columns = ["0.9", "0.1", "0.5", "0.5", "0", "1", "0", "1"]
+    with pytest.raises(NoisyMaxError, match="two ways"):
+        noisy_max_table(columns, ["1", "2", "0"], [3], 2)
+
+
+def test_tables_that_would_be_too_large_are_refused() -> None:
+    columns = ["0.5", "0.5", "0", "1"] * 40 + ["0", "1"]
+    with pytest.raises(NoisyMaxError, match="2199023255552 entries"):
+        noisy_max_table(columns, [], [2] * 40, 2)
+
+
+def test_without_states_that_is_the_only_complaint() -> None:
+    text = f'{START}<noisymax id="C"><parents>A</parents><parameters>1</parameters></noisymax>'
+    reading = read(f"{text}</nodes></smile>", "n.xdsl")
+    assert [problem.code for problem in reading.problems] == ["B103"]

@@ -1,0 +1,106 @@
+"""What a configuration says of a network: wrong values are problems, never tracebacks."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds.bayesian_network.options import settings_of
+from tests.kinds.bayesian_network.networks import joined, read, read_path, running
+from tests.kinds.bayesian_network.test_network import EXAMPLE
+
+KEYS = (
+    "input", "bins", "closed", "order", "scale", "offset", "map", "sentinel", "range",
+    "out_of_range", "allow_inf", "hysteresis", "missing",
+)  # fmt: skip
+STATES = ["range_0_to_1_m", "range_1_to_2_m", "more_than_2_m", "unobserved"]
+WORDS = [*STATES, "value", "right", "left", "clamp", "hold", "default", "true", "1", "", "Critical"]
+SCALARS = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(-3, 3),
+    st.floats(),
+    st.sampled_from([10**400, -(10**400), 2**63]),
+    st.sampled_from(WORDS),
+)
+VALUES = st.recursive(
+    SCALARS,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4),
+        st.dictionaries(st.sampled_from(WORDS[:-1]), inner, max_size=3),
+    ),
+    max_leaves=6,
+)
+ENTRY = {"input": "value", "bins": [1.0, 2.0], "sentinel": [[-1, STATES[0]]], "range": [0, 30]}
+INPUTS = (
+    "SimulatorOutputs: [{id: x, type: std_msgs.Float64, topic: /x}]\n"
+    "EDDIInputs: [{id: value, requires: [x], max_age: none}]\n"
+)
+
+
+def config(values: dict[str, object]) -> str:
+    model = {"id": "net", "type": "BayesianNetwork", **values}
+    return yaml.safe_dump({"Model": model}, width=9999) + INPUTS
+
+
+@given(
+    st.dictionaries(st.sampled_from([*KEYS, "bin"]), VALUES, max_size=3),
+    st.sets(st.sampled_from(list(ENTRY)), max_size=2),
+    st.dictionaries(
+        st.sampled_from(
+            ["outputs", "observed", "evidence_mode", "on_inconsistent", "explain", "renamed"]
+        ),
+        VALUES,
+        max_size=1,
+    ),
+)
+def test_any_values_give_a_monitor_or_problems(
+    changed: dict[str, object], gone: set[str], further: dict[str, object]
+) -> None:
+    entry = {key: value for key, value in ENTRY.items() if key not in gone} | changed
+    text = config({"discretisation": {"Distance_to_Pedestrian": entry}, **further})
+    monitor, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
+    if monitor is None:
+        assert any(problem.level == "error" for problem in problems)
+        return
+    machine = running(monitor)
+    for value in (None, 0.5, -1, float("inf"), 1e308, "more_than_2_m", True):
+        machine.execute_step(SimpleNamespace(value=value))
+
+
+def test_observed_nodes_are_foreseen_by_the_robot() -> None:
+    text = config({"outputs": ["Critical"], "observed": ["AV_Shuttle_Speed"]})
+    monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
+    assert monitor is not None
+    assert settings_of(monitor.model).foreseen == ("AV_Shuttle_Speed",)
+    assert '"observed":["AV_Shuttle_Speed"]' in monitor.model_json.replace(": ", ":").replace(
+        "\n", ""
+    ).replace(" ", "")
+
+
+CHAIN = """<smile version="1.0" id="N"><nodes>
+<cpt id="A"><state id="y"/><state id="n"/><probabilities>0.5 0.5</probabilities></cpt>
+<cpt id="B"><state id="y"/><state id="n"/><probabilities>0.5 0.5</probabilities></cpt>
+<cpt id="C"><state id="y"/><state id="n"/><parents>A B</parents>
+<probabilities>1 0 0.5 0.5 0.5 0.5 0 1</probabilities></cpt>
+</nodes></smile>"""
+
+
+@pytest.mark.parametrize(("inputs", "told"), [(["A"], ["A"]), (["A", "C"], [])])
+def test_a_common_child_connects_only_when_it_is_observed(
+    inputs: list[str], told: list[str]
+) -> None:
+    (model,) = read(CHAIN, "n.xdsl").models
+    entries = "".join(f"- {{id: {name}, requires: [x], max_age: none}}\n" for name in inputs)
+    text = (
+        "Model: {id: net, type: BayesianNetwork, outputs: [B]}\n"
+        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
+        f"EDDIInputs:\n{entries}"
+    )
+    _, problems = joined(model, text)
+    found = [problem.message for problem in problems if problem.code == "B305"]
+    assert found == [f"the observed node {name!r} cannot influence any output" for name in told]
