@@ -7,6 +7,7 @@ the same code under every Python version.
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 
 RESERVED = frozenset(
     [
@@ -95,3 +96,12 @@ def is_package_name(name: str) -> bool:
 def package_name(model_id: str) -> str:
     """Derive a package name of the form of REP-144 from a model id; may be too short or empty."""
     return re.sub(r"[^a-z0-9]+", "_", model_id.lower()).strip("_").lstrip("0123456789_")
+
+
+def free_name(wanted: str, taken: Container[str]) -> str:
+    """Return a name that is not taken: the wanted one, else with ``_2``, ``_3``, ... behind it."""
+    name, number = wanted, 1
+    while name in taken:
+        number += 1
+        name = f"{wanted}_{number}"
+    return name

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.identifiers import free_name
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.models import checked_models, select
 from eddi_scaffold.problems import EddiError, Place, error
@@ -30,11 +31,14 @@ def pictures(
     every = checked_models(path, default_guarantees).models
     models = select(every, name) if name is not None else every
     found: dict[str, str] = {}
+    stems: set[str] = set()
     for model in models:
         draw = kinds()[model.kind].diagram
         if draw is not None:
-            file = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
-            found[_free(file, found)] = drawn(draw(model))
+            plain = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
+            stem = free_name(plain, stems)
+            stems.add(stem)
+            found[f"{stem}.svg"] = drawn(draw(model))
     if not found:
         names = ", ".join(kinds()[model.kind].title for model in models)
         message = f"there is no picture of this kind of model ({names})"
@@ -45,11 +49,3 @@ def pictures(
         message = f"there are several models in the file: {names}"
         raise EddiError(error("G019", message, Place(str(path)), hint))
     return found
-
-
-def _free(stem: str, taken: dict[str, str]) -> str:
-    name, number = f"{stem}.svg", 1
-    while name in taken:
-        number += 1
-        name = f"{stem}_{number}.svg"
-    return name

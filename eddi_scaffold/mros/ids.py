@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.identifiers import RESERVED, is_identifier
+from eddi_scaffold.identifiers import RESERVED, free_name, is_identifier
 from eddi_scaffold.problems import Place, Problem, warning
 
 
@@ -89,14 +89,6 @@ def _given(new: Iterable[Wish], group: Iterable[Wish], taken: set[str]) -> dict[
     taken |= set(found.values())
     for one in new:
         if one.topic not in found:
-            found[one.topic] = _free(slug(one.topic), taken)
+            found[one.topic] = free_name(slug(one.topic), taken)
             taken.add(found[one.topic])
     return found
-
-
-def _free(wanted: str, taken: set[str]) -> str:
-    name, number = wanted, 1
-    while name in taken:
-        number += 1
-        name = f"{wanted}_{number}"
-    return name

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.source import Source
 
 _SUFFIXES = (".xdsl", ".xmlbif", ".bif", ".xml")
+_METHODS = "bayesian_network_config.py"
 _HEAD = 65536
 _ROOT = re.compile(rb"<(?:smile|BIF)[\s>/]")
 _KEYS = (
@@ -33,7 +34,7 @@ def _later(module: str, name: str) -> Callable[..., Any]:
 
 def _sniff(source: Source) -> bool:
     name = source.name.lower()
-    if name.endswith(_SUFFIXES[:2]):
+    if name.endswith((*_SUFFIXES[:2], _METHODS)):
         return True
     if not name.endswith(_SUFFIXES):
         return False

@@ -12,6 +12,7 @@ from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
 from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
 from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
 from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
+from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
 from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import settings_of
@@ -32,7 +33,9 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
 
 
 def read_file(source: Source, _marks: Sequence[str]) -> Reading:
-    """Read an XDSL or XMLBIF file."""
+    """Read an XDSL or XMLBIF file, or look at a module of hand-written methods."""
+    if is_config_module(source.name):
+        return Reading((), tuple(in_order(lint(source))))
     is_bif = PurePath(source.name).suffix.lower() != ".xdsl" and b"<BIF" in source.data[:65536]
     clean, problems = without_doctype(source) if is_bif else (source, [])
     with clean.open() as stream:

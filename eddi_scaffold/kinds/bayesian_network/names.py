@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
+from eddi_scaffold.identifiers import free_name
 from eddi_scaffold.kinds.bayesian_network.model import Network
 
 _ASCII_ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -22,7 +23,7 @@ def identifiers(names: Iterable[str]) -> list[str]:
     for name in names:
         text = unicodedata.normalize("NFKC", name)
         word = "".join(char if f"_{char}".isidentifier() else "_" for char in text) or "_"
-        found.append(_free(word, taken))
+        found.append(free_name(word, taken))
         taken.add(found[-1])
     return found
 
@@ -44,14 +45,6 @@ def xdsl_ids(names: Iterable[str]) -> dict[str, str]:
     for name in names:
         if name not in found:
             word = re.sub(r"[^A-Za-z0-9_]", "_", unicodedata.normalize("NFKC", name)) or "_"
-            found[name] = _free(f"n_{word}" if word[0].isdigit() else word, taken)
+            found[name] = free_name(f"n_{word}" if word[0].isdigit() else word, taken)
             taken.add(found[name])
     return found
-
-
-def _free(word: str, taken: set[str]) -> str:
-    name, number = word, 1
-    while name in taken:
-        number += 1
-        name = f"{word}_{number}"
-    return name

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_of
 
-from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.identifiers import attribute, free_name
 from eddi_scaffold.kinds import InputType, JsonValue, Model, ModelInput, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
 from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
@@ -152,11 +152,8 @@ def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
     taken: set[str] = set()
     found = []
     for one in inputs:
-        wanted = name = attribute(one.id)
-        number = 1
-        while name in taken:
-            number += 1
-            name = f"{wanted}_{number}"
+        wanted = attribute(one.id)
+        name = free_name(wanted, taken)
         taken.add(name)
         found.append(one if name == wanted else replace(one, attribute=name))
     return tuple(found)

@@ -138,17 +138,12 @@ class EDDIInputBase:
         before = self.states.get(input_id, _NEW)
         after: InputState
         try:
-            messages = [simulator_outputs.get(name) for name in requires]
-            if any(message is None for message in messages):
-                after = _missing(messages, requires, before)
-            else:
-                ages = [self.__ages.get(name, 0.0) for name in requires]
-                after = _aged(ages, None if spec is None else spec.max_age, before)
-                if after.state == "ok":
-                    process(*messages)
-                    if getattr(self, attribute, None) is None:
-                        errors = before.errors + 1
-                        after = InputState("invalid", "left at None", after.age, errors)
+            messages, after = self.__received(spec, simulator_outputs, requires, before)
+            if after.state == "ok":
+                process(*messages)
+                if getattr(self, attribute, None) is None:
+                    errors = before.errors + 1
+                    after = InputState("invalid", "left at None", after.age, errors)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = _invalid(problem, before)
         # Missing from the start: the default stands.
@@ -175,15 +170,10 @@ class EDDIInputBase:
         values: Optional[Messages] = None
         after: InputState
         try:
-            messages = [simulator_outputs.get(name) for name in requires]
-            if any(message is None for message in messages):
-                after = _missing(messages, requires, before)
-            else:
-                ages = [self.__ages.get(name, 0.0) for name in requires]
-                after = _aged(ages, None if spec is None else spec.max_age, before)
-                if after.state == "ok":
-                    values, problem = self._each(attribute, process, messages, requires)
-                    after = after if problem is None else _invalid(problem, before)
+            messages, after = self.__received(spec, simulator_outputs, requires, before)
+            if after.state == "ok":
+                values, problem = self._each(attribute, process, messages, requires)
+                after = after if problem is None else _invalid(problem, before)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = _invalid(problem, before)
         setattr(self, attribute, values)
@@ -207,7 +197,7 @@ class EDDIInputBase:
         limit = None if spec is None else spec.max_age
         after: InputState
         try:
-            messages = [simulator_outputs.get(name) for name in requires]
+            messages, received = self.__received(spec, simulator_outputs, requires, before)
             ages = [self.__ages.get(name, 0.0) for name in requires]
             known = [
                 message if _aged([age], limit, before).state == "ok" else None
@@ -218,16 +208,28 @@ class EDDIInputBase:
             process(*known)
             if getattr(self, attribute, None) is not None:
                 after = InputState("ok", "", max(ages, default=0.0), before.errors)
-            elif any(message is None for message in messages):
-                after = _missing(messages, requires, before)
+            elif received.state == "ok":
+                after = InputState("invalid", "unknown as yet", received.age, before.errors)
             else:
-                after = _aged(ages, limit, before)
-                if after.state == "ok":
-                    after = InputState("invalid", "unknown as yet", after.age, before.errors)
+                after = received
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             setattr(self, attribute, None)
             after = _invalid(problem, before)
         self.states[input_id] = after
+
+    def __received(
+        self,
+        spec: Optional[InputSpec],
+        simulator_outputs: Mapping[str, Any],
+        requires: Sequence[str],
+        before: InputState,
+    ) -> Tuple[List[Any], InputState]:
+        """Return the latest messages, and whether they are there and fresh."""
+        messages = [simulator_outputs.get(name) for name in requires]
+        if any(message is None for message in messages):
+            return messages, _missing(messages, requires, before)
+        ages = [self.__ages.get(name, 0.0) for name in requires]
+        return messages, _aged(ages, None if spec is None else spec.max_age, before)
 
     def expression(self, input_id: str) -> Any:
         """Return what the expression of an input gives in this step, None for UNKNOWN.
