@@ -49,10 +49,15 @@ def watched(play: Play, say: Callable[[str], None]) -> Play:
     return told
 
 
-def steps(monitor: Monitor, play: Play) -> Iterator[tuple[float, Any]]:
-    """Yield (time in seconds, output as JSON) for each step."""
+def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
+    """Yield time in seconds and output as JSON for each step; a step without output says why."""
     running = compiled(monitor)
-    return ((frame.t, running.as_json(frame.output)) for frame in play(running))
+    for frame in play(running):
+        row: dict[str, Any] = {"t": frame.t, "outputs": running.as_json(frame.output)}
+        why = getattr(running, "status_name", None)
+        if row["outputs"] is None and why is not None:
+            row["status"] = why()
+        yield row
 
 
 def changes(monitor: Monitor, play: Play) -> Iterator[str]:

@@ -63,3 +63,16 @@ def test_a_bad_recording_is_told_with_its_place(tmp_path: Path, text: str, messa
     assert done.returncode == 2
     assert f"{recording}{message}" in done.stderr
     assert done.stdout == ""
+
+
+def test_evidence_of_probability_zero_says_so(tmp_path: Path) -> None:
+    (tmp_path / "n.xdsl").write_text(
+        '<smile version="1.0" id="N"><nodes><cpt id="A"><state id="y"/><state id="n"/>'
+        '<probabilities>1 0</probabilities></cpt><cpt id="B"><state id="y"/><state id="n"/>'
+        "<parents>A</parents><probabilities>0.5 0.5 0.5 0.5</probabilities></cpt></nodes></smile>"
+    )
+    (tmp_path / "in.csv").write_text("t,A,B\n0,n,\n1,y,\n")
+    result = run("n.xdsl", "--inputs", "in.csv", "--json", folder=tmp_path)
+    first, second = (json.loads(line) for line in result.stdout.splitlines())
+    assert first == {"t": 0.0, "outputs": None, "status": "inconsistent"}
+    assert second["outputs"][0]["output_nodes"][0]["title"] == "B"

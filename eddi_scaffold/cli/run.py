@@ -67,8 +67,8 @@ def run(
     console.problems([*problems, *found])
     play = watched(play, console.progress)
     if as_json:
-        for t, output in steps(monitor, play):
-            console.data(json.dumps({"t": t, "outputs": output}))
+        for row in steps(monitor, play):
+            console.data(json.dumps(row))
     else:
         for line in (table if as_csv else changes)(monitor, play):
             console.data(line)

@@ -199,6 +199,10 @@ class BayesianNetworkMonitor(Monitor):
             problems.append(f"the evidence has probability zero: {shown}")
         return (*problems, *self._output_faults)
 
+    def status_name(self) -> str:
+        """Return the status of the last step in a word: why there is no output, for instance."""
+        return out.STATUS_NAMES[self.status()]
+
     def status(self) -> int:
         """Return OK 0, PARTIAL 1, PRIOR 2, INCONSISTENT 3 or ERROR 4 for the last step."""
         last = self._last

@@ -11,6 +11,7 @@ from ..plain_values import plain
 
 OK, PARTIAL, PRIOR, INCONSISTENT, ERROR = range(5)
 """Status: all observed; some not; none; evidence of probability zero; a person's method failed."""
+STATUS_NAMES = ("ok", "partial", "prior", "inconsistent", "error")
 
 
 @dataclass
