@@ -1,0 +1,221 @@
+"""The ways through a hand-written body, as far as its text tells."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeGuard
+
+MOST = 256
+"""Bodies with more ways than that are not followed."""
+
+
+class Outcome(ast.Assign):
+    """An assignment ``outcome_<state> = ...`` (only for type checks)."""
+
+    targets: list[ast.Name]  # type: ignore[assignment]  # narrowed by `sets_outcome`
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way through a body.
+
+    Attributes:
+        names: outcomes that it sets to something else than 0.
+        sure: those that it sets to 1.
+        lines: where it sets them.
+    """
+
+    names: frozenset[str] = frozenset()
+    sure: frozenset[str] = frozenset()
+    lines: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class Chain:
+    """``if``, ``elif`` ..., ``else``.
+
+    Attributes:
+        line: of the ``if``.
+        tests: conditions, in order.
+        blocks: what stands below each.
+        otherwise: the ``else``; empty when there is none.
+    """
+
+    line: int
+    tests: tuple[ast.expr, ...]
+    blocks: tuple[tuple[ast.stmt, ...], ...]
+    otherwise: tuple[ast.stmt, ...]
+
+    @property
+    def sets_no_else(self) -> bool:
+        """Some branch sets an outcome, and there is no ``else``."""
+        return not self.otherwise and any(_real(block) for block in self.blocks)
+
+    @property
+    def else_sets(self) -> bool:
+        """The ``else`` sets an outcome."""
+        return bool(_real(self.otherwise))
+
+    @property
+    def orders(self) -> bool:
+        """A condition compares by order."""
+        kinds = ast.Lt | ast.LtE | ast.Gt | ast.GtE
+        return any(
+            isinstance(item, ast.Compare) and any(isinstance(op, kinds) for op in item.ops)
+            for test in self.tests
+            for item in ast.walk(test)
+        )
+
+    def zeros_in_else(self) -> list[ast.stmt]:
+        """Return assignments of 0 in an ``else`` that sets nothing else."""
+        given = [one for one in statements(self.otherwise) if sets_outcome(one)]
+        return [] if _real(self.otherwise) else [*given]
+
+    def breaks(self) -> Iterator[tuple[int, float, float]]:
+        """Yield line, end of one range and start of the next, where these are not equal."""
+        before: tuple[str, float] | None = None
+        for test in self.tests:
+            limits = _limits(test)
+            if limits is None:
+                before = None
+                continue
+            what, low, high = limits
+            if before is not None and low is not None and before[0] == what and low != before[1]:
+                yield test.lineno, before[1], low
+            before = (what, high) if high is not None else None
+
+
+def statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
+    """Yield every statement of a body, those inside others too, in the order of the text."""
+    for statement in body:
+        for item in ast.walk(statement):
+            if isinstance(item, ast.stmt):
+                yield item
+
+
+def sets_outcome(statement: ast.stmt) -> TypeGuard[Outcome]:
+    """Tell whether a statement is ``outcome_<state> = ...``."""
+    if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
+        return False
+    target = statement.targets[0]
+    return isinstance(target, ast.Name) and target.id.startswith("outcome_")
+
+
+def flags_output(statement: ast.stmt) -> bool:
+    """Tell whether a statement is ``is_bn_output = ...`` with something else than False."""
+    if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
+        return False
+    target, value = statement.targets[0], statement.value
+    is_flag = isinstance(target, ast.Name) and target.id == "is_bn_output"
+    return is_flag and not (isinstance(value, ast.Constant) and value.value is False)
+
+
+def constant(value: ast.expr) -> float | None:
+    """Return the number that an expression is, ``None`` for all others."""
+    if isinstance(value, ast.UnaryOp) and isinstance(value.op, ast.USub):
+        number = constant(value.operand)
+        return None if number is None else -number
+    if isinstance(value, ast.Constant) and type(value.value) in (int, float):
+        try:
+            return float(value.value)  # type: ignore[arg-type]  # a number, see above
+        except OverflowError:
+            return None
+    return None
+
+
+def is_zero(statement: Outcome) -> bool:
+    """Tell whether an outcome is set to 0."""
+    return constant(statement.value) == 0.0
+
+
+def chains(body: Sequence[ast.stmt]) -> Iterator[Chain]:
+    """Yield every ``if`` of a body with its ``elif`` and ``else``, those inside others too."""
+    links: set[ast.If] = set()
+    for one in statements(body):
+        if not isinstance(one, ast.If) or one in links:
+            continue
+        tests, blocks, rest = [one.test], [tuple(one.body)], one.orelse
+        while len(rest) == 1 and isinstance(rest[0], ast.If):
+            links.add(rest[0])
+            tests.append(rest[0].test)
+            blocks.append(tuple(rest[0].body))
+            rest = rest[0].orelse
+        yield Chain(one.lineno, tuple(tests), tuple(blocks), tuple(rest))
+
+
+def through(body: Sequence[ast.stmt]) -> frozenset[Way] | None:
+    """Return the ways through a body; ``None`` when the text alone does not tell."""
+    try:
+        ends: set[Way] = set()
+        return _follow(body, frozenset([Way()]), ends) | ends
+    except _UnclearError:
+        return None
+
+
+class _UnclearError(Exception):
+    """Loops, handlers, or too many ways."""
+
+
+def _follow(body: Sequence[ast.stmt], ways: frozenset[Way], ends: set[Way]) -> frozenset[Way]:
+    for one in body:
+        if sets_outcome(one):
+            ways = frozenset(_with(way, one) for way in ways)
+        elif isinstance(one, ast.If):
+            ways = _follow(one.body, ways, ends) | _follow(one.orelse, ways, ends)
+        elif isinstance(one, ast.Return | ast.Raise):
+            ends.update(ways)
+            return frozenset()
+        elif isinstance(one, ast.With):
+            ways = _follow(one.body, ways, ends)
+        elif any(_mentions_outcome(item) for item in ast.walk(one)):
+            raise _UnclearError
+        if len(ways) + len(ends) > MOST:
+            raise _UnclearError
+    return ways
+
+
+def _with(way: Way, one: Outcome) -> Way:
+    name, value = one.targets[0].id, constant(one.value)
+    names, sure = way.names - {name}, way.sure - {name}
+    if value != 0.0:
+        names |= {name}
+    if value == 1.0:
+        sure |= {name}
+    return Way(names, sure, way.lines | {one.lineno})
+
+
+def _mentions_outcome(item: ast.AST) -> bool:
+    if not isinstance(item, ast.Name) or not isinstance(item.ctx, ast.Store):
+        return False
+    return item.id.startswith("outcome_")
+
+
+def _real(block: Sequence[ast.stmt]) -> list[ast.stmt]:
+    return [one for one in statements(block) if sets_outcome(one) and not is_zero(one)]
+
+
+def _limits(test: ast.expr) -> tuple[str, float | None, float | None] | None:
+    """Return what a condition compares, and the range it is true in."""
+    parts = test.values if isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And) else [test]
+    what: set[str] = set()
+    low: float | None = None
+    high: float | None = None
+    for part in parts:
+        if not isinstance(part, ast.Compare):
+            return None
+        terms = [part.left, *part.comparators]
+        for left, op, right in zip(terms, part.ops, terms[1:], strict=False):
+            ends = (left, right) if isinstance(op, ast.Lt | ast.LtE) else (right, left)
+            if not isinstance(op, ast.Lt | ast.LtE | ast.Gt | ast.GtE):
+                return None
+            smaller, larger = constant(ends[0]), constant(ends[1])
+            if (smaller is None) == (larger is None):
+                return None
+            if smaller is not None:
+                low = smaller
+            else:
+                high = larger
+            what.add(ast.dump(ends[1] if smaller is not None else ends[0]))
+    return (what.pop(), low, high) if len(what) == 1 else None
