@@ -19,23 +19,25 @@ def export(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
-    """Write each model as a file of its own: ConSerts as YAML.
+    """Write each model as a file of its own: ConSerts as YAML, networks as XDSL and XMLBIF.
 
     Example: eddi-scaffold export example.xml -o models
     """
     from eddi_scaffold.console import console
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.models import checked_models, select
-    from eddi_scaffold.problems import EddiError, did_you_mean, error
+    from eddi_scaffold.problems import EddiError, did_you_mean, error, in_order
     from eddi_scaffold.transaction import FileState, write
 
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
         raise EddiError(error("G009", f"there is no kind {kind!r}", hint=hint))
     reading = checked_models(model, default_guarantee or ())
-    console.problems(reading.problems)
+    chosen = select(reading.models, name, kinds()[kind] if kind else None)
+    seen = [problem for item in chosen for problem in kinds()[item.kind].check(item)]
+    console.problems(in_order([*reading.problems, *seen]))
     files: dict[str, FileState] = {}
-    for item in select(reading.models, name, kinds()[kind] if kind else None):
+    for item in chosen:
         files |= {
             file: FileState(text.encode()) for file, text in kinds()[item.kind].export(item).items()
         }
