@@ -138,7 +138,11 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
         sha256=answers["model_sha256"],
         model_sha256=document["sha256"],
         outputs=tuple(item["topic_text"] for item in answers.get("publications") or ()),
-        facts=tuple(line for line in answers.get("readme") or () if line and "|" not in line),
+        facts=tuple(
+            line
+            for line in answers.get("readme") or ()
+            if line and "|" not in line and not line.startswith("#")
+        ),
         rows=tuple(rows),
     )
 

@@ -6,7 +6,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -28,6 +28,7 @@ from eddi_scaffold.problems import Place
 from eddi_scaffold.source import Source
 from tests.cli.command import ROOT
 from tests.fuzz.mutations import mutations
+from tests.interpreters import old_python
 from tests.kinds.bayesian_network.networks import (
     KIND,
     brute_force,
@@ -136,7 +137,8 @@ def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [(problem.level, problem.code) for problem in result.problems] == [("warning", "B306")]
 
 
-def test_figures_21_and_22_as_they_are_printed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("python", [lambda: sys.executable, old_python], ids=["this", "oldest"])
+def test_figures_21_and_22_as_they_are_printed(tmp_path: Path, python: Callable[[], str]) -> None:
     from tests.cli.command import run
 
     words = ("generate", "--platform", "plain", "-o", tmp_path, "-m", "pedestrian.xml")
@@ -152,7 +154,7 @@ def test_figures_21_and_22_as_they_are_printed(tmp_path: Path) -> None:
         "print(bn_monitor.execute_step(InputData(4 / 3.6, 5.3)))\n"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+        [python(), "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     start = (
         "[BayesianNetworkOutput(actor_id=0, bayesian_network_id='pedestrian_prediction_example', "
