@@ -149,11 +149,9 @@ class _Check:
             values = [number for number in numbers if number is not None]
             total = math.fsum(values)
             if abs(total - 1.0) > TOLERANCE:
-                message = (
-                    f"the row {where or 'of'} of {draft.id!r} sums to {total:.9g}, not to 1"
-                    if where
-                    else f"the probabilities of {draft.id!r} sum to {total:.9g}, not to 1"
-                )
+                row_of = f"the row {where} of {draft.id!r} sums"
+                what = row_of if where else f"the probabilities of {draft.id!r} sum"
+                message = f"{what} to {total:.9g}, not to 1"
                 self._error("B113", message, place, f"allowed: 1 within {TOLERANCE:g}")
                 continue
             if abs(total - 1.0) > largest:
