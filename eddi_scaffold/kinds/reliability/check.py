@@ -1,0 +1,198 @@
+"""What is wrong with a system that was read: before anything is computed of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from eddi_runtime.reliability.cut_sets import minimal_cut_sets
+from eddi_runtime.reliability.diagram import NODE_LIMIT, TooLargeError, build
+from eddi_runtime.reliability.diagram import Gate as Number
+
+from eddi_scaffold.kinds.reliability.check_chain import check_chain
+from eddi_scaffold.kinds.reliability.graph import order
+from eddi_scaffold.kinds.reliability.inputs import inputs_of
+from eddi_scaffold.kinds.reliability.model import (
+    DYNAMIC,
+    Chain,
+    Component,
+    FaultTree,
+    Gate,
+    System,
+)
+from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
+
+
+def check_system(system: System) -> list[Problem]:
+    """Return all problems of the models that the top uses (R001, R005 to R016)."""
+    problems = list(_references(system))
+    if has_errors(problems):
+        return problems
+    for component in used(system).components.values():
+        if isinstance(component.content, Chain):
+            problems += check_chain(component.name, component.content, component.place)
+        elif isinstance(component.content, FaultTree):
+            problems += _tree(component, component.content)
+    if has_errors(problems):
+        return problems
+    return [*problems, *_dependence(system), *_inputs(system)]
+
+
+def _references(system: System) -> Iterator[Problem]:
+    names = list(system.components)
+    for component in system.components.values():
+        for below in component.below:
+            if below not in system.components:
+                message = f"model {component.name!r} uses {below!r}, which is not there"
+                hint = did_you_mean(below, names) or f"there are: {', '.join(names)}"
+                yield error("R001", message, component.place, hint)
+    below_all = {name: one.below for name, one in system.components.items()}
+    for name in names:
+        cycle = order(name, below_all)[1]
+        if cycle:
+            place = system.components[cycle[0]].place
+            yield error("R012", f"models use each other in a cycle: {_shown(cycle)}", place)
+            return
+
+
+def _shown(cycle: tuple[str, ...]) -> str:
+    least = min(range(len(cycle)), key=lambda i: cycle[i])
+    members = [*cycle[least:], *cycle[:least]]
+    return " -> ".join([*members, members[0]])
+
+
+def _tree(component: Component, tree: FaultTree) -> list[Problem]:
+    below = {key: gate.of for key, gate in tree.gates.items()}
+    names, cycle = order(tree.top, below)
+    if cycle:
+        message = f"tree {component.name!r} reaches a cycle: {_shown(cycle)}"
+        return [error("R012", message, tree.gates[cycle[0]].place)]
+    problems: list[Problem] = []
+    uses = Counter(one for key in names if key in tree.gates for one in tree.gates[key].of)
+    for key in names:
+        if key in tree.gates:
+            problems += _gate(tree, tree.gates[key], uses)
+        elif tree.events[key].law is None:
+            message = f"event {tree.events[key].name!r} has no probability"
+            hint = "give it a rate, a distribution, a model, or `p` (see events: in the docs)"
+            problems.append(error("R006", message, tree.events[key].place, hint))
+    unused = [key for key in (*tree.gates, *tree.events) if key not in set(names)]
+    if unused:
+        shown = ", ".join(unused[:8]) + (", ..." if len(unused) > 8 else "")
+        message = f"tree {component.name!r} does not reach {shown}"
+        problems.append(warning("R013", message, component.place))
+    if has_errors(problems):
+        return problems
+    return problems + _diagram(component, tree)
+
+
+def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
+    name, place = gate.name, gate.place
+    if not gate.of:
+        yield warning("R013", f"gate {name!r} has no input: it never occurs", place)
+        return
+    if gate.type == "VOTE" and gate.k is None:
+        hint = 'keyValueMaps with key "k", or `k:` in YAML'
+        yield error("R005", f"gate {name!r} is a vote without k", place, hint)
+    elif gate.type == "VOTE" and not 1 <= (gate.k or 0) <= len(gate.of):
+        yield error("R005", f"gate {name!r} wants {gate.k} of {len(gate.of)} inputs", place)
+    elif gate.type == "NOT" and len(gate.of) != 1:
+        yield error("R005", f"gate {name!r} is a NOT of {len(gate.of)} inputs", place)
+    elif gate.type == "XOR" and len(gate.of) > 2:
+        message = f"gate {name!r} is an XOR of {len(gate.of)} inputs: an odd number of them"
+        yield warning("R013", message, place)
+    elif gate.type in DYNAMIC:
+        yield from _dynamic(tree, gate, uses)
+
+
+def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
+    if gate.type == "SAND":
+        message = f"gate {gate.name!r} is a SAND: independent events never coincide, so it is 0"
+        yield warning("R009", message, gate.place)
+    elif len(gate.of) < 2:
+        message = f"gate {gate.name!r} ({gate.type}) has one input only"
+        yield error("R009", message, gate.place)
+    for key in gate.of:
+        event = tree.events.get(key)
+        reason = None
+        if event is None:
+            reason = "is a gate"
+        elif event.observed:
+            reason = "is observed"
+        elif event.law is not None and event.law.kind != "exponential":
+            reason = "is not exponential"
+        elif uses[key] > 1:
+            reason = "occurs elsewhere too"
+        if reason:
+            message = f"gate {gate.name!r} ({gate.type}) cannot be analysed: {key!r} {reason}"
+            hint = "inputs of dynamic gates are exponential basic events of their own"
+            yield error("R009", message, gate.place, hint)
+
+
+def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
+    part = runtime_model(System({component.name: component}, component.name))["components"][0]
+    gates = [Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"]]
+    limit = tree.node_limit or NODE_LIMIT
+    events = part["events"]
+    try:
+        diagram = build(len(events), gates, part["top"], limit=limit)
+    except TooLargeError as problem:
+        message = (
+            f"the diagram of tree {component.name!r} has {problem.count} nodes at the limit of "
+            f"{limit}"
+        )
+        hint = "make parts share fewer events, or raise node_limit"
+        return [error("R010", message, component.place, hint)]
+    if tree.cut_sets is None or not diagram.coherent:
+        return []
+    ours = minimal_cut_sets(diagram)
+    if ours is None:
+        return []
+    named = frozenset(frozenset(events[i]["name"] for i in one) for one in ours)
+    if named == tree.cut_sets:
+        return []
+    message = (
+        f"the minimal cut sets of the file differ in tree {component.name!r}: it has "
+        f"{_sets(tree.cut_sets)}, we find {_sets(named)}"
+    )
+    return [warning("R016", message, component.place)]
+
+
+def _sets(sets: frozenset[frozenset[str]]) -> str:
+    shown = sorted((sorted(one) for one in sets), key=lambda one: (len(one), one))
+    text = " ".join("{" + ", ".join(one) + "}" for one in shown[:10])
+    return f"{text} and {len(shown) - 10} more" if len(shown) > 10 else text
+
+
+def _dependence(system: System) -> Iterator[Problem]:
+    """Report models that enter the top's result in two places, as if they were independent."""
+    part = runtime_model(system)["components"]
+    within: dict[str, set[str]] = {}
+    for item in part:
+        below = [e["model"] for e in item.get("events", ()) if e["model"]] + item.get("of", [])
+        reached: set[str] = {item["name"]}
+        for name in below:
+            twice = sorted(reached & within[name])
+            if twice:
+                component = system.components[item["name"]]
+                message = (
+                    f"model {component.name!r} uses {twice[0]!r} in several places, but treats "
+                    "them as independent"
+                )
+                hint = "put its parts into one fault tree"
+                yield error("R009", message, component.place, hint)
+            reached |= within[name]
+        within[item["name"]] = reached
+
+
+def _inputs(system: System) -> Iterator[Problem]:
+    owners: dict[str, Place] = {}
+    for component in used(system).components.values():
+        alone = System({component.name: component}, component.name)
+        for one in inputs_of(alone):
+            shared = isinstance(component.content, Chain)  # a verdict may serve several chains
+            if one.id in owners and not shared:
+                message = f"two inputs are called {one.id!r}: rename a model or an event"
+                yield error("R001", message, component.place)
+            owners[one.id] = component.place

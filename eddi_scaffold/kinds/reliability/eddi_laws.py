@@ -1,0 +1,145 @@
+"""Rates and distributions of EDDI XML with their units (``failureRate``, ``ProbDist``)."""
+
+from __future__ import annotations
+
+from eddi_scaffold.kinds.reliability.model import Law
+from eddi_scaffold.kinds.reliability.quantities import (
+    Quantity,
+    QuantityError,
+    duration,
+    is_time_unit,
+    number,
+    rate,
+    rate_factor,
+)
+from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.findings import Findings
+from eddi_scaffold.readers.spelling import Spelling
+from eddi_scaffold.readers.xmi import Element
+
+_NAME, _TYPE, _VALUE, _KEY = (Spelling(n) for n in ("name", "type", "value", "key"))
+_MAPS, _VALUES = Spelling("keyValueMaps", ("keyValueMap",)), Spelling("values")
+_PARAMETERS = Spelling("parameters", ("parameter",))
+_DISTRIBUTION = Spelling("failureProbDistribution")
+_TRANSITION_DISTRIBUTION = Spelling("transitionProbDistribution")
+_RATE, _TRANSITION = Spelling("failureRate"), Spelling("transition")
+_CCF, _IS_CCF = Spelling("ccfFailures"), Spelling("isCcf")
+
+
+class Laws:
+    """Reads laws of one document."""
+
+    def __init__(self, document: EddiDocument, findings: Findings) -> None:
+        self._document, self._findings = document, findings
+
+    def key_value(self, element: Element, key: str) -> str | None:
+        """Return the first value of a key of an element, None where it has none."""
+        for one in self._document.children(element, _MAPS):
+            if (self._document.attribute(one, _KEY) or "").casefold() == key.casefold():
+                for value in self._document.children(one, _VALUES):
+                    return (self._document.attribute(value, _VALUE) or "").strip()
+        return None
+
+    def law(self, failure: Element, event: str, chain: str | None) -> Law | None:
+        """Return the law of a failure; ``chain`` is the model whose fail state it is."""
+        self._common_cause(failure, event)
+        if chain is not None:
+            return Law("model", model=chain)
+        given = self._document.attribute(failure, _RATE)
+        distributions = self._document.children(failure, _DISTRIBUTION)
+        try:
+            plain = self._rate(failure, given, event) if given and not distributions else None
+            if distributions:
+                return self._distribution(distributions[0], event)
+        except QuantityError as problem:
+            self._findings.error(problem.code, f"event {event!r}: {problem}", failure, problem.hint)
+            return None
+        # the metamodel writes no 0.0: a rate of zero was not given
+        return Law("exponential", (plain,)) if plain else None
+
+    def transition(self, element: Element) -> float | None:
+        """Return the rate of a transition in 1/h, None after an error."""
+        what = self._document.describe(element)
+        given = self._document.attribute(element, _TRANSITION)
+        distributions = self._document.children(element, _TRANSITION_DISTRIBUTION)
+        try:
+            if distributions:
+                law = self._distribution(distributions[0], what)
+                if law is not None and law.kind == "exponential":
+                    return law.values[0]
+                kind = self._document.attribute(distributions[0], _TYPE)
+                message = f"{what} is {kind!r}: only exponential transitions make a Markov chain"
+                self._findings.error("R008", message, element)
+                return None
+            if given is not None:
+                return self._rate(element, given, what)
+        except QuantityError as problem:
+            self._findings.error(problem.code, f"{what}: {problem}", element, problem.hint)
+            return None
+        self._findings.error("X020", f"{what} has no rate", element, 'write transition="..."')
+        return None
+
+    def _common_cause(self, failure: Element, event: str) -> None:
+        stated = (self._document.attribute(failure, _IS_CCF) or "").lower() == "true"
+        if stated or self._document.attribute(failure, _CCF):
+            message = f"event {event!r} has common causes, which are not analysed"
+            self._findings.warning("R013", message, failure)
+
+    def _distribution(self, element: Element, event: str) -> Law | None:
+        given = (self._document.attribute(element, _TYPE) or "").strip()
+        texts = {
+            (self._document.attribute(p, _NAME) or "").casefold(): (
+                self._document.attribute(p, _VALUE) or ""
+            )
+            for p in self._document.children(element, _PARAMETERS)
+        }
+        kind = given.casefold()
+        for key in ("value", "fit"):
+            if kind in ("fit", "constant") and key in texts:
+                return Law("exponential", (rate(texts[key], "FIT").value,))
+        if kind in ("fixed", "constant") and "p" in texts:
+            return Law("fixed", (number(texts["p"], 0.0, 1.0),))
+        if kind == "exponential":
+            text = texts.get("lambda") or texts.get("rate")
+            if text:
+                return Law("exponential", (self._rate(element, text, event),))
+        if kind == "weibull":
+            scale, shape = (texts.get(a) or texts.get(b) for a, b in _WEIBULL)
+            if scale and shape:
+                hours = duration(scale, self._unit(element, of_rate=False))
+                self._assumed(hours, element, event, "h")
+                if hours.value <= 0.0:
+                    raise QuantityError("R002", f"the scale {scale!r} is not above 0")
+                return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
+        shown = ", ".join(f"{k}={v}" for k, v in texts.items())
+        message = f"event {event!r}: the distribution {given!r} ({shown}) is not understood"
+        self._findings.warning("X018", message, element)
+        return None
+
+    def _rate(self, element: Element, text: str, event: str) -> float:
+        found = rate(text, self._unit(element, of_rate=True))
+        self._assumed(found, element, event, "1/h")
+        return found.value
+
+    def _assumed(self, found: Quantity, element: Element, event: str, unit: str) -> None:
+        if not found.has_unit:
+            message = f"{event!r} has {found.value!r} without a unit; {unit} is assumed"
+            hint = f'add keyValueMaps with key "unit" and value "{unit}"'
+            self._findings.warning("R003", message, element, hint)
+
+    def _unit(self, element: Element, *, of_rate: bool) -> str | None:
+        """Return the unit that stands at the element or at what contains it."""
+        node: Element | None = element
+        while node is not None:
+            unit = self.key_value(node, "unit")
+            fits = unit and (of_rate == (rate_factor(unit) is not None))
+            if unit and (fits or (rate_factor(unit) is None and not is_time_unit(unit))):
+                return unit  # a unit that nobody knows is said
+            time = self.key_value(node, "timeUnit")
+            if time:
+                return f"1/{time}" if of_rate else time
+            node = node.getparent()
+        return None
+
+
+_WEIBULL = (("scale", "eta"), ("shape", "beta"))

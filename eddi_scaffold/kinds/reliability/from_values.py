@@ -1,0 +1,260 @@
+"""``reliability_config.yml``, or its keys in an ``eddi_config.yml``: plain values -> System."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from eddi_runtime.reliability.structures import CONFIGURATIONS, motors_of
+
+from eddi_scaffold.kinds.reliability import quantities
+from eddi_scaffold.kinds.reliability.from_values_content import read_chain, read_tree
+from eddi_scaffold.kinds.reliability.model import (
+    TYPES,
+    Chain,
+    Component,
+    FaultTree,
+    System,
+    Threshold,
+)
+from eddi_scaffold.kinds.reliability.values import Values
+from eddi_scaffold.problems import Problem
+
+KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
+_NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
+_Make = Callable[[Values, str], Mapping[str, Any] | None]
+
+
+def read_system(
+    values: Values, library: Mapping[str, System], base: System | None
+) -> tuple[System | None, list[Problem]]:
+    """Read the keys of a monitor.
+
+    Args:
+        values: the keys with their places.
+        library: systems that ``model: NAME`` of an entry may name.
+        base: what stands there already, and is changed; None: nothing.
+
+    Returns:
+        The system, None after an error (R001, R002, R004, R011, R015), and all problems.
+    """
+    components = dict(base.components) if base else {}
+    models = values.map("models")
+    for name in models.names() if models else ():
+        assert models is not None
+        entry = models.map(name)
+        if _NAME.fullmatch(name) is None:
+            models.error("R001", f"{name!r} is no name of a model", name)
+        elif entry is not None:
+            components.update(_component(name, entry, library, components.get(name)))
+    values.only((*KEYS, "file", "parameters"))
+    if values.failed:
+        return None, values.problems
+    top = values.text("top") or (base.top if base else _top(components, values))
+    horizon, moving = _horizon(values, base)
+    worst = values.choice("on_unknown", ("inactive", "worst_case"))
+    gap = values.quantity("max_gap", quantities.duration)
+    system = System(
+        components,
+        top,
+        horizon,
+        moving,
+        _thresholds(values) if values.has("thresholds") else base.thresholds if base else (),
+        worst == "worst_case" if worst else bool(base and base.worst_case),
+        gap * 3600.0 if gap is not None else base.max_gap if base else 1.0,
+        place=base.place if base else values.place(),
+    )
+    if not values.failed and top not in components:
+        values.unknown("top", top, "model", components)
+    return (None if values.failed else system), values.problems
+
+
+def _top(components: dict[str, Component], values: Values) -> str:
+    """Return the one model that no other uses; several become a series."""
+    used = {name for one in components.values() for name in one.below}
+    free = [name for name in components if name not in used] or list(components)
+    if len(free) == 1:
+        return free[0]
+    if not free:
+        values.error("R001", "there is no model: the key 'models' is missing or empty")
+        return ""
+    name = "all" if "all" not in components else "all_models"
+    components[name] = Component(name, "series", uses=tuple(free), place=values.place())
+    return name
+
+
+def _horizon(values: Values, base: System | None) -> tuple[float, bool]:
+    longest = values.quantity("mission_time", quantities.duration)
+    if values.text("horizon") == "mission_end":
+        if longest is None:
+            values.error(
+                "R001",
+                "the horizon mission_end needs the longest one",
+                "horizon",
+                hint="add `mission_time: 2 h`",
+            )
+        return longest or 1.0, True
+    given = values.quantity("horizon", quantities.duration)
+    if given is None:
+        return (base.horizon, base.mission_end) if base else (1.0, False)
+    return given, False
+
+
+def _thresholds(values: Values) -> tuple[Threshold, ...]:
+    found: list[Threshold] = []
+    for entry in values.maps("thresholds"):
+        entry.only(("id", "activate", "release", "hold"))
+        name = entry.text("id", required=True)
+        activate = entry.number("activate", 0.0, 1.0, required=True)
+        release = entry.number("release", 0.0, 1.0)
+        hold = entry.quantity("hold", quantities.duration)
+        if name is None or activate is None:
+            continue
+        if any(one.id == name for one in found):
+            entry.error("R015", f"two thresholds are called {name!r}", "id")
+        if release is not None and release < activate:
+            message = f"threshold {name!r}: release {release!r} is below activate {activate!r}"
+            entry.error("R015", message, "release")
+        release = activate if release is None else release
+        seconds = 3600.0 * (hold or 0.0)
+        found.append(Threshold(name, activate, release, seconds, entry.place()))
+    return tuple(found)
+
+
+def _component(
+    name: str, entry: Values, library: Mapping[str, System], before: Component | None
+) -> Mapping[str, Component]:
+    given = entry.text("type")
+    kind = given or (before.type if before else None)
+    if kind not in TYPES:
+        if kind is None:
+            message = f"model {name!r} has no type"
+            entry.error("R001", message, hint=f"types: {', '.join(TYPES)}")
+        else:
+            entry.unknown("type", kind, "type", TYPES)
+        return {}
+    if kind in ("markov", "fault_tree"):
+        return _content(name, kind, entry, library, before)
+    if kind == "series":
+        entry.only(("type", "of"))
+        uses = entry.texts("of", required=True)
+        return {name: Component(name, kind, uses=uses, place=entry.place())}
+    values = _MAKERS[kind](entry, name)
+    if values is None:
+        return {}
+    return {name: Component(name, kind, values=values, place=entry.place())}
+
+
+def _content(
+    name: str,
+    kind: str,
+    entry: Values,
+    library: Mapping[str, System],
+    before: Component | None,
+) -> Mapping[str, Component]:
+    found: dict[str, Component] = {}
+    source = before
+    wanted = entry.text("model")
+    if wanted is not None:
+        system = library.get(wanted)
+        if system is None or system.components[system.top].type != kind:
+            fitting = [n for n, s in library.items() if s.components[s.top].type == kind]
+            entry.unknown("model", wanted, kind.replace("_", " "), fitting)
+            return {}
+        source = system.components[system.top]
+    content: FaultTree | Chain | None
+    if kind == "markov":
+        own = source.content if source else None
+        content = read_chain(name, entry, own if isinstance(own, Chain) else None)
+    else:
+        own = source.content if source else None
+        content = read_tree(name, entry, own if isinstance(own, FaultTree) else None)
+    if content is None:
+        return {}
+    component = Component(name, kind, content, place=entry.place())
+    if wanted is not None:  # the chains that the tree of the file is bound to
+        system = library[wanted]
+        found = {n: system.components[n] for n in component.below if n in system.components}
+    return {**found, name: component}
+
+
+def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
+    entry.only(("type", "configuration", "rate", "rates", "positions", "status", "repair"))
+    configuration = entry.text("configuration", required=True)
+    if configuration is None:
+        return None
+    motors = motors_of(configuration)
+    if motors is None:
+        entry.unknown("configuration", configuration, "configuration", CONFIGURATIONS)
+        return None
+    rates = entry.quantities("rates", quantities.rate)
+    one = entry.quantity("rate", quantities.rate)
+    if (rates is None) == (one is None):
+        entry.error("R001", f"model {name!r} needs either 'rate' or 'rates'")
+        return None
+    if rates is not None and len(rates) != motors:
+        message = f"{len(rates)} rates are given, {configuration} has {motors} motors"
+        entry.error("R011", message, "rates")
+        return None
+    positions = entry.value("positions", list(range(motors)))
+    if not isinstance(positions, list) or sorted(map(repr, positions)) != sorted(
+        map(repr, range(motors))
+    ):
+        message = f"positions must be each number from 0 to {motors - 1} once"
+        entry.error("R011", message, "positions")
+        return None
+    return {
+        "configuration": configuration,
+        "rates": rates if rates is not None else [one] * motors,
+        "positions": positions,
+        "status": entry.choice("status", ("motors", "list")) or "motors",
+        "repair": entry.boolean("repair"),
+    }
+
+
+def _battery(entry: Values, _: str) -> Mapping[str, Any] | None:
+    keys = ("failure_rate", "alpha", "beta", "degradation")
+    entry.only(("type", *keys, "repair"))
+    found = {key: entry.quantity(key, quantities.rate, required=True) for key in keys}
+    return {**found, "repair": entry.boolean("repair")}
+
+
+def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
+    keys = ("mttf_ref", "t_ref", "t_max", "u_max", "activation_energy", "shape", "repair")
+    entry.only(("type", *keys))
+    mean = entry.quantity("mttf_ref", quantities.duration, required=True)
+    if mean == 0.0:
+        entry.error("R002", "mttf_ref must be above 0", "mttf_ref")
+    return {
+        "mttf_ref": mean,
+        "t_ref": entry.temperature("t_ref"),
+        "t_max": entry.temperature("t_max"),
+        "u_max": entry.number("u_max", 0.0, 1e6, required=True),
+        "activation_energy": entry.number("activation_energy", 0.0, 10.0, default=0.3),
+        "shape": entry.number("shape", 0.01, 100.0, default=1.0),
+    }
+
+
+def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any] | None:
+    entry.only(("type", "k", "rate", "max", "repair"))
+    k = entry.whole("k", 1, 10_000, required=True)
+    return {
+        "k": k,
+        "rate": entry.quantity("rate", quantities.rate, required=True),
+        "max": entry.whole("max", k or 1, 10_000),
+    }
+
+
+_MAKERS: Mapping[str, _Make] = {
+    "propulsion": _propulsion,
+    "battery": _battery,
+    "processor": _processor,
+    "k_out_of_n": _k_out_of_n,
+}
+
+
+def with_rate(system: System, frequency: float | None) -> System:
+    """Return the system for so many steps per second."""
+    return system if frequency is None else replace(system, quantum=1.0 / frequency)

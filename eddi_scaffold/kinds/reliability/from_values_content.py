@@ -1,0 +1,177 @@
+"""Chains and fault trees written by hand, or changes of those of an EDDI."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from eddi_scaffold.kinds.reliability.model import (
+    GATES,
+    Arc,
+    Chain,
+    Event,
+    FaultTree,
+    Gate,
+    Law,
+    Observation,
+)
+from eddi_scaffold.kinds.reliability.quantities import duration, rate
+from eddi_scaffold.kinds.reliability.values import Values
+
+_TREE_KEYS = ("type", "model", "top", "gates", "events", "repair", "node_limit")
+_CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe")
+
+
+def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
+    """Read a chain; ``before`` is that of the EDDI, of which only ``observe`` may change."""
+    entry.only(_CHAIN_KEYS)
+    chain = before if before is not None else _chain(entry)
+    if entry.has("observe"):
+        chain = replace(chain, observe=_observe(name, entry, chain))
+    return chain
+
+
+def _chain(entry: Values) -> Chain:
+    arcs: list[Arc] = []
+    for one in entry.maps("arcs"):
+        one.only(("from", "to", "rate"))
+        source, target = one.text("from", required=True), one.text("to", required=True)
+        value = one.quantity("rate", rate, required=True)
+        if source is None or target is None or value is None:
+            continue
+        if source == target:
+            one.error("X020", f"the arc leads from {source!r} to itself")
+        else:
+            arcs.append(Arc(source, target, value, one.place()))
+    named = [name for arc in arcs for name in (arc.source, arc.target)]
+    states = entry.texts("states") or tuple(dict.fromkeys(named))
+    for i, arc in enumerate(arcs):
+        for key, state in (("from", arc.source), ("to", arc.target)):
+            if state not in states:
+                entry.error("R001", f"{key}: there is no state {state!r}", "arcs", i, key)
+    initial, fail = entry.texts("initial"), entry.texts("fail")
+    for key, names in (("initial", initial), ("fail", fail)):
+        for state in names:
+            if state not in states:
+                entry.unknown(key, state, "state", states)
+    return Chain(states, initial, fail, tuple(arcs))
+
+
+def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
+    found: list[Observation] = []
+    observe = entry.map("observe")
+    if observe is None:
+        return ()
+    for state in observe.names():
+        text = observe.text(state)
+        if state not in chain.states:
+            observe.unknown(state, state, f"state of {name!r}", chain.states)
+        elif text is not None:
+            words = text.split()
+            negated = len(words) == 2 and words[0].casefold() == "not"
+            if len(words) != 1 and not negated:
+                hint = "write the id of an input, or `not` and the id"
+                observe.error("R002", f"{text!r} is no input", state, hint=hint)
+            else:
+                found.append(Observation(state, words[-1], negated))
+    return tuple(found)
+
+
+def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
+    """Read a tree; ``before`` is that of the EDDI, of which events may change."""
+    entry.only(_TREE_KEYS)
+    gates = dict(before.gates) if before else _gates(entry)
+    events = dict(before.events) if before else {}
+    given = entry.map("events")
+    for one in given.names() if given else ():
+        assert given is not None
+        if before and one not in before.events:
+            given.unknown(one, one, f"event of {name!r}", before.events)
+            continue
+        event = given.map(one)
+        if event is not None:
+            events[one] = _event(one, event, events.get(one))
+    top = before.top if before else entry.text("top")
+    if top is None:
+        top = _only_top(name, entry, gates)
+    if top is None:
+        return None
+    if not before:
+        _declare(entry, gates, events, top)
+    return FaultTree(
+        top,
+        events,
+        gates,
+        entry.boolean("repair"),
+        entry.whole("node_limit", 1, 10_000_000),
+        before.cut_sets if before else None,
+    )
+
+
+def _gates(entry: Values) -> dict[str, Gate]:
+    found: dict[str, Gate] = {}
+    gates = entry.map("gates")
+    for name in gates.names() if gates else ():
+        assert gates is not None
+        one = gates.map(name)
+        if one is None:
+            continue
+        one.only(("type", "of", "k"))
+        given = (one.text("type") or "OR").upper()
+        if given not in GATES:
+            one.unknown("type", given, "type of gate", GATES)
+        k = one.whole("k", -(10**9), 10**9)
+        found[name] = Gate(name, given, one.texts("of"), k, one.place())
+    return found
+
+
+def _only_top(name: str, entry: Values, gates: dict[str, Gate]) -> str | None:
+    used = {below for gate in gates.values() for below in gate.of}
+    tops = [gate for gate in gates if gate not in used]
+    if len(tops) == 1:
+        return tops[0]
+    found = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
+    entry.error("R012", f"tree {name!r} has {found}", hint="add `top: NAME`")
+    return None
+
+
+def _declare(entry: Values, gates: dict[str, Gate], events: dict[str, Event], top: str) -> None:
+    """Report names that nobody defines."""
+    known = [*gates, *events]
+    if top not in known:
+        entry.unknown("top", top, "gate", known)
+    for gate in gates.values():
+        for i, below in enumerate(gate.of):
+            if below not in gates and below not in events:
+                entry.error(
+                    "R001", f"there is no gate or event {below!r}", "gates", gate.name, "of", i
+                )
+    for both in sorted(set(gates) & set(events)):
+        entry.error("R001", f"{both!r} is a gate and an event", "events", both)
+
+
+def _event(name: str, entry: Values, before: Event | None) -> Event:
+    entry.only(("rate", "scale", "shape", "p", "model", "observed"))
+    law = before.law if before else None
+    value = entry.quantity("rate", rate)
+    scale = entry.quantity("scale", duration)
+    shape = entry.number("shape", 1e-6, 1e6, default=1.0)
+    p = entry.number("p", 0.0, 1.0)
+    model = entry.text("model")
+    ways = [key for key in ("rate", "scale", "p", "model") if entry.has(key)]
+    if len(ways) > 1:
+        entry.error("R006", f"event {name!r} has {' and '.join(ways)}: one is enough", ways[1])
+    if value is not None:
+        law = Law("exponential", (value,))
+    elif scale is not None and shape is not None:
+        if scale <= 0.0:
+            entry.error("R002", "scale: it must be above 0", "scale")
+        law = Law("weibull", (scale, shape))
+    elif p is not None:
+        law = Law("fixed", (p,))
+    elif model is not None:
+        law = Law("model", model=model)
+    observed = entry.boolean("observed") or bool(
+        before and before.observed and not entry.has("observed")
+    )
+    shown = before.name if before else name
+    return Event(shown, law, observed, before.place if before else entry.place())

@@ -1,0 +1,191 @@
+"""The functions of the kind: what is read, found and told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.kinds import Model, ModelInput, Options, Reading
+from eddi_scaffold.kinds.reliability import from_eddi, report
+from eddi_scaffold.kinds.reliability.check import check_system
+from eddi_scaffold.kinds.reliability.from_values import KEYS, read_system, with_rate
+from eddi_scaffold.kinds.reliability.inputs import inputs_of
+from eddi_scaffold.kinds.reliability.model import NAME, System
+from eddi_scaffold.kinds.reliability.picture import picture
+from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.kinds.reliability.values import Values
+from eddi_scaffold.problems import (
+    EddiError,
+    Place,
+    Problem,
+    error,
+    has_errors,
+    in_order,
+    warning,
+)
+from eddi_scaffold.readers.eddi import EddiDocument, read_document
+from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.yaml_nodes import Items, Map, Node, read_map, value_11
+
+
+def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> Reading:
+    """Read the chains and the top events of an EDDI, one model each."""
+    systems, problems = from_eddi.read_eddi(document, source)
+    if has_errors(problems):
+        return Reading((), tuple(problems))
+    models = tuple(Model(NAME, one.top, one, source, one.place) for one in systems)
+    return Reading(models, tuple(problems))
+
+
+def read_file(source: Source, _: Sequence[str]) -> Reading:
+    """Read ``reliability_config.yml`` and the EDDI that it may name."""
+    root, problems = read_map(source, "R001")
+    if root is None or has_errors(problems):
+        return Reading((), tuple(in_order(problems)))
+    values = Values(value_11(root), _finder(root), problems=problems)
+    library = _library(values, source)
+    system, problems = read_system(values, library, None)
+    if system is None:
+        return Reading((), tuple(in_order(problems)))
+    model = Model(NAME, source.stem, system, source, root.place)
+    return Reading((model,), tuple(in_order(problems)))
+
+
+def _finder(root: Node) -> Callable[..., Place]:
+    def find(*path: str | int) -> Place:
+        node = root
+        for step in path:
+            below: Node | None = None
+            if isinstance(node, Map):
+                below = node.get(str(step))
+            elif isinstance(node, Items) and isinstance(step, int) and step < len(node.items):
+                below = node.items[step]
+            if below is None:
+                break
+            node = below
+        return node.place
+
+    return find
+
+
+def _library(values: Values, source: Source) -> Mapping[str, System]:
+    """Read the EDDI that the key ``file`` names, relative to the configuration."""
+    name = values.text("file")
+    if name is None:
+        return {}
+    try:
+        eddi = read_source(Path(source.name).parent / name)
+    except EddiError as failure:
+        reasons = "; ".join(problem.message for problem in failure.problems)
+        values.error("R001", f"file {name!r}: {reasons}", "file")
+        return {}
+    document, problems = read_document(eddi)
+    values.problems += problems
+    if document is None:
+        return {}
+    systems, problems = from_eddi.read_eddi(document, eddi)
+    values.problems += problems
+    return {one.top: one for one in systems}
+
+
+def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+    """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
+    system: System | None = system_of(model)
+    given = {key: value for key, value in options.values.items() if key in KEYS}
+    problems: list[Problem] = []
+    if given:
+        values = Values(given, options.place)
+        system, problems = read_system(values, {}, system)
+    if system is None:
+        return None, problems
+    system = used(with_rate(system, options.frequency)) if not _broken(system) else system
+    # what stood in the file already is said by check
+    before = set(check_system(system_of(model)))
+    problems += [one for one in check_system(system) if one.level == "error" or one not in before]
+    if has_errors(problems):
+        return None, problems
+    problems += _never(system)
+    return replace(model, data=system, name=options.id or model.name), problems
+
+
+def _broken(system: System) -> bool:
+    return has_errors(check_system(system))
+
+
+def _never(system: System) -> list[Problem]:
+    """Return a warning for each threshold that decides nothing at the start (R014)."""
+    if not system.thresholds:
+        return []
+    best, worst = at_start(system), at_start(system, known=False)
+    found = []
+    for one in system.thresholds:
+        if best.p_fail > one.activate:
+            message = (
+                f"threshold {one.id!r} cannot be met at mission start: p_fail is "
+                f"{best.p_fail:.3g}, above {one.activate:g}"
+            )
+            found.append(warning("R014", message, one.place))
+        elif worst.p_fail_high <= one.activate and inputs_of(system):
+            message = (
+                f"threshold {one.id!r} is always met at mission start: p_fail is at most "
+                f"{worst.p_fail_high:.3g}"
+            )
+            found.append(warning("R014", message, one.place))
+    return found
+
+
+def check(model: Model) -> Sequence[Problem]:
+    """Return what is wrong with the models, whatever the configuration says."""
+    return check_system(system_of(model))
+
+
+def inputs(model: Model) -> Sequence[ModelInput]:
+    """Return what the monitor must be told."""
+    return inputs_of(used(system_of(model)))
+
+
+def model_part(model: Model) -> dict[str, Any]:
+    """Return the ``model`` part of ``config/model.json``."""
+    return runtime_model(system_of(model))
+
+
+def export(model: Model) -> Mapping[str, str]:
+    """Return the whole system as one readable file."""
+    name = "".join(c if c.isalnum() or c in "._-" else "_" for c in model.name)
+    return {f"{name}.yml": to_yaml(system_of(model))}
+
+
+def counts(model: Model) -> Mapping[str, int]:
+    """Return what ``show`` counts."""
+    return report.counts(system_of(model))
+
+
+def outline(model: Model) -> Sequence[str]:
+    """Return the lines that ``show`` prints."""
+    return report.outline(system_of(model))
+
+
+def readme(model: Model) -> Sequence[str]:
+    """Return lines of Markdown for the package's README."""
+    return report.readme(system_of(model))
+
+
+def diagram(model: Model) -> Diagram:
+    """Return the picture of the chains and trees."""
+    return picture(model.name, system_of(model))
+
+
+def system_of(model: Model) -> System:
+    """Return what this kind keeps in a model.
+
+    Raises:
+        EddiError: the model is of another kind.
+    """
+    if not isinstance(model.data, System):
+        raise EddiError(error("R001", f"{model.name!r} is no reliability model"))
+    return model.data

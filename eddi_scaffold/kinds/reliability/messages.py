@@ -1,0 +1,35 @@
+"""ROS messages of reliability monitors; field names fit ROS 1 and ROS 2."""
+
+from __future__ import annotations
+
+RELIABILITY_OUTPUT = """\
+std_msgs/Header header
+string model
+# Everything on which the numbers depend is known, and no error occurred.
+bool valid
+# Failure from now to the horizon; the worst case of what is unknown.
+float64 p_fail
+float64 p_fail_low
+float64 p_fail_high
+# No failure from now to the horizon.
+float64 reliability
+# Remaining mean time to failure; inf: failure is not certain; NaN: not computed.
+float64 mttf_hours
+float64 horizon_seconds
+string[] unknown_inputs
+# Why it is not valid; empty when it is.
+string reason
+ReliabilityEvidence[] evidence
+"""
+
+RELIABILITY_EVIDENCE = """\
+# A threshold of p_fail with hysteresis: what the evidence of a ConSert can be made of.
+string id
+bool active
+"""
+
+MESSAGES = {
+    "ReliabilityEvidence": RELIABILITY_EVIDENCE,
+    "ReliabilityOutput": RELIABILITY_OUTPUT,
+}
+"""ROS message name -> text of its ``.msg`` file."""

@@ -1,0 +1,175 @@
+"""What a reliability monitor is made of: chains, trees, component models, thresholds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from eddi_scaffold.problems import Place
+
+NAME = "reliability"
+GATES = ("OR", "AND", "NOT", "XOR", "VOTE", "PAND", "POR", "SAND")
+DYNAMIC = ("PAND", "POR", "SAND")
+TYPES = (
+    "propulsion",
+    "battery",
+    "processor",
+    "k_out_of_n",
+    "series",
+    "fault_tree",
+    "markov",
+)
+
+
+@dataclass(frozen=True)
+class Law:
+    """How probable a basic event is.
+
+    Attributes:
+        kind: ``exponential`` (rate in 1/h), ``weibull`` (scale in h, shape), ``fixed``
+            (probability), ``model`` (that of another model).
+        values: its numbers.
+        model: name of the model.
+    """
+
+    kind: str
+    values: tuple[float, ...] = ()
+    model: str = ""
+
+
+@dataclass(frozen=True)
+class Event:
+    """A basic event; ``law`` is None while no probability was given.
+
+    Attributes:
+        name: for people; its id is the key in the tree.
+        observed: an input says whether it has happened.
+    """
+
+    name: str
+    law: Law | None
+    observed: bool = False
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A gate; ``of`` are ids of events and gates, ``k`` only for VOTE (None: not given)."""
+
+    name: str
+    type: str
+    of: tuple[str, ...]
+    k: int | None = None
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class FaultTree:
+    """A fault tree: the events and gates below one top event, by id.
+
+    Attributes:
+        cut_sets: minimal cut sets that the file states, names of events; None: none stated.
+    """
+
+    top: str
+    events: Mapping[str, Event]
+    gates: Mapping[str, Gate]
+    repair: bool = False
+    node_limit: int | None = None
+    cut_sets: frozenset[frozenset[str]] | None = None
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A transition with its rate in 1/h."""
+
+    source: str
+    target: str
+    rate: float
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A state is excluded while the input is false, or, negated, while it is true."""
+
+    state: str
+    input: str
+    negated: bool = False
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A Markov chain; how many initial and fail states it may have is checked later."""
+
+    states: tuple[str, ...]
+    initial: tuple[str, ...]
+    fail: tuple[str, ...]
+    arcs: tuple[Arc, ...]
+    observe: tuple[Observation, ...] = ()
+
+
+@dataclass(frozen=True)
+class Component:
+    """One model of a monitor.
+
+    Attributes:
+        name: unique in its system.
+        type: one of ``TYPES``.
+        content: of a chain or a tree.
+        values: the numbers of the other types, in h, 1/h and degC.
+        uses: models that it is made of (those of a tree stand in its events).
+    """
+
+    name: str
+    type: str
+    content: FaultTree | Chain | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
+    uses: tuple[str, ...] = ()
+    place: Place = field(default=Place(), compare=False)
+
+    @property
+    def below(self) -> tuple[str, ...]:
+        """Names of the models that this one uses."""
+        if isinstance(self.content, FaultTree):
+            laws = [event.law for event in self.content.events.values()]
+            return tuple(dict.fromkeys(law.model for law in laws if law and law.model))
+        return self.uses
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """Evidence that is active while the probability of failure is small; ``hold`` in seconds."""
+
+    id: str
+    activate: float
+    release: float
+    hold: float = 0.0
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class System:
+    """Models with a horizon: all that a monitor needs.
+
+    Attributes:
+        components: by name, in the order of the file.
+        top: model whose numbers are published.
+        horizon: hours; the longest one when the mission's end is an input.
+        mission_end: the mission's end is an input.
+        thresholds: evidence.
+        worst_case: evidence follows the worst case of unknown inputs instead of going away.
+        max_gap: seconds between two steps that are still usual.
+        quantum: seconds of one step of the chains.
+    """
+
+    components: Mapping[str, Component]
+    top: str
+    horizon: float = 1.0
+    mission_end: bool = False
+    thresholds: tuple[Threshold, ...] = ()
+    worst_case: bool = False
+    max_gap: float = 1.0
+    quantum: float = 0.1
+    place: Place = field(default=Place(), compare=False)

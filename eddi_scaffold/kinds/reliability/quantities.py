@@ -1,0 +1,174 @@
+"""Rates, durations and temperatures as people write them: a number, a blank, a unit."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+_NUMBER = re.compile(
+    r"\s*([-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?)(?:\s+(\S.*?)|\s*)\s*",
+    re.ASCII,
+)
+_COMMA = re.compile(r"\s*[-+]?[0-9]+,[0-9]+\b.*")
+_HOURS: Mapping[str, tuple[int, int]] = {
+    "ns": (1, 3_600_000_000_000),
+    "us": (1, 3_600_000_000),
+    "ms": (1, 3_600_000),
+    "s": (1, 3600),
+    "min": (1, 60),
+    "h": (1, 1),
+    "day": (24, 1),
+    "week": (168, 1),
+    "month": (730, 1),
+    "year": (8760, 1),
+}
+_ODE = {"millisecond": "ms", "second": "s", "minute": "min", "hour": "h"}
+"""Literals of the metamodel's TimeUnit that are spelt otherwise."""
+
+RATE_UNITS = ("1/h", "1/s", "1/min", "1/day", "1/week", "1/month", "1/year", "FIT")
+DURATION_UNITS = tuple(_HOURS)
+
+
+class QuantityError(ValueError):
+    """A text is no quantity; the message says why.
+
+    Attributes:
+        code: R002 (no number, out of range) or R004 (unit).
+        hint: what to write.
+    """
+
+    def __init__(self, code: str, message: str, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.code, self.hint = code, hint
+
+
+class Quantity(NamedTuple):
+    """A number in the unit of the product (1/h, h), and whether a unit was written."""
+
+    value: float
+    has_unit: bool
+
+
+def rate(given: object, unit: str | None = None) -> Quantity:
+    """Read a rate; without a unit it is per hour.
+
+    Args:
+        given: text or number.
+        unit: a unit that stands elsewhere.
+
+    Raises:
+        QuantityError: it is none, negative, or of an unknown unit.
+    """
+    number, written = _split(given)
+    written = written or unit
+    if written is None:
+        return Quantity(number, has_unit=False)
+    factor = rate_factor(written)
+    if factor is None:
+        raise QuantityError("R004", f"{written!r} is no unit of a rate", _list(RATE_UNITS))
+    up, down = factor
+    return Quantity(_finite(number * up / down, given), has_unit=True)
+
+
+def duration(given: object, unit: str | None = None) -> Quantity:
+    """Read a duration in hours; without a unit it is in hours.
+
+    Raises:
+        QuantityError: it is none, negative, or of an unknown unit.
+    """
+    number, written = _split(given)
+    written = written or unit
+    if written is None:
+        return Quantity(number, has_unit=False)
+    factor = _HOURS.get(_time_unit(written))
+    if factor is None:
+        raise QuantityError("R004", f"{written!r} is no unit of time", _list(DURATION_UNITS))
+    up, down = factor
+    return Quantity(_finite(number * up / down, given), has_unit=True)
+
+
+def temperature(given: object) -> float:
+    """Read a temperature with its unit in degC.
+
+    Raises:
+        QuantityError: it is none, has no unit, or lies below absolute zero.
+    """
+    number, written = _split(given, signed=True)
+    if written not in ("degC", "K"):
+        raise QuantityError("R004", f"{given!r} has no unit of temperature", "write degC or K")
+    value = number - 273.15 if written == "K" else number
+    if value <= -273.0 or value > 1e4:
+        raise QuantityError("R002", f"{given!r} is out of range, -273 degC to 10000 degC")
+    return value
+
+
+def number(given: object, low: float, high: float) -> float:
+    """Read a number between two limits, inclusive.
+
+    Raises:
+        QuantityError: it is none, or out of range.
+    """
+    value, unit = _split(given, signed=True)
+    if unit is not None:
+        raise QuantityError("R004", f"{given!r} has a unit, but is a plain number")
+    if not low <= value <= high:
+        raise QuantityError("R002", f"{given!r} is out of range, {low:g} to {high:g}")
+    return value
+
+
+def rate_factor(unit: str) -> tuple[int, int] | None:
+    """Return the factor to 1/h as numerator and denominator, None for no unit of a rate."""
+    if unit.casefold() == "fit":
+        return 1, 1_000_000_000
+    match = re.fullmatch(r"(?:1\s*/|/|per\s+)\s*(\w+)|(\w+)\^-1", unit.strip())
+    if match is None:
+        return None
+    hours = _HOURS.get(_time_unit(match[1] or match[2]))
+    return None if hours is None else (hours[1], hours[0])
+
+
+def is_time_unit(unit: str) -> bool:
+    """Tell whether a text is a unit of time (``h``, ``Hour``)."""
+    return _time_unit(unit) in _HOURS
+
+
+def _time_unit(text: str) -> str:
+    word = text.strip()
+    if word in _HOURS:
+        return word
+    folded = word.casefold()
+    folded = folded.removesuffix("s") if len(folded) > 3 else folded
+    return _ODE.get(folded, folded if len(folded) > 2 else word)
+
+
+def _split(given: object, *, signed: bool = False) -> tuple[float, str | None]:
+    if isinstance(given, bool) or not isinstance(given, int | float | str):
+        raise QuantityError("R002", f"{_shown(given)} is no number")
+    match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
+    if isinstance(given, str) and match is None:
+        hint = "write a point, not a comma" if _COMMA.fullmatch(given) else None
+        raise QuantityError("R002", f"{_shown(given)} is no number", hint)
+    try:
+        value = float(match[1]) if match else float(given)
+    except OverflowError:
+        value = math.inf
+    if value < 0 and not signed:
+        raise QuantityError("R002", f"{_shown(given)} is negative")
+    return _finite(value, given), match[2] if match else None
+
+
+def _finite(value: float, given: object) -> float:
+    if not math.isfinite(value):
+        raise QuantityError("R002", f"{_shown(given)} is not finite")
+    return value
+
+
+def _shown(given: object) -> str:
+    text = repr(given)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _list(units: tuple[str, ...]) -> str:
+    return f"units: {', '.join(units)}"

@@ -1,0 +1,138 @@
+"""A system in words: what ``show`` prints and what stands in a package's README."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from eddi_runtime.reliability.cut_sets import minimal_cut_sets
+from eddi_runtime.reliability.diagram import Gate as Number
+from eddi_runtime.reliability.diagram import build
+
+from eddi_scaffold.kinds.reliability.model import Chain, Component, Event, FaultTree, System
+from eddi_scaffold.kinds.reliability.runtime_model import runtime_model
+from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
+
+_SHOWN = 20
+
+
+def counts(system: System) -> Mapping[str, int]:
+    """Return how many models, states, gates and events there are."""
+    states = gates = events = 0
+    for component in system.components.values():
+        if isinstance(component.content, Chain):
+            states += len(component.content.states)
+        elif isinstance(component.content, FaultTree):
+            gates += len(component.content.gates)
+            events += len(component.content.events)
+    found = {"models": len(system.components), "states": states, "gates": gates, "events": events}
+    return {key: value for key, value in found.items() if value}
+
+
+def outline(system: System) -> list[str]:
+    """Return lines with two blanks per level."""
+    lines: list[str] = []
+    for component in system.components.values():
+        mark = " (top)" if component.name == system.top else ""
+        lines.append(f"{component.type} {component.name}{mark}")
+        lines += [f"  {line}" for line in _content(component)]
+    for one in system.thresholds:
+        lines.append(f"threshold {one.id}: p_fail <= {one.activate:g}, gone above {one.release:g}")
+    return lines
+
+
+def _content(component: Component) -> Iterator[str]:
+    content = component.content
+    if isinstance(content, Chain):
+        for state in content.states:
+            marks = [
+                m for m, of in (("initial", content.initial), ("fail", content.fail)) if state in of
+            ]
+            yield state + (f" ({', '.join(marks)})" if marks else "")
+            for arc in content.arcs:
+                if arc.source == state:
+                    yield f"  -> {arc.target}  {arc.rate:g} 1/h"
+    elif isinstance(content, FaultTree):
+        yield from _tree(content)
+    elif component.type == "series":
+        yield ", ".join(component.uses)
+    else:
+        for key, value in component.values.items():
+            yield f"{key}: {value}"
+
+
+def _tree(tree: FaultTree) -> Iterator[str]:
+    seen: set[str] = set()
+    waiting = [(tree.top, 0)]
+    while waiting:
+        name, depth = waiting.pop()
+        gate = tree.gates.get(name)
+        if gate is None:
+            yield "  " * depth + f"{name}  {law_text(tree.events[name])}"
+            continue
+        kind = f"{gate.k}/{len(gate.of)}" if gate.type == "VOTE" else gate.type
+        again = name in seen
+        yield "  " * depth + f"{kind} {name}" + (" (see above)" if again and gate.of else "")
+        seen.add(name)
+        if not again:
+            waiting += [(below, depth + 1) for below in reversed(gate.of)]
+
+
+def law_text(event: Event) -> str:
+    """Return the law of an event in few words."""
+    law = event.law
+    if law is None:
+        return "no probability"
+    text = {
+        "exponential": lambda: f"{law.values[0]:g} 1/h",
+        "weibull": lambda: f"Weibull {law.values[0]:g} h, shape {law.values[1]:g}",
+        "fixed": lambda: f"p {law.values[0]:g}",
+        "model": lambda: f"model {law.model}",
+    }[law.kind]()
+    return f"{text}, observed" if event.observed else text
+
+
+def readme(system: System) -> list[str]:
+    """Return numbers at the start of the mission, thresholds and minimal cut sets."""
+    start = at_start(system)
+    life = mean_life(system)
+    shown = "not computed" if life is None else "infinite" if math.isinf(life) else f"{life:.6g} h"
+    until = "the mission's end" if system.mission_end else "the horizon"
+    first = (
+        f"`{system.top}` fails within {system.horizon:g} h ({until}) with probability "
+        f"{start.p_fail:.6g} at mission start, everything in order; mean time to failure: {shown}."
+    )
+    lines = [first, ""]
+    if system.thresholds:
+        lines += ["| evidence | active at p_fail up to | gone above | hold |", "|---|---|---|---|"]
+        lines += [
+            f"| {t.id} | {t.activate:g} | {t.release:g} | {t.hold:g} s |" for t in system.thresholds
+        ]
+        unknown = "its worst case counts" if system.worst_case else "no evidence is active"
+        lines += ["", f"While an input is unknown, {unknown}.", ""]
+    for component in system.components.values():
+        if isinstance(component.content, FaultTree):
+            lines += _cut_sets(component)
+    lines.append(
+        "Assumed: failures of different models and basic events are independent, rates of chains "
+        "are constant."
+    )
+    return lines
+
+
+def _cut_sets(component: Component) -> list[str]:
+    part = runtime_model(System({component.name: component}, component.name))["components"][0]
+    gates = [Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"]]
+    diagram = build(len(part["events"]), gates, part["top"])
+    if not diagram.coherent:
+        return [f"`{component.name}` has NOT or XOR, so no minimal cut sets.", ""]
+    found = minimal_cut_sets(diagram)
+    if found is None:
+        return [f"`{component.name}` has more than 10,000 minimal cut sets.", ""]
+    names = [sorted(part["events"][i]["name"] for i in one) for one in found]
+    names.sort(key=lambda one: (len(one), one))
+    lines = [f"Minimal cut sets of `{component.name}`: {len(names)}", ""]
+    lines += [f"- {', '.join(one)}" for one in names[:_SHOWN]]
+    if len(names) > _SHOWN:
+        lines.append(f"- and {len(names) - _SHOWN} more")
+    return [*lines, ""]

@@ -1,0 +1,128 @@
+"""What the runtime says of a system at the start of the mission: the same code as on the robot."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from eddi_runtime import inputs as runtime_inputs
+from eddi_runtime.model_file import ModelFile
+from eddi_runtime.reliability.monitor import ReliabilityMonitor
+from eddi_runtime.reliability.result import ReliabilityResult
+
+from eddi_scaffold.kinds.reliability.inputs import input_id, inputs_of
+from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, System
+from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_TOO_MANY = 300
+
+
+def at_start(system: System, *, known: bool = True) -> ReliabilityResult:
+    """Return the first result with everything in order, or with nothing known."""
+    monitor = ReliabilityMonitor(_model_file(system))
+    return monitor.execute_step(SimpleNamespace(**_start(system) if known else {}), 0)
+
+
+def mean_life(system: System) -> float | None:
+    """Return the mean time to failure of the top in hours from the start of the mission.
+
+    The integral of the reliability with everything in order (adaptive Gauss-Legendre, relative
+    1e-9); None for models that are too large to be evaluated that often, or without a limit.
+    """
+    first = at_start(system)
+    if not math.isnan(first.mttf):
+        return first.mttf
+    if _size(system) > _TOO_MANY:
+        return None
+    start = _start(system)
+
+    def reliability(hours: float) -> float:
+        later = replace(system, horizon=hours, mission_end=False, thresholds=())
+        monitor = ReliabilityMonitor(_model_file(later))
+        return monitor.execute_step(SimpleNamespace(**start), 0).reliability
+
+    return _integral(reliability)
+
+
+def _integral(reliability: Any) -> float | None:
+    """Return the integral of a survival function over [0, inf)."""
+    scale = 1.0
+    while reliability(scale) > 0.5:
+        scale *= 4.0
+        if scale > 1e18:
+            return None
+    while reliability(scale) < 0.5 and scale > 1e-12:
+        scale /= 2.0
+    total, left, width = 0.0, 0.0, scale / 2.0
+    for _ in range(80):
+        part = _panel(reliability, left, left + width, 6)
+        total += part
+        left += width
+        width *= 1.5
+        if part <= 1e-12 * total:
+            return total
+    return None
+
+
+def _panel(reliability: Any, left: float, right: float, depth: int) -> float:
+    whole = _gauss(reliability, left, right)
+    middle = 0.5 * (left + right)
+    halves = _gauss(reliability, left, middle) + _gauss(reliability, middle, right)
+    if depth == 0 or abs(whole - halves) <= 1e-11 * abs(halves) or halves == 0.0:
+        return halves
+    low = _panel(reliability, left, middle, depth - 1)
+    return low + _panel(reliability, middle, right, depth - 1)
+
+
+def _gauss(reliability: Any, left: float, right: float) -> float:
+    half, middle = 0.5 * (right - left), 0.5 * (right + left)
+    values = [w * reliability(middle + half * x) for x, w in zip(_NODES, _WEIGHTS, strict=True)]
+    return half * math.fsum(values)
+
+
+def _size(system: System) -> int:
+    size = 0
+    for component in used(system).components.values():
+        if isinstance(component.content, Chain):
+            size += len(component.content.states)
+        elif isinstance(component.content, FaultTree):
+            size += len(component.content.gates) + len(component.content.events)
+    return size
+
+
+def _model_file(system: System) -> ModelFile:
+    specs = tuple(runtime_inputs.InputSpec(one.id, one.id) for one in inputs_of(used(system)))
+    return ModelFile("", "reliability", "m", "", {}, specs, runtime_model(system), {}, _no_data)
+
+
+def _no_data(_: str) -> bytes:
+    return b""
+
+
+def _start(system: System) -> dict[str, Any]:
+    """Return inputs that say that all is in order."""
+    found: dict[str, Any] = {}
+    for component in used(system).components.values():
+        name, values = component.name, component.values
+        if isinstance(component.content, Chain):
+            own = component.content
+            for one in own.observe:
+                found[one.input] = (one.state in own.initial) is not one.negated
+        elif isinstance(component.content, FaultTree):
+            found.update({input_id(name, key): False for key in component.content.events})
+        elif component.type == "propulsion":
+            count = len(values["rates"])
+            found.update({input_id(name, f"motor_{i}"): True for i in range(count)})
+            found[input_id(name, "status")] = [True] * count
+        elif component.type == "battery":
+            found[input_id(name, "level")] = 100.0
+        elif component.type == "processor":
+            found[input_id(name, "temperature")] = values["t_ref"]
+            found[input_id(name, "utilisation")] = 1.0
+        elif component.type == "k_out_of_n":
+            found[input_id(name, "available")] = values["max"] or values["k"]
+    return found

@@ -1,0 +1,7 @@
+"""Dynamic reliability: Markov chains and fault trees that follow what is observed (D7.2 3.3)."""
+
+from .monitor import ReliabilityMonitor, build
+from .result import ReliabilityResult
+from .tree import Importance
+
+__all__ = ["Importance", "ReliabilityMonitor", "ReliabilityResult", "build"]

@@ -1,0 +1,214 @@
+"""The monitor: how probable is a failure from now to the horizon, and may one go on?"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
+
+from ..inputs import InputSpec
+from ..model_file import ModelError, ModelFile
+from ..monitor import Tree
+from . import result as out
+from .estimate import Estimate, Moment
+from .evidence import Evidence
+from .model import GRID, MISSION_END, Plan, read_plan
+from .result import ReliabilityResult
+from .tree import FaultTree, Importance
+from .values import Taken, take
+
+_HOUR_NS = 3.6e12
+_NAN = float("nan")
+
+
+def build(
+    model_file: ModelFile,
+    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
+) -> ReliabilityMonitor:
+    """Compile the monitor of a model file.
+
+    Args:
+        model_file: the model.
+        hooks: not used: all code of a person stands in EDDIInput.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    return ReliabilityMonitor(model_file)
+
+
+class ReliabilityMonitor:
+    """Follows chains and fault trees from observations. Not thread-safe.
+
+    Attributes:
+        model_id: id of the model.
+        digest: SHA-256 of the model file's content.
+        kind: ``reliability``.
+        inputs: what a step reads.
+    """
+
+    kind = "reliability"
+
+    def __init__(self, model_file: ModelFile) -> None:
+        self.model_id = model_file.id
+        self.digest = model_file.digest
+        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
+        self._plan: Plan = read_plan(model_file.model)
+        ids = {spec.id for spec in self.inputs}
+        for name in self._plan.rules:
+            if name not in ids:
+                raise ModelError("", f"the input {name!r} of the model is not declared")
+        self._sources = [
+            (spec, self._plan.rules[spec.id], spec.factor)
+            for spec in self.inputs
+            if spec.id in self._plan.rules
+        ]
+        self._evidence = [Evidence(one) for one in self._plan.thresholds]
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start of the mission."""
+        self._start: Optional[int] = None
+        self._last = 0
+        self._quanta = 0
+        self._base = 0
+        self._faults: Dict[str, str] = {}
+        self._counts: Dict[str, int] = {}
+        self._result = ReliabilityResult(
+            valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=_NAN,
+            horizon=self._plan.horizon, evidence={}, unknown=(), reason="not started",
+            contributions={},
+        )  # fmt: skip
+        for component in self._plan.components.values():
+            component.reset()
+        for one in self._evidence:
+            one.reset()
+
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> ReliabilityResult:
+        """Let time pass, take the observations, look ahead; never raises.
+
+        Args:
+            eddi_input: one attribute per input; None, NaN and what is of another kind: unknown.
+            t_ns: time of the step in nanoseconds; None: the machine's monotonic clock.
+        """
+        now = time.monotonic_ns() if t_ns is None else t_ns
+        values = self._values(eddi_input)
+        quanta, reason = self._pass(now)
+        moment = self._moment(values, quanta)
+        known: Dict[str, Estimate] = {}
+        for name, component in self._plan.components.items():
+            known[name] = component.step(values, moment, known)
+        top = known[self._plan.top]
+        unknown = top.unknown
+        if self._plan.moving and values[MISSION_END] is None:
+            unknown = (*unknown, MISSION_END)
+        reason = reason or top.reason
+        valid = not unknown and not reason
+        usable = valid or (self._plan.worst_case and not reason)
+        evidence = {
+            one.threshold.id: one.step(now, top.high, usable=usable) for one in self._evidence
+        }
+        self._result = ReliabilityResult(
+            valid=valid,
+            p_fail=top.high,
+            p_fail_low=top.low,
+            p_fail_high=top.high,
+            reliability=top.reliability,
+            mttf=top.mttf,
+            horizon=moment.horizon,
+            evidence=evidence,
+            unknown=unknown,
+            reason=reason or ("unknown inputs" if unknown else ""),
+            contributions={name: one.high for name, one in known.items()},
+        )
+        return self._result
+
+    def _values(self, eddi_input: object) -> Dict[str, Taken]:
+        self._faults = {}
+        values: Dict[str, Taken] = {}
+        for spec, rule, factor in self._sources:
+            raw: Any = getattr(eddi_input, spec.attribute, None)
+            value, fault = take(rule, raw)
+            if factor is not None and isinstance(value, float):
+                value, fault = take(rule, value * factor[0] / factor[1])
+            if fault:
+                self._faults[spec.id] = fault
+                self._counts[spec.id] = self._counts.get(spec.id, 0) + 1
+            values[spec.id] = value
+        return values
+
+    def _pass(self, now: int) -> Tuple[int, str]:
+        """Return how many quanta to propagate, and what is wrong with the clock."""
+        if self._start is None:
+            self._start = self._last = now
+            return 0, ""
+        gap = now - self._last
+        self._last = now
+        if gap < 0:
+            self._start = now  # a new time base: the state keeps its age
+            self._base = self._quanta
+            return 0, "the clock went back"
+        size = self._plan.quantum_ns
+        due = self._base - (self._start - now) // size  # rounded up: never behind the clock
+        quanta, self._quanta = due - self._quanta, due
+        return quanta, "gap" if gap > self._plan.max_gap_ns else ""
+
+    def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
+        size = self._plan.quantum_ns / _HOUR_NS
+        horizon, index = self._plan.horizon, 0
+        if self._plan.moving:
+            index = GRID
+            left = values[MISSION_END]
+            if isinstance(left, float):
+                index = min(GRID, max(0, math.ceil(left / 3600.0 / horizon * GRID - 1e-9)))
+            horizon = horizon * index / GRID
+        return Moment(quanta, quanta * size, self._quanta * size, horizon, index)
+
+    def importances(self) -> Tuple[Importance, ...]:
+        """Return how much each event of the top fault tree matters now; empty for other models."""
+        top = self._plan.components[self._plan.top]
+        return top.importances() if isinstance(top, FaultTree) else ()
+
+    def latched(self) -> Dict[str, int]:
+        """Return model -> how often a claim was ignored that something failed works again."""
+        return {n: one.latched for n, one in self._plan.components.items() if one.latched}
+
+    def fault_counts(self) -> Mapping[str, int]:
+        """Return input id -> how often its value could not be used, since the start."""
+        return self._counts
+
+    def as_json(self, output: ReliabilityResult) -> Mapping[str, Any]:
+        """Return a result with its names; what is not finite becomes None."""
+        return out.as_json(output)
+
+    def series(self, output: ReliabilityResult) -> Dict[str, out.Value]:
+        """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
+        return out.series(output)
+
+    def message(self, output: Any) -> Tree:
+        """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
+        given = output if isinstance(output, ReliabilityResult) else self._refused()
+        return out.output_message(self.model_id, given)
+
+    def _refused(self) -> ReliabilityResult:
+        """Return the worst case, for what a person's code has put in place of a result."""
+        return self._result._replace(
+            valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=_NAN,
+            evidence={one.threshold.id: False for one in self._evidence},
+            reason="the output is no result of this monitor",
+        )  # fmt: skip
+
+    def status_message(self) -> Optional[Tree]:
+        """Return None: the output says all there is to say."""
+        return None
+
+    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+        """Return input id -> evidence that is not given because the input is not known."""
+        lost = tuple(one.threshold.id for one in self._evidence if not one.active) or ("valid",)
+        uses = self._plan.uses[self._plan.top]
+        names: List[str] = [name for name in not_good if name in uses]
+        return dict.fromkeys((*self._result.unknown, *names), lost)
+
+    def faults(self) -> Dict[str, str]:
+        """Return input id -> what was wrong with its value in the last step."""
+        return dict(self._faults)

@@ -1,0 +1,238 @@
+"""Fault trees at run time: probabilities of the events, then one pass through the diagram."""
+
+from __future__ import annotations
+
+import math
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from . import diagram as bdd
+from .chain import Chain, ChainSpec, Horizons
+from .components import Component, Known
+from .cut_sets import CutSet, minimal_cut_sets
+from .estimate import Estimate, Moment, Values
+
+_NAN = float("nan")
+DYNAMIC = ("PAND", "POR")
+
+
+class Event(NamedTuple):
+    """A basic event.
+
+    Attributes:
+        name: for people.
+        law: ``exponential`` (1/h), ``weibull`` (scale in h, shape), ``fixed`` (probability),
+            ``model`` (of another model), ``PAND`` or ``POR`` (rates of the inputs, 1/h).
+        values: numbers of the law.
+        model: name of the model.
+        input: id of the input that says whether it has happened; None: not observed.
+    """
+
+    name: str
+    law: str
+    values: Tuple[float, ...] = ()
+    model: str = ""
+    input: Optional[str] = None
+
+
+class Importance(NamedTuple):
+    """How much one event matters for the top event, at present probabilities.
+
+    Attributes:
+        event: its name.
+        probability: of the event.
+        birnbaum: p(top | event) - p(top | not event).
+        criticality: share of the top's probability in which the event decides.
+        achievement: risk achievement worth: p(top | event) / p(top).
+        reduction: risk reduction worth: p(top) / p(top | not event).
+    """
+
+    event: str
+    probability: float
+    birnbaum: float
+    criticality: float
+    achievement: float
+    reduction: float
+
+
+class FaultTree(Component):
+    """A fault tree, compiled once.
+
+    Args:
+        events: in the order of their numbers.
+        gates: each refers to events and to gates before it.
+        top: number of the top event.
+        quantum: hours.
+        horizons: where to look ahead.
+        repair: an event that has happened may be undone.
+        limit: nodes of the diagram.
+
+    Raises:
+        TooLargeError: the diagram has more nodes than the limit.
+    """
+
+    def __init__(
+        self,
+        events: Sequence[Event],
+        gates: Sequence[bdd.Gate],
+        top: int,
+        *,
+        quantum: float,
+        horizons: Horizons,
+        repair: bool = False,
+        limit: int = bdd.NODE_LIMIT,
+    ) -> None:
+        self.events = tuple(events)
+        first = frozenset(i for i, e in enumerate(events) if e.input is not None)
+        self.diagram = bdd.build(len(events), gates, top, first, limit)
+        self._failure = bdd.probability(self.diagram)
+        self._survival = bdd.probability(self.diagram, of_failure=False)
+        self._repair = repair
+        self._static = _Laws(self.events)
+        self._chains = {
+            i: Chain(_order(e.law, e.values), quantum, horizons)
+            for i, e in enumerate(events)
+            if e.law in DYNAMIC
+        }
+        self._inputs = [(i, e.input) for i, e in enumerate(events) if e.input is not None]
+        self._models = [(i, e.model) for i, e in enumerate(events) if e.law == "model"]
+        self._failed: Dict[int, bool] = {}
+        self._low: List[float] = []
+        self._high: List[float] = []
+
+    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
+        """Find the probabilities of all events and of the top event."""
+        low = self._static.at(moment.age, moment.horizon)
+        reason = ""
+        unknown: List[str] = []
+        for i, chain in self._chains.items():
+            chain.advance(moment.quanta)
+            low[i] = chain.estimate(moment).high
+        high = low
+        intervals = False
+        for i, name in self._models:
+            part = known[name]
+            if part.low != part.high:
+                high = list(low) if high is low else high
+                intervals = True
+            low[i], high[i] = part.low, part.high
+            unknown += part.unknown
+            reason = reason or part.reason
+        for i, name in self._inputs:
+            happened = self._status(i, values[name])
+            if happened is None:
+                unknown.append(name)
+                high = list(low) if high is low else high
+                intervals = True
+                high[i] = 1.0
+            elif happened:
+                low[i] = high[i] = 1.0
+        self._low, self._high = low, high
+        best, worst = self._bounds(low, high) if intervals else (self._failure(low),) * 2
+        best, worst = min(best, 1.0), min(worst, 1.0)
+        alive = 1.0 - worst
+        if worst > 0.5 and not intervals:
+            alive = self._survival(low)
+        names = tuple(dict.fromkeys(unknown))
+        return Estimate(best, worst, alive, _NAN, names, reason)
+
+    def _bounds(self, low: List[float], high: List[float]) -> Tuple[float, float]:
+        if self.diagram.coherent:  # monotone: the corners are the bounds
+            return self._failure(low), self._failure(high)
+        return bdd.interval(self.diagram, low, high)
+
+    def _status(self, i: int, value: Optional[bool]) -> Optional[bool]:
+        if self._failed.get(i) and value is not True and not self._repair:
+            self.latched += value is False
+            return True
+        self._failed[i] = value is True
+        return value
+
+    def reset(self) -> None:
+        """Forget what has happened."""
+        super().reset()
+        self._failed.clear()
+        for chain in self._chains.values():
+            chain.reset()
+
+    def importances(self) -> Tuple[Importance, ...]:
+        """Return how much each event matters in the worst case of the last step, most first."""
+        q = list(self._high)
+        if not q:
+            return ()
+        total = self._failure(q)
+        found = [self._importance(i, q, total) for i in range(len(self.events))]
+        return tuple(sorted(found, key=lambda one: (-one.criticality, one.event)))
+
+    def _importance(self, i: int, q: List[float], total: float) -> Importance:
+        p = q[i]
+        q[i] = 1.0
+        sure = self._failure(q)
+        q[i] = 0.0
+        never = self._failure(q)
+        q[i] = p
+        birnbaum = sure - never
+        share = birnbaum * p / total if total else _NAN
+        return Importance(
+            self.events[i].name,
+            p,
+            birnbaum,
+            share,
+            sure / total if total else _NAN,
+            total / never if never else math.inf,
+        )
+
+    def cut_sets(self) -> Optional[Tuple[CutSet, ...]]:
+        """Return the minimal cut sets as sets of event numbers; None: more than 10,000.
+
+        Raises:
+            ValueError: the tree is not coherent.
+        """
+        return minimal_cut_sets(self.diagram)
+
+
+class _Laws:
+    """Probabilities of all events with a formula, as one array."""
+
+    def __init__(self, events: Sequence[Event]) -> None:
+        self._size = len(events)
+        plain = [i for i, e in enumerate(events) if e.law == "exponential" and e.input is None]
+        seen = [i for i, e in enumerate(events) if e.law == "exponential" and e.input is not None]
+        self._plain, self._seen = np.array(plain, dtype=int), np.array(seen, dtype=int)
+        self._plain_rates = np.array([events[i].values[0] for i in plain])
+        self._seen_rates = np.array([events[i].values[0] for i in seen])
+        self._weibull = [(i, e) for i, e in enumerate(events) if e.law == "weibull"]
+        self._fixed = np.zeros(self._size)
+        for i, event in enumerate(events):
+            if event.law == "fixed":
+                self._fixed[i] = event.values[0]
+
+    def at(self, age: float, horizon: float) -> List[float]:
+        """Return the probability of each event, those without a formula being 0.
+
+        An event that is observed not to have happened counts from now on only.
+        """
+        q = self._fixed.copy()
+        q[self._plain] = -np.expm1(-self._plain_rates * (age + horizon))
+        q[self._seen] = -np.expm1(-self._seen_rates * horizon)
+        result: List[float] = q.tolist()
+        for i, event in self._weibull:
+            scale, shape = event.values
+            start = age if event.input is not None else 0.0
+            ahead = ((age + horizon) / scale) ** shape - (start / scale) ** shape
+            result[i] = -math.expm1(-ahead)
+        return result
+
+
+def _order(law: str, rates: Sequence[float]) -> ChainSpec:
+    """Return the chain over orders of occurrence of a dynamic gate."""
+    count = len(rates)
+    if law == "POR":  # 0: nothing yet, 1: the first came first, 2: another one did
+        return ChainSpec(3, 0, (1,), ((0, 1, rates[0]), (0, 2, math.fsum(rates[1:]))))
+    lost = count + 1
+    arcs = []
+    for done in range(count):
+        arcs.append((done, done + 1, rates[done]))
+        arcs += [(done, lost, rate) for rate in rates[done + 1 :]]
+    return ChainSpec(count + 2, 0, (count,), tuple(arcs))

@@ -1,0 +1,82 @@
+"""What inputs may hold: anything that is not of the right kind counts as unknown."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, List, NamedTuple, Optional, Tuple, Union
+
+from ..plain_values import plain, show
+
+Taken = Union[bool, float, List[Optional[bool]], None]
+
+
+class Rule(NamedTuple):
+    """What an input is.
+
+    Attributes:
+        type: ``bool``, ``float``, ``int`` or ``bool[]``.
+        low: least number that is believed.
+        high: largest number.
+        slack: how far outside a number may be and is taken as the limit.
+        length: of a list.
+    """
+
+    type: str
+    low: float = 0.0
+    high: float = math.inf
+    slack: float = 0.0
+    length: int = 0
+
+
+BOOL = Rule("bool")
+LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
+TEMPERATURE = Rule("float", -200.0, 1000.0)
+LOAD = Rule("float", 0.0, 1e6)
+SECONDS = Rule("float", -1e12, 1e12)
+
+
+def take(rule: Rule, raw: object) -> Tuple[Taken, str]:
+    """Return the value, None when it is not known, and what is wrong with it (empty: nothing).
+
+    Never raises. None and NaN mean unknown and are not wrong.
+    """
+    if raw is None:
+        return None, ""
+    try:
+        if rule.type == "bool[]":
+            return _list(rule, raw)
+        value = plain(raw)
+    except Exception as problem:  # noqa: BLE001 - a hostile object
+        return None, f"it cannot be read: {type(problem).__name__}"
+    if rule.type == "bool":
+        if isinstance(value, bool):
+            return value, ""
+        return None, "" if value != value else _wrong("true or false", raw)  # noqa: PLR0124 - NaN
+    return _number(rule, value, raw)
+
+
+def _number(rule: Rule, value: Any, raw: object) -> Tuple[Taken, str]:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None, _wrong("a number", raw)
+    if isinstance(value, float) and math.isnan(value):
+        return None, ""
+    if not rule.low - rule.slack <= value <= rule.high + rule.slack:
+        return None, _wrong(f"a number from {rule.low:g} to {rule.high:g}", raw)
+    if rule.type == "int" and value != int(value):
+        return None, _wrong("a whole number", raw)
+    return min(max(float(value), rule.low), rule.high), ""
+
+
+def _list(rule: Rule, raw: Any) -> Tuple[Taken, str]:
+    if isinstance(raw, (str, bytes, dict)) or not hasattr(raw, "__len__"):
+        return None, "" if raw != raw else _wrong("a list", raw)  # noqa: PLR0124 - NaN
+    items = [plain(one) for one in raw]
+    if not items:
+        return None, ""
+    if len(items) != rule.length:
+        return None, f"{rule.length} statuses are expected, not {len(items)}"
+    return [one if isinstance(one, bool) else None for one in items], ""
+
+
+def _wrong(expected: str, raw: object) -> str:
+    return f"{expected} is expected, not {show(raw)}"

@@ -1,0 +1,141 @@
+"""Diagrams against the sum over all combinations of events."""
+
+import random
+from itertools import product
+
+import pytest
+from eddi_runtime.reliability import diagram as bdd
+from eddi_runtime.reliability.cut_sets import minimal_cut_sets
+from eddi_runtime.reliability.diagram import Gate, TooLargeError, build, interval, probability
+
+
+def happens(gates, events, state):
+    values = list(state)
+    for gate in gates:
+        below = [values[i] for i in gate.of]
+        values.append(
+            {
+                "OR": any(below),
+                "AND": bool(below) and all(below),
+                "NOT": not (below and below[0]),
+                "XOR": sum(below) % 2 == 1,
+                "VOTE": sum(below) >= gate.k,
+            }[gate.type]
+        )
+    return values[-1]
+
+
+def enumerated(gates, q):
+    total = 0.0
+    for state in product((False, True), repeat=len(q)):
+        if happens(gates, len(q), state):
+            weight = 1.0
+            for p, is_true in zip(q, state):
+                weight *= p if is_true else 1.0 - p
+            total += weight
+    return total
+
+
+def random_tree(chance, coherent):
+    events = chance.randint(1, 8)
+    gates = []
+    for i in range(chance.randint(1, 7)):
+        kinds = ["OR", "AND", "VOTE"] + ([] if coherent else ["XOR", "NOT"])
+        kind = chance.choice(kinds)
+        count = 1 if kind == "NOT" else chance.randint(1, 4)
+        of = tuple(chance.randrange(events + i) for _ in range(count))
+        gates.append(Gate(kind, of, chance.randint(1, count) if kind == "VOTE" else 0))
+    return events, gates
+
+
+@pytest.mark.parametrize("coherent", [True, False])
+def test_random_trees_equal_enumeration(coherent):
+    chance = random.Random(7)
+    for _ in range(1000):
+        events, gates = random_tree(chance, coherent)
+        top = events + len(gates) - 1
+        diagram = build(events, gates, top)
+        q = [chance.random() * 10 ** -chance.randint(0, 3) for _ in range(events)]
+        expected = enumerated(gates, q)
+        assert probability(diagram)(q) == pytest.approx(expected, rel=1e-12, abs=0.0)
+        other = probability(diagram, of_failure=False)(q)
+        assert other == pytest.approx(1.0 - expected, abs=1e-12)
+        assert interval(diagram, q, q) == pytest.approx((expected, expected), rel=1e-12)
+
+
+def test_intervals_of_unknown_events_hold_every_completion_and_are_exact():
+    chance = random.Random(8)
+    for _ in range(300):
+        events, gates = random_tree(chance, coherent=False)
+        unknown = frozenset(i for i in range(events) if chance.random() < 0.4)
+        diagram = build(events, gates, events + len(gates) - 1, unknown)
+        q = [chance.random() for _ in range(events)]
+        low = [0.0 if i in unknown else p for i, p in enumerate(q)]
+        high = [1.0 if i in unknown else p for i, p in enumerate(q)]
+        found = []
+        for state in product((0.0, 1.0), repeat=len(unknown)):
+            some = dict(zip(sorted(unknown), state))
+            found.append(enumerated(gates, [some.get(i, p) for i, p in enumerate(q)]))
+        expected = (min(found), max(found))
+        assert interval(diagram, low, high) == pytest.approx(expected, rel=1e-12, abs=1e-300)
+
+
+def test_minimal_cut_sets_equal_brute_force():
+    chance = random.Random(9)
+    for _ in range(400):
+        events, gates = random_tree(chance, coherent=True)
+        found = minimal_cut_sets(build(events, gates, events + len(gates) - 1))
+        failing = [
+            frozenset(i for i, is_true in enumerate(state) if is_true)
+            for state in product((False, True), repeat=events)
+            if happens(gates, events, state)
+        ]
+        minimal = {one for one in failing if not any(other < one for other in failing)}
+        assert set(found) == minimal
+        assert [len(one) for one in found] == sorted(len(one) for one in found)
+
+
+def test_cut_sets_need_a_coherent_tree_and_an_end():
+    with pytest.raises(ValueError, match="NOT or XOR"):
+        minimal_cut_sets(build(2, [Gate("XOR", (0, 1))], 2))
+    pairs = [Gate("OR", (2 * i, 2 * i + 1)) for i in range(12)]
+    tree = [*pairs, Gate("AND", tuple(range(24, 36)))]
+    assert minimal_cut_sets(build(24, tree, 36), 1000) is None
+    assert len(minimal_cut_sets(build(24, tree, 36))) == 4096
+
+
+def test_ten_thousand_events_in_a_line():
+    """Neither the depth nor the width of a tree meets a limit of Python."""
+    wide = build(10_000, [Gate("OR", tuple(range(10_000)))], 10_000)
+    assert wide.size == 10_000
+    assert probability(wide)([1e-9] * 10_000) == pytest.approx(9.99995e-06, rel=1e-5)
+    deep = [Gate("OR", (0, 1))]
+    deep += [Gate("AND" if i % 2 else "OR", (i + 1, 5000 + i - 1)) for i in range(1, 4999)]
+    assert 0.0 < probability(build(5000, deep, 5000 + 4998))([0.5] * 5000) < 1.0
+
+
+def test_the_limit_names_the_module():
+    pairs = [Gate("AND", (i, 10 + i)) for i in range(10)]
+    tree = [*pairs, Gate("OR", tuple(range(20, 30)))]
+    build(20, tree, 30)
+    shared = [Gate("OR", tuple(range(0, 20, 2))), Gate("VOTE", tuple(range(20)), 10)]
+    tree = [*shared, Gate("AND", (20, 21))]
+    with pytest.raises(TooLargeError) as caught:
+        build(20, tree, 22, limit=50)
+    assert (caught.value.gate, caught.value.count) == (22, 50)
+
+
+def test_a_basic_event_alone_and_an_empty_gate():
+    assert probability(build(1, [], 0))([0.25]) == 0.25
+    assert probability(build(1, [Gate("OR", ())], 1))([0.25]) == 0.0
+    assert probability(build(1, [Gate("AND", ())], 1))([0.25]) == 0.0
+
+
+def test_large_diagrams_are_evaluated_without_code(monkeypatch):
+    gates = [Gate("VOTE", (0, 1, 2), 2), Gate("AND", (3, 4)), Gate("OR", (5, 6))]
+    diagram = build(5, gates, 7)
+    q = [0.1, 0.2, 0.3, 0.4, 0.5]
+    compiled = probability(diagram)(q), probability(diagram, of_failure=False)(q)
+    monkeypatch.setattr(bdd, "_COMPILED", 0)
+    looped = probability(diagram)(q), probability(diagram, of_failure=False)(q)
+    assert looped == pytest.approx(compiled, rel=1e-15)

@@ -1,0 +1,266 @@
+"""The monitor: time, observations, latches, intervals, evidence, and damaged models."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from eddi_runtime.model_file import ModelError
+from eddi_runtime.reliability.result import as_json
+from reliability_models import NS, chain, event, monitor, quad, tree
+
+WORKING = {f"m{i}": True for i in range(4)}
+
+
+def step(one, at=0.0, **values):
+    return one.execute_step(SimpleNamespace(**values), round(at * NS))
+
+
+def rotors(**model):
+    return monitor([quad(0.01)], WORKING, **model)
+
+
+def test_a_failed_motor_makes_the_failure_sure():
+    one = rotors()
+    first = step(one, **WORKING)
+    assert first.valid
+    assert first.p_fail == pytest.approx(-math.expm1(-0.04), rel=1e-14)
+    assert first.mttf == pytest.approx(25.0, rel=1e-14)
+    lost = step(one, 0.1, **{**WORKING, "m2": False})
+    assert (lost.p_fail, lost.reliability, lost.mttf) == (1.0, 0.0, 0.0)
+    assert lost.valid
+
+
+def test_what_failed_does_not_work_again():
+    one = rotors()
+    step(one, **{**WORKING, "m2": False})
+    assert step(one, 0.1, **WORKING).p_fail == 1.0
+    assert one.latched() == {"rotors": 1}
+    one.reset()
+    assert step(one, **WORKING).p_fail < 1.0
+    repaired = monitor([quad(0.01, repair=True)], WORKING)
+    step(repaired, **{**WORKING, "m2": False})
+    assert step(repaired, 0.1, **WORKING).p_fail < 0.05
+
+
+def test_an_unknown_motor_gives_an_interval():
+    result = step(rotors(), m0=True, m1=True, m2=None, m3=True)
+    assert not result.valid
+    assert result.unknown == ("m2",)
+    assert result.p_fail_low == pytest.approx(-math.expm1(-0.04), rel=1e-14)
+    assert result.p_fail == result.p_fail_high == 1.0
+    assert result.reason == "unknown inputs"
+
+
+@pytest.mark.parametrize("nothing", [None, math.nan, object(), [], "yes", 3, b"1", {}, 1.5])
+def test_what_is_no_status_is_unknown(nothing):
+    one = rotors()
+    absent = step(one, **dict.fromkeys(("m0", "m1", "m2"), True))
+    assert one.message(step(one, **{**WORKING, "m3": nothing})) == one.message(absent)
+
+
+def test_time_goes_in_whole_quanta_rounded_up():
+    """36,000 steps of 0.1 s equal the one-shot value at 1 h."""
+    rate = 0.37
+    one = monitor([chain([[0, 1, rate], [1, 2, 2 * rate]], 3, [2])], horizon=0.0)
+    for i in range(36_001):
+        last = step(one, i * 0.1)
+    expected = 1.0 - 2.0 * math.exp(-rate) + math.exp(-2.0 * rate)
+    assert last.p_fail == pytest.approx(expected, rel=1e-10)
+    other = monitor([chain([[0, 1, rate], [1, 2, 2 * rate]], 3, [2])], horizon=0.0, max_gap=1e9)
+    step(other)
+    assert step(other, 3600.0).p_fail == pytest.approx(expected, rel=1e-12)
+    late = monitor([chain([[0, 1, rate], [1, 2, 2 * rate]], 3, [2])], horizon=0.0)
+    step(late)
+    assert step(late, 0.01).p_fail == pytest.approx(
+        (1.0 - math.exp(-rate * 0.1 / 3600)) ** 2, rel=1e-6
+    )
+
+
+def test_gaps_and_clocks_that_go_back_are_said():
+    one = monitor([chain([[0, 1, 1.0]], 2, [1])])
+    assert step(one, 100.0).valid
+    gap = step(one, 110.0)
+    assert (gap.valid, gap.reason) == (False, "gap")
+    back = step(one, 50.0)
+    assert (back.valid, back.reason) == (False, "the clock went back")
+    assert back.p_fail == gap.p_fail
+    assert step(one, 50.1).valid
+    assert step(one, 50.1).p_fail >= back.p_fail
+
+
+def test_a_chain_follows_the_verdicts_on_its_states():
+    arcs = [[0, 1, 1e-3], [1, 2, 0.5], [0, 2, 1e-6]]
+    model = chain(arcs, 3, [2], observe=[[0, "ok", False], [1, "ok", True]])
+    one = monitor([model], ["ok"])
+    assert step(one, ok=True).p_fail < 1e-3
+    for i in range(1, 10):
+        assert step(one, i * 0.1, ok=True).p_fail < 1e-3
+    lost = step(one, 1.0, ok=False)
+    assert lost.valid
+    assert lost.p_fail == pytest.approx(-math.expm1(-0.5), rel=2e-2)
+    unknown = step(one, 1.1)
+    assert unknown.p_fail_high == 1.0
+    assert unknown.unknown == ("ok",)
+
+
+def test_contradictions_count_as_the_worst_case():
+    model = chain([[0, 1, 0.0], [1, 2, 0.5]], 3, [2], observe=[[0, "ok", False]])
+    one = monitor([model], ["ok"])
+    result = step(one, ok=False)
+    assert (result.valid, result.reason, result.p_fail) == (False, "inconsistent", 1.0)
+    nowhere = chain([[0, 1, 0.5]], 2, [1], observe=[[0, "ok", False], [1, "ok", False]])
+    assert step(monitor([nowhere], ["ok"]), ok=False).p_fail == 1.0
+
+
+def test_a_tree_with_status_inputs():
+    events = [
+        event("exponential", 0.1, input="a"),
+        event("weibull", 10.0, 2.0, input="b"),
+        event("fixed", 0.01),
+    ]
+    gates = [{"type": "AND", "of": [0, 1]}, {"type": "OR", "of": [2, 3]}]
+    one = monitor([tree(events, gates)], ["a", "b"])
+    a, b = -math.expm1(-0.1), -math.expm1(-0.01)
+    result = step(one, a=False, b=False)
+    assert result.p_fail == pytest.approx(1 - 0.99 * (1 - a * b), rel=1e-12)
+    assert math.isnan(result.mttf)
+    assert step(one, a=True, b=False).p_fail == pytest.approx(1 - 0.99 * (1 - b), rel=1e-6)
+    unknown = step(one, b=False)
+    assert unknown.p_fail == pytest.approx(1 - 0.99 * (1 - b), rel=1e-6)  # a is latched
+    found = one.importances()
+    assert found[0].birnbaum == pytest.approx(found[0].birnbaum)
+    assert {x.event for x in found} == {"exponential", "weibull", "fixed"}
+    top = found[0]
+    assert top.criticality == pytest.approx(top.birnbaum * top.probability / unknown.p_fail)
+
+
+def test_evidence_with_hysteresis_and_hold():
+    thresholds = [{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.2}]
+    one = rotors(thresholds=thresholds)
+    seen = [step(one, i * 0.1, **WORKING).evidence["go"] for i in range(4)]
+    assert seen == [False, False, True, True]
+    assert step(one, 0.4, m0=None).evidence == {"go": False}
+    assert one.blocked() == {f"m{i}": ("go",) for i in range(4)}
+
+
+def test_the_worst_case_may_count_while_inputs_are_unknown():
+    thresholds = [{"id": "go", "activate": 0.999, "release": 0.999, "hold": 0.0}]
+    events = [event("exponential", 0.1, input="a"), event("fixed", 0.01)]
+    model = [tree(events, [{"type": "AND", "of": [0, 1]}])]
+    for rule, expected in (("inactive", False), ("worst_case", True)):
+        one = monitor(model, ["a"], thresholds=thresholds, on_unknown=rule)
+        result = step(one)
+        assert result.evidence == {"go": expected}
+        assert result.p_fail_high == pytest.approx(0.01)
+
+
+def test_the_end_of_the_mission_is_an_input():
+    model = [chain([[0, 1, 0.5]], 2, [1])]
+    one = monitor(model, ["mission_end"], mission_end=True, horizon=2.0)
+    assert step(one, mission_end=3600.0).p_fail == pytest.approx(-math.expm1(-0.5), rel=1e-12)
+    assert step(one, mission_end=-5.0).p_fail == 0.0
+    longest = step(one)
+    assert (longest.valid, longest.horizon) == (False, 2.0)
+    assert longest.p_fail == pytest.approx(-math.expm1(-1.0), rel=1e-12)
+    assert step(one, mission_end=1e9).horizon == 2.0
+
+
+def test_battery_processor_units_and_series():
+    battery = {
+        "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
+        "degradation": 6.4e-3, "level": "level", "repair": False,
+    }  # fmt: skip
+    processor = {
+        "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 90.0,
+        "u_max": 2.0, "activation_energy": 0.3, "shape": 2.0, "temperature": "t",
+        "utilisation": "u",
+    }  # fmt: skip
+    units = {
+        "name": "units", "type": "k_out_of_n", "k": 2, "rate": 1e-3, "max": 4, "available": "n",
+    }  # fmt: skip
+    series = {"name": "all", "type": "series", "of": ["battery", "cpu", "units"]}
+    one = monitor([battery, processor, units, series], ["level", "t", "u", "n"])
+    good = {"level": 80, "t": 60.0, "u": 1.0, "n": 4}
+    result = step(one, **good)
+    parts = [result.contributions[name] for name in ("battery", "cpu", "units")]
+    assert result.p_fail == pytest.approx(1 - math.prod(1 - p for p in parts), rel=1e-12)
+    assert result.reliability == pytest.approx(1 - result.p_fail, rel=1e-12)
+    assert step(one, 0.1, **{**good, "level": 20}).p_fail == 1.0
+    assert step(one, 0.2, **good).p_fail == 1.0
+    assert one.latched() == {"battery": 1}
+    assert step(one, 0.3, **{**good, "n": 1}).contributions["units"] == 1.0
+    for name, bad in (("level", 101), ("n", 2.5), ("n", 5), ("t", math.inf), ("u", -1)):
+        assert name in step(one, 0.4, **{**good, name: bad}).unknown
+        assert name in one.faults()
+    assert step(one, 0.5, **{**good, "level": 100.3}).unknown == ()
+    before = step(one, 0.6, **good).contributions["cpu"]
+    assert step(one, 0.7, **{**good, "t": None}).contributions["cpu"] > before
+    idle = step(one, 0.8, **{**good, "u": 0.0})
+    assert idle.contributions["cpu"] == 0.0
+
+
+def test_statuses_may_come_as_a_list():
+    model = quad(0.01, inputs=[["status", i] for i in range(4)])
+    one = monitor([model], ["status"])
+    assert step(one, status=[True] * 4).valid
+    assert step(one, status=[True] * 3).unknown == ("status",)
+    assert "4 statuses are expected, not 3" in one.faults()["status"]
+    assert step(one, status=[True, False, True, True]).p_fail == 1.0
+
+
+def test_messages_and_json():
+    thresholds = [{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.0}]
+    one = rotors(thresholds=thresholds)
+    result = step(one, **WORKING)
+    name, fields = one.message(result)
+    assert name == "ReliabilityOutput"
+    assert fields["evidence"] == [("ReliabilityEvidence", {"id": "go", "active": True})]
+    assert fields["horizon_seconds"] == 3600.0
+    assert one.message("nonsense")[1]["p_fail"] == 1.0
+    assert one.as_json(result) == as_json(result)
+    assert one.series(result)["go"] is True
+    assert one.status_message() is None
+    assert one.blocked(["m0"]) == {"m0": ("valid",)}
+
+
+BAD = {
+    "there is no component 'nobody'": {"top": "nobody"},
+    "'horizon' of the model is -1.0, below 0 or not finite": {"horizon": -1.0},
+}
+
+
+@pytest.mark.parametrize(("reason", "change"), BAD.items())
+def test_damaged_models_are_refused(reason, change):
+    with pytest.raises(ModelError) as caught:
+        rotors(**change)
+    assert caught.value.reason == reason
+
+
+WRONG = {
+    "component 'chain' has no fail state": chain([[0, 1, 1.0]], 2, []),
+    "5 in component 'chain' is no number below 2": chain([[0, 5, 1.0]], 2, [1]),
+    "-1.0 in component 'chain' is negative or not finite": chain([[0, 1, -1.0]], 2, [1]),
+    "'arcs' of component 'chain' is no list of triples": chain([[0, 1]], 2, [1]),
+    "the type 'magic' of component 'x' is not known": {"name": "x", "type": "magic"},
+    "component 'rotors' needs as many rates and inputs as 'PNPN' has": quad(1.0, rates=[1.0]),
+    "a gate of component 'tree' wants 3 of 1": tree(
+        [event("fixed", 0.1)], [{"type": "VOTE", "of": [0], "k": 3}]
+    ),
+    "a gate 'NOR' of component 'tree' cannot be evaluated": tree(
+        [event("fixed", 0.1)], [{"type": "NOR", "of": [0]}]
+    ),
+    "a probability in component 'tree' is above 1": tree([event("fixed", 1.1)], []),
+    "the law 'magic' in component 'tree' is not known": tree([event("magic", 1.1)], []),
+    "the law 'weibull' in component 'tree' has 1 numbers": tree([event("weibull", 1.1)], []),
+    "component 'tree' uses 'x', which does not stand before it": tree(
+        [event("model", model="x")], []
+    ),
+    "the input 'm0' of the model is not declared": tree([event("fixed", 0.1, input="m0")], []),
+}
+
+
+@pytest.mark.parametrize(("reason", "component"), WRONG.items())
+def test_damaged_components_are_refused(reason, component):
+    with pytest.raises(ModelError) as caught:
+        monitor([component])
+    assert caught.value.reason == reason
