@@ -6,7 +6,8 @@ from types import SimpleNamespace
 import pytest
 from eddi_runtime.model_file import ModelError
 from eddi_runtime.reliability.result import as_json
-from reliability_models import NS, chain, event, monitor, quad, tree
+
+from runtime_lib.tests.reliability.reliability_models import NS, chain, event, monitor, quad, tree
 
 WORKING = {f"m{i}": True for i in range(4)}
 
