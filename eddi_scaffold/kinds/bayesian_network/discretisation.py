@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.kinds import DeclaredInput, InputType, JsonValue, Options
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.kinds.bayesian_network.plain_values import (
+    TRUTH,
+    as_integer,
+    is_number,
+    is_raw,
+    value_of,
+)
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 UNOBSERVED = "unobserved"
@@ -21,7 +27,6 @@ _CHOICES = {
     "out_of_range": (UNOBSERVED, "clamp"),
     "missing": (UNOBSERVED, "default", "hold"),
 }
-_TRUTH = {"true": True, "false": False}
 
 
 @dataclass(frozen=True)
@@ -173,7 +178,7 @@ class _Entry:
         given = self.given.get("bins")
         if "bins" not in self.given:
             return None
-        if not isinstance(given, list) or not all(_is_number(one) for one in given):
+        if not isinstance(given, list) or not all(is_number(one) for one in given):
             self._error("B404", "`bins` must be a list of numbers, the edges", "bins")
             return None
         if len(given) != len(order) - 1:
@@ -194,7 +199,7 @@ class _Entry:
             if key not in self.given:
                 continue
             value: JsonValue = self.given[key]
-            if not _is_number(value) or not math.isfinite(value):
+            if not is_number(value) or not math.isfinite(value):
                 self._error("B404", f"`{key}` must be a finite number", key)
             elif key == "hysteresis" and value < 0:
                 self._error("B404", "`hysteresis` must not be negative", key)
@@ -202,7 +207,7 @@ class _Entry:
                 self._error("B404", "`scale` must not be 0", key)
         if "range" in self.given:
             limits: JsonValue = self.given["range"]
-            fits = isinstance(limits, list) and len(limits) == 2 and all(map(_is_number, limits))
+            fits = isinstance(limits, list) and len(limits) == 2 and all(map(is_number, limits))
             if not fits or not limits[0] < limits[1]:
                 self._error("B404", "`range` must be two ascending numbers", "range")
 
@@ -223,9 +228,9 @@ class _Entry:
             return declared
         if not isinstance(keys, Mapping):
             return "float"
-        if all(key in _TRUTH for key in keys):
+        if all(key in TRUTH for key in keys):
             return "bool"
-        return "int" if all(_as_integer(key) is not None for key in keys) else "str"
+        return "int" if all(as_integer(key) is not None for key in keys) else "str"
 
     def _map(self, of: InputType) -> list[list[JsonValue]] | None:
         given = self.given.get("map")
@@ -237,7 +242,7 @@ class _Entry:
         pairs: list[list[JsonValue]] = []
         for key, state in given.items():
             self._known_state(state, "map", key)
-            value = _value_of(key, of)
+            value = value_of(key, of)
             if value is None:
                 self._error("B404", f"{key!r} is no {of}, as the input is", "map", key)
             pairs.append([value, state])
@@ -252,7 +257,7 @@ class _Entry:
             self._error("B404", message, "sentinel")
             return []
         for number, pair in enumerate(given):
-            if not isinstance(pair, list) or len(pair) != 2 or not _is_raw(pair[0]):
+            if not isinstance(pair, list) or len(pair) != 2 or not is_raw(pair[0]):
                 self._error("B404", message, "sentinel", number)
             elif pair[1] != UNOBSERVED:
                 self._known_state(pair[1], "sentinel", number)
@@ -273,38 +278,3 @@ class _Entry:
         if lacking:
             text = f"discretisation of {self.node.id!r}: no value gives {', '.join(lacking)}"
             self.problems.append(warning("B405", text, self.at()))
-
-
-def _is_number(value: object) -> bool:
-    """Tell whether a value is a number that a double can hold; NaN and infinity are."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return isinstance(value, float) or abs(value) <= sys.float_info.max
-
-
-def _is_raw(value: object) -> bool:
-    """Tell whether an input can have this value and JSON can hold it."""
-    if isinstance(value, bool | str):
-        return True
-    return _is_number(value) and math.isfinite(float(str(value)))
-
-
-def _as_integer(text: str) -> int | None:
-    try:
-        return int(text)
-    except ValueError:
-        return None
-
-
-def _value_of(key: str, of: InputType) -> JsonValue:
-    """Return the value that a key of a map means, by the type of the input."""
-    if of == "bool":
-        return _TRUTH.get(key)
-    if of == "int":
-        return _as_integer(key)
-    if of == "float":
-        try:
-            return float(key)
-        except ValueError:
-            return None
-    return key
