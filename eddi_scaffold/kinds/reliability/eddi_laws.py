@@ -42,17 +42,18 @@ class Laws:
 
     def law(self, failure: Element, event: str, chain: str | None) -> Law | None:
         """Return the law of a failure; ``chain`` is the model whose fail state it is."""
-        self._common_cause(failure, event)
+        what = f"event {event!r}"
+        self._common_cause(failure, what)
         if chain is not None:
             return Law("model", model=chain)
         given = self._document.attribute(failure, _RATE)
         distributions = self._document.children(failure, _DISTRIBUTION)
         try:
-            plain = self._rate(failure, given, event) if given and not distributions else None
+            plain = self._rate(failure, given, what) if given and not distributions else None
             if distributions:
-                return self._distribution(distributions[0], event)
+                return self._distribution(distributions[0], what)
         except QuantityError as problem:
-            self._findings.error(problem.code, f"event {event!r}: {problem}", failure, problem.hint)
+            self._findings.error(problem.code, f"{what}: {problem}", failure, problem.hint)
             return None
         # the metamodel writes no 0.0: a rate of zero was not given
         return Law("exponential", (plain,)) if plain else None
@@ -79,13 +80,13 @@ class Laws:
         self._findings.error("X020", f"{what} has no rate", element, 'write transition="..."')
         return None
 
-    def _common_cause(self, failure: Element, event: str) -> None:
+    def _common_cause(self, failure: Element, what: str) -> None:
         stated = (self._document.attribute(failure, _IS_CCF) or "").lower() == "true"
         if stated or self._document.attribute(failure, _CCF):
-            message = f"event {event!r} has common causes, which are not analysed"
+            message = f"{what} has common causes, which are not analysed"
             self._findings.warning("R013", message, failure)
 
-    def _distribution(self, element: Element, event: str) -> Law | None:
+    def _distribution(self, element: Element, what: str) -> Law | None:
         given = (self._document.attribute(element, _TYPE) or "").strip()
         texts = {
             (self._document.attribute(p, _NAME) or "").casefold(): (
@@ -102,28 +103,28 @@ class Laws:
         if kind == "exponential":
             text = texts.get("lambda") or texts.get("rate")
             if text:
-                return Law("exponential", (self._rate(element, text, event),))
+                return Law("exponential", (self._rate(element, text, what),))
         if kind == "weibull":
             scale, shape = (texts.get(a) or texts.get(b) for a, b in _WEIBULL)
             if scale and shape:
                 hours = duration(scale, self._unit(element, of_rate=False))
-                self._assumed(hours, element, event, "h")
+                self._assumed(hours, element, what, "h")
                 if hours.value <= 0.0:
                     raise QuantityError("R002", f"the scale {scale!r} is not above 0")
                 return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
         shown = ", ".join(f"{k}={v}" for k, v in texts.items())
-        message = f"event {event!r}: the distribution {given!r} ({shown}) is not understood"
+        message = f"{what}: the distribution {given!r} ({shown}) is not understood"
         self._findings.warning("X018", message, element)
         return None
 
-    def _rate(self, element: Element, text: str, event: str) -> float:
+    def _rate(self, element: Element, text: str, what: str) -> float:
         found = rate(text, self._unit(element, of_rate=True))
-        self._assumed(found, element, event, "1/h")
+        self._assumed(found, element, what, "1/h")
         return found.value
 
-    def _assumed(self, found: Quantity, element: Element, event: str, unit: str) -> None:
+    def _assumed(self, found: Quantity, element: Element, what: str, unit: str) -> None:
         if not found.has_unit:
-            message = f"{event!r} has {found.value!r} without a unit; {unit} is assumed"
+            message = f"{what} has {found.value!r} without a unit; {unit} is assumed"
             hint = f'add keyValueMaps with key "unit" and value "{unit}"'
             self._findings.warning("R003", message, element, hint)
 

@@ -191,8 +191,10 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
         return None
     rates = entry.quantities("rates", quantities.rate)
     one = entry.quantity("rate", quantities.rate)
-    if (rates is None) == (one is None):
+    if entry.has("rate") == entry.has("rates"):
         entry.error("R001", f"model {name!r} needs either 'rate' or 'rates'")
+        return None
+    if rates is None and one is None:
         return None
     if rates is not None and len(rates) != motors:
         message = f"{len(rates)} rates are given, {configuration} has {motors} motors"

@@ -49,6 +49,8 @@ def _chain(entry: Values) -> Chain:
             if state not in states:
                 entry.error("R001", f"{key}: there is no state {state!r}", "arcs", i, key)
     initial, fail = entry.texts("initial"), entry.texts("fail")
+    if entry.failed:
+        return Chain(states, initial, fail, tuple(arcs))
     for key, names in (("initial", initial), ("fail", fail)):
         for state in names:
             if state not in states:

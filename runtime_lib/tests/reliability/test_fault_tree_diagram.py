@@ -4,9 +4,12 @@ import random
 from itertools import product
 
 import pytest
-from eddi_runtime.reliability import diagram as bdd
-from eddi_runtime.reliability.cut_sets import minimal_cut_sets
-from eddi_runtime.reliability.diagram import Gate, TooLargeError, build, interval, probability
+
+np = pytest.importorskip("numpy", reason="reliability needs numpy")
+
+from eddi_runtime.reliability import diagram as bdd  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.cut_sets import minimal_cut_sets  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.diagram import Gate, TooLargeError, build, interval, probability  # noqa: E402 - numpy comes first
 
 
 def happens(gates, events, state):

@@ -3,10 +3,12 @@
 import itertools
 import math
 
-import numpy as np
 import pytest
-from eddi_runtime.reliability import markov
-from eddi_runtime.reliability.structures import CONFIGURATIONS, Rotors, operational
+
+np = pytest.importorskip("numpy", reason="reliability needs numpy")
+
+from eddi_runtime.reliability import markov  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.structures import CONFIGURATIONS, Rotors, operational  # noqa: E402 - numpy comes first
 
 
 def random_generator(states, seed, exponents=(-3, 1)):

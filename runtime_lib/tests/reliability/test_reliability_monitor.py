@@ -4,10 +4,20 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.model_file import ModelError
-from eddi_runtime.reliability.result import as_json
 
-from runtime_lib.tests.reliability.reliability_models import NS, chain, event, monitor, quad, tree
+np = pytest.importorskip("numpy", reason="reliability needs numpy")
+
+from eddi_runtime.model_file import ModelError  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.result import as_json  # noqa: E402 - numpy comes first
+
+from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
+    NS,
+    chain,
+    event,
+    monitor,
+    quad,
+    tree,
+)
 
 WORKING = {f"m{i}": True for i in range(4)}
 

@@ -1,0 +1,67 @@
+"""Each diagnostic of reliability: a model that earns it, and its exact text.
+
+The cases stand in ``diagnostics.txt``: ``### NAME``; a ``reliability_config.yml``, or the failure
+models of an EDDI where it begins with ``<``; ``>>>``; what is reported. ``UPDATE_DIAGNOSTICS=1``
+writes what is reported now.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.kinds import Options
+from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.problems import Problem, in_order
+from tests.kinds.reliability.monitors import everything, models_of
+
+FILE = Path(__file__).with_name("diagnostics.txt")
+CASES = dict(part.split("\n", 1) for part in re.split(r"(?m)^### ", FILE.read_text("utf-8"))[1:])
+PACKAGE = "//@odeProductPackages.0/@failureModels"
+HEAD = """<?xml version="1.0" encoding="UTF-8"?>
+<i:DDIPackage xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+ xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+ xmlns:f="http://www.deis-project.eu/ode/failureLogic"
+ xmlns:i="http://www.deis-project.eu/ode/integration">
+<odeProductPackages xsi:type="f:FailureLogicPackage">
+"""
+
+
+def reported(given: str, folder: Path) -> str:
+    problems = of_eddi(given, folder) if given.startswith("<") else everything(given)
+    return "".join(
+        f"{p.place.line}:{p.place.col or '-'} {p.level} {p.code} {p.message}"
+        + (f" | {p.hint}" if p.hint else "")
+        + "\n"
+        for p in problems
+    )
+
+
+def of_eddi(given: str, folder: Path) -> list[Problem]:
+    """Lines count from the first one of the case."""
+    body = given.replace("$", PACKAGE)
+    text = HEAD.replace("\n", " ").rstrip() + body + "</odeProductPackages></i:DDIPackage>\n"
+    path = folder / "model.xml"
+    path.write_text(text.replace("?> <i", "?><i"), "utf-8")
+    models, problems = models_of(path)
+    for model in models.values():
+        problems += KIND.check(model)
+        problems += KIND.configure(model, Options())[1]
+    return in_order(problems)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
+    given, _, expected = CASES[name].partition(">>>\n")
+    got = reported(given, tmp_path)
+    if os.environ.get("UPDATE_DIAGNOSTICS"):
+        text = FILE.read_text("utf-8")
+        old = f"### {name}\n{CASES[name]}"
+        FILE.write_text(text.replace(old, f"### {name}\n{given}>>>\n{got}"), "utf-8")
+        return
+    assert got == expected
+    codes = re.findall(r"^[RX]\d{3}", name)
+    assert all(f" {code} " in got for code in codes)

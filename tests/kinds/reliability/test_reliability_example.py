@@ -1,0 +1,72 @@
+"""The drone: a rotor fails, P_fail jumps, the guarantee goes away."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.checking import check_files
+from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.recording import frames, read_recording
+from eddi_scaffold.running import compiled
+from eddi_scaffold.source import read_source
+from tests.kinds.reliability.monitors import models_of, read_text
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
+FAILED = 7.0
+"""Seconds from which on a rotor has failed in the recording."""
+
+
+def test_no_file_has_a_problem() -> None:
+    assert check_files(sorted([*EXAMPLE.glob("*.yml"), EXAMPLE / "drone.xml"])) == []
+
+
+def test_a_failed_rotor_takes_the_guarantee_away() -> None:
+    configs = [EXAMPLE / "reliability_config.yml", EXAMPLE / "mission_config.yml"]
+    drone, mission = monitors_of(EXAMPLE / "drone.xml", configs)[0]
+    types = {one.model.id: one.model.type for one in drone.inputs}
+    recording, problems = read_recording(read_source(EXAMPLE / "recording.csv"), types)
+    assert recording is not None, problems
+    one, other = compiled(drone), compiled(mission)
+    going, p_fail = {}, {}
+    for frame in frames(one, recording):
+        result = frame.output
+        p_fail[frame.t] = result.p_fail
+        # what the node would publish and the ConSert's node receive
+        said = one.message(result)[1]["evidence"][0][1]
+        assert said["id"] == "RtE_continue"
+        flags = other.execute_step(SimpleNamespace(Reliable=said["active"]))
+        going[frame.t] = {row["id"]: row["active"] for row in flags}["ContinueMission"]
+    assert not going[0.5]  # the evidence is held for a second first
+    assert going[6.9]
+    assert not any(active for t, active in going.items() if t >= FAILED)
+    assert p_fail[6.9] == pytest.approx(5.155e-6, rel=1e-3)
+    assert p_fail[FAILED] > 1000 * p_fail[6.9]
+
+
+def test_export_reads_back_as_the_same_system() -> None:
+    models, _ = models_of(EXAMPLE / "drone.xml")
+    airframe = KIND.read_file(read_source(EXAMPLE / "airframe.yml"), ()).models[0]
+    for model in (*models.values(), airframe):
+        text = to_yaml(model.data)
+        again, problems = read_text(text)
+        assert problems == []
+        assert again is not None
+        assert again.data == model.data
+        assert to_yaml(again.data) == text
+        assert KIND.export(model) == {f"{model.name}.yml": text}
+
+
+def test_pictures_and_outlines() -> None:
+    models, _ = models_of(EXAMPLE / "drone.xml")
+    assert KIND.diagram is not None
+    drawn = KIND.diagram(models["MissionLoss"])
+    assert {node.shape for node in drawn.nodes} == {"and", "or", "ellipse", "rounded"}
+    ids = {node.id for node in drawn.nodes}
+    assert all(edge.source in ids and edge.target in ids for edge in drawn.edges)
+    assert "    AND NoPosition" in KIND.outline(models["MissionLoss"])
+    assert KIND.counts(models["Rotors"]) == {"models": 1, "states": 3}

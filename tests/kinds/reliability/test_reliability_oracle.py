@@ -1,0 +1,225 @@
+"""The oracle: every case with its correct value."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import pytest
+import yaml
+from eddi_runtime.reliability.evidence import Evidence, Threshold
+from eddi_runtime.reliability.structures import CONFIGURATIONS
+
+from eddi_scaffold.kinds import Options
+from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.quantities import rate
+from eddi_scaffold.kinds.reliability.trial import mean_life
+from tests.kinds.reliability.monitors import at_start, everything, models_of, sound
+from tests.shared_data import shared
+
+
+@cache
+def oracle() -> dict[str, Any]:
+    text = shared("monitors/oracle_safedrones.yml").read_text("utf-8")
+    found: dict[str, Any] = yaml.safe_load(text)
+    return found
+
+
+def check(result: Any, case: dict[str, Any]) -> None:
+    assert result.valid
+    assert result.p_fail == pytest.approx(case["correct_P_fail"], rel=1e-12, abs=0.0)
+    assert result.mttf == pytest.approx(case["correct_MTTF"], rel=1e-12, abs=0.0)
+
+
+def test_motors() -> None:
+    for case in oracle()["motor"]:
+        count = len(case["status"])
+        text = (
+            f"horizon: {case['t']} h\nmodels: {{m: {{type: propulsion, configuration: "
+            f"{case['configuration']}, rates: [{', '.join([str(case['lambda']) + ' 1/h'] * count)}"
+            "]}}\n"
+        )
+        if case.get("correct") == "config_error":
+            assert CONFIGURATIONS[case["configuration"]] != count
+            assert [one.code for one in everything(text)] == ["R011"]
+            continue
+        status = {f"m_motor_{i}": bool(works) for i, works in enumerate(case["status"])}
+        check(at_start(sound(text), **status), case)
+
+
+def test_batteries() -> None:
+    for case in oracle()["battery"]:
+        model = sound(
+            f"horizon: {case['t']} h\nmodels: {{b: {{type: battery, failure_rate: {case['L']} 1/h, "
+            f"alpha: {case['a']} 1/h, beta: {case['b']} 1/h, degradation: {case['d']} 1/h}}}}\n"
+        )
+        result = at_start(model, b_level=case["level"])
+        if "correct_P_fail" in case:
+            check(result, case)
+        else:
+            assert result.unknown == ("b_level",)
+            assert not result.valid
+
+
+def test_processors() -> None:
+    for case in oracle()["processor"]:
+        model = sound(
+            f"horizon: {case['t']} h\nmodels: {{c: {{type: processor, mttf_ref: {case['MTTFref']} "
+            f"h, t_ref: {case['Tr']} degC, t_max: 90 degC, u_max: 2, shape: {case['b']}}}}}\n"
+        )
+        check(at_start(model, c_temperature=case["Ta"], c_utilisation=case["u"]), case)
+
+
+def test_satellites() -> None:
+    for case in oracle()["gps"]:
+        model = sound(
+            f"horizon: {case['t']} h\nmodels: {{g: {{type: k_out_of_n, k: {case['min_sat']}, "
+            f"rate: {case['lambda']} 1/h, max: {case['max_sat']}}}}}\n"
+        )
+        result = at_start(model, g_available=case["satellites"])
+        if "correct_P_fail" in case:
+            check(result, case)
+        else:
+            assert result.unknown == ("g_available",)
+
+
+def test_the_paper_of_2019() -> None:
+    for case in oracle()["motor_paper_table2"]:
+        failed = {"6M": (), "5M": (0,), "4M": (0, 2), "3M": (0, 2, 4)}[case["state"]]
+        if case["configuration"] == "PPNNPN":
+            failed = {"6M": (), "4M": (0, 2)}[case["state"]]
+        text = (
+            "models: {m: {type: propulsion, configuration: "
+            f"{case['configuration']}, rate: 0.04 1/h}}}}\n"
+        )
+        status = {f"m_motor_{i}": i not in failed for i in range(6)}
+        assert at_start(sound(text), **status).mttf == pytest.approx(case["MTTF"], rel=1e-12)
+        assert case["MTTF"] == pytest.approx(case["MTTF_paper"], abs=0.005)
+
+
+def as_yaml(tree: Any, events: dict[str, str]) -> str:
+    gates: list[str] = []
+
+    def add(node: Any) -> str:
+        if isinstance(node, str):
+            return node
+        kind = next(key for key in node if key != "k")
+        below = node[kind] if isinstance(node[kind], list) else [node[kind]]
+        names = ", ".join(add(one) for one in below)
+        k = f", k: {node['k']}" if "k" in node else ""
+        gates.append(f"g{len(gates)}: {{type: {kind}, of: [{names}]{k}}}")
+        return f"g{len(gates) - 1}"
+
+    top = add(tree)
+    shown = ", ".join(f"{name}: {text}" for name, text in events.items())
+    return (
+        f"models: {{t: {{type: fault_tree, top: {top}, gates: {{{', '.join(gates)}}}, "
+        f"events: {{{shown}}}}}}}\n"
+    )
+
+
+def names(tree: Any) -> set[str]:
+    if isinstance(tree, str):
+        return {tree}
+    below = [one for key, value in tree.items() if key != "k" for one in _list(value)]
+    return set().union(*(names(one) for one in below))
+
+
+def _list(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
+
+
+def test_fault_trees() -> None:
+    for case in oracle()["fault_trees"]:
+        events = {
+            name: f"{{p: {case['p'].get(name, 0.0)!r}, observed: {name in case['unknown']}}}"
+            for name in sorted(names(case["tree"]))
+        }
+        model = sound(as_yaml(case["tree"], events))
+        result = at_start(model, **{f"t_{one}": None for one in case["unknown"]})
+        assert result.p_fail_low == pytest.approx(case["p_fail_low"], rel=1e-14, abs=0.0)
+        assert result.p_fail_high == pytest.approx(case["p_fail_high"], rel=1e-14, abs=0.0)
+        for one in case.get("minimal_cut_sets", ()):
+            assert f"- {', '.join(sorted(one))}" in KIND.readme(model)
+
+
+def test_dynamic_gates() -> None:
+    for case in oracle()["dynamic_gates"]:
+        events = {f"e{i}": f"{{rate: {r!r} 1/h}}" for i, r in enumerate(case["rates"])}
+        text = f"horizon: {case['t']} h\n" + as_yaml({case["gate"]: list(events)}, events)
+        assert at_start(sound(text)).p_fail == pytest.approx(case["p_fail"], rel=1e-11, abs=0.0)
+
+
+def test_units() -> None:
+    for case in oracle()["units"]:
+        found = rate(case["text"])
+        assert found.value == pytest.approx(case["per_hour"], rel=1e-15, abs=0.0)
+        assert found.has_unit == ("warning" not in case)
+
+
+def test_evidence() -> None:
+    for case in oracle()["evidence"]:
+        hold = round(case["hold_s"] * 1e9)
+        one = Evidence(Threshold(case["name"], case["activate"], case["release"], hold))
+        for seconds, p_fail, valid, expected in case["steps"]:
+            assert one.step(round(seconds * 1e9), float(p_fail), usable=valid) == expected, seconds
+
+
+def test_the_example_of_the_metamodel() -> None:
+    path = shared("monitors/eddi_reliability_example.xml")
+    models, problems = models_of(path)
+    warned = [one.message.split("'")[1] for one in problems if one.code == "R003"]
+    for case in oracle()["ode_models"]:
+        assert warned == case["no_unit_warnings"]
+        for name in ("Propulsion", "MissionLoss"):
+            options = Options(values={"horizon": f"{case['t']} h"})
+            model, _ = KIND.configure(models[name], options)
+            assert model is not None
+            result = at_start(model)
+            assert result.p_fail == pytest.approx(case[name]["p_fail"], rel=1e-12, abs=0.0)
+            if "MTTF" in case[name]:
+                assert result.mttf == pytest.approx(case[name]["MTTF"], rel=1e-12)
+
+
+def test_storm() -> None:
+    hexa, tree = oracle()["storm"]
+    text = (
+        "horizon: 100 h\nmodels: {m: {type: propulsion, configuration: PNPNPN, rate: 1e-3 1/h}}\n"
+    )
+    result = at_start(sound(text), **{f"m_motor_{i}": True for i in range(6)})
+    assert result.p_fail == pytest.approx(hexa["P(F<=100)"], rel=1e-12)
+    assert result.mttf == pytest.approx(hexa["MTTF"], rel=1e-9)
+    rates = {"A": 0.001, "B": 0.002, "C": 0.003, "D": 0.004, "E": 0.0001}
+    shape = {"OR": [{"AND": ["A", "B"]}, {"VOTE": ["A", "C", "D"], "k": 2}, "E"]}
+    events = {name: f"{{rate: {r} 1/h}}" for name, r in rates.items()}
+    model = sound("horizon: 100 h\n" + as_yaml(shape, events))
+    assert at_start(model).p_fail == pytest.approx(tree["P(F<=100)"], rel=1e-12)
+    assert mean_life(model.data) == pytest.approx(tree["MTTF"], rel=1e-9)
+    for one in tree["minimal_cut_sets"]:
+        assert f"- {', '.join(sorted(one))}" in KIND.readme(model)
+
+
+PUBLIC = {
+    "h1": "public/mobstr-fta-h1-omitted-braking-maneuver.ft.integration",
+    "h2": "public/mobstr-fta-h2-omitted-avoidance-maneuver.ft.integration",
+    "h3": "public/mobstr-fta-h3-unintended-braking.ft.integration",
+}
+
+
+@pytest.mark.parametrize("tree", PUBLIC)
+def test_public_fault_trees(tree: str) -> None:
+    models, _ = models_of(shared(PUBLIC[tree]))
+    case = next(one for one in oracle()["public_fault_trees"] if one["tree"] == tree)
+    (model,) = models.values()
+    for key, hours in (("p_fail_1h", 1.0), ("p_fail_10000h", 1e4), ("p_fail_1e8h", 1e8)):
+        configured, _ = KIND.configure(model, Options(values={"horizon": f"{hours} h"}))
+        assert configured is not None
+        assert at_start(configured).p_fail == pytest.approx(case[key], rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize("name", ["etcs", "trackside"])
+def test_public_railway_models(name: str) -> None:
+    models, problems = models_of(shared(f"public/{name}.model"))
+    refused = [one for model in models.values() for one in KIND.check(model) if one.code == "R012"]
+    assert models
+    assert bool(refused) == (name == "etcs"), problems
