@@ -47,9 +47,16 @@ class Chain:
         self.states, self.fail = spec.states, frozenset(spec.fail)
         self._initial = spec.initial
         q = generator(spec.states, spec.arcs, spec.fail)
-        self._powers: List[np.ndarray] = [propagator(q, quantum)]
+        self._step = propagator(q, quantum)
+        self._powers: List[np.ndarray] = [self._step]
         self._ahead, self._alive = _ahead(q, spec.fail, horizons)
         self.tau = mean_times(q, spec.fail)
+        self._endless = np.isinf(self.tau)
+        self._is_endless = bool(self._endless.any())
+        mean = np.where(self._endless, 0.0, self.tau)
+        # failed, alive and mean time of a belief in one product
+        self._looks = [np.array([a, b, mean]) for a, b in zip(self._ahead, self._alive)]
+        self._seen = np.zeros(3)
         self._belief = np.zeros(spec.states)
         self._other = np.zeros(spec.states)
         self.reset()
@@ -66,6 +73,11 @@ class Chain:
 
     def advance(self, quanta: int) -> None:
         """Let time pass; a gap costs as many products as its number of quanta has binary ones."""
+        if quanta == 1:
+            belief, other = self._belief, self._other
+            belief.dot(self._step, other)
+            self._belief, self._other = other, belief
+            return
         bit = 0
         while quanta:
             if bit == len(self._powers):
@@ -118,21 +130,17 @@ class Chain:
             unknown: names of these inputs.
             reason: why the result cannot be trusted.
         """
-        ahead, alive = self._ahead[moment.at], self._alive[moment.at]
         if not unknown:
-            p = min(1.0, float(ahead.dot(self._belief)))
-            return Estimate(p, p, float(alive.dot(self._belief)), self._mean(), (), reason)
+            p, r, mean = self._looks[moment.at].dot(self._belief, self._seen).tolist()
+            if self._is_endless and self._belief[self._endless].any():
+                mean = math.inf
+            p = min(p, 1.0)
+            return Estimate(p, p, r, mean, (), reason)
         at = slice(None) if consistent is None else consistent > 0.0
-        low, high = float(ahead[at].min(initial=1.0)), float(ahead[at].max(initial=0.0))
+        ahead, alive = self._ahead[moment.at][at], self._alive[moment.at][at]
+        low, high = float(ahead.min(initial=1.0)), float(ahead.max(initial=0.0))
         least = float(self.tau[at].min(initial=math.inf))
-        return Estimate(low, high, float(alive[at].min(initial=1.0)), least, unknown, reason)
-
-    def _mean(self) -> float:
-        weights = self._belief
-        endless = np.isinf(self.tau)
-        if weights[endless].any():
-            return math.inf
-        return float(np.where(endless, 0.0, self.tau).dot(weights))
+        return Estimate(low, high, float(alive.min(initial=1.0)), least, unknown, reason)
 
 
 def _ahead(q: np.ndarray, fail: Sequence[int], horizons: Horizons) -> Tuple[np.ndarray, np.ndarray]:

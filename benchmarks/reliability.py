@@ -1,0 +1,210 @@
+"""Time of a reliability step: chains beside ``scipy.linalg.expm``, and fault trees by size.
+
+Ours for chains is the belief over the states moved by one quantum, alone and with what lies ahead
+(failure within the horizon, reliability, mean time to failure), with what was precomputed; the peer
+computes the exponential of the same generator, as each step would need without. For the rotors it
+is the whole monitor, inputs and evidence included. For trees it is one evaluation of the compiled
+diagram, and beside it the sum over all combinations of events where there are few enough. Measured
+in turn in one process; reading and compiling is not counted.
+
+    python benchmarks/reliability.py [--quick] [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import random
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from itertools import product
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
+
+from eddi_runtime.model_file import check_document, digest_of  # noqa: E402 - from the checkout
+from eddi_runtime.reliability import build  # noqa: E402
+from eddi_runtime.reliability import diagram as bdd  # noqa: E402
+from eddi_runtime.reliability.chain import Chain, ChainSpec, Horizons  # noqa: E402
+from eddi_runtime.reliability.estimate import Moment  # noqa: E402
+from eddi_runtime.reliability.markov import generator  # noqa: E402
+from eddi_runtime.reliability.structures import Rotors  # noqa: E402
+
+STATES = (5, 50, 500)
+EVENTS = (10, 100, 300)
+QUANTUM = 0.1 / 3600.0
+_NO_SCIPY = "scipy is not installed"
+Action = Callable[[], object]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter runs")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    runs, seconds = (3, 0.02) if options.quick else (9, 0.2)
+    rows = [row for states in STATES for row in rows_of_chain(states, runs, seconds)]
+    rows.append(row_of_rotors(runs, seconds))
+    rows += [row_of_tree(events, runs, seconds) for events in EVENTS]
+    if options.json:
+        print(json.dumps({"rows": rows}, indent=1))
+        return
+    print(f"{'case':<34}{'ours':>12}{'peer':>14}{'ratio':>10}  peer")
+    for row in rows:
+        peer = "-" if row["peer_s"] is None else f"{1e6 * row['peer_s']:.2f} us"
+        ratio = "-" if row["ratio"] is None else f"{row['ratio']:.0f}"
+        why = row.get("reason", "")
+        ours = f"{1e6 * row['ours_s']:.2f} us"
+        print(f"{row['case']:<34}{ours:>12}{peer:>14}{ratio:>10}  {row['peer']} {why}")
+
+
+def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]]:
+    """Return the rows of a random chain with about half of all arcs: step, and step with look."""
+    chance = np.random.default_rng(states)
+    rates = chance.random((states, states)) * (chance.random((states, states)) < 0.5)
+    arcs = [(i, j, float(rates[i, j])) for i in range(states) for j in range(states)]
+    spec = ChainSpec(states, 0, (states - 1,), tuple(arcs))
+    chain = Chain(spec, QUANTUM, Horizons(0.5))
+    moment = Moment(1, QUANTUM, 0.0, 0.5, 0)
+
+    def look() -> None:
+        chain.advance(1)
+        chain.estimate(moment)
+
+    peer = expm_of(generator(states, arcs, [states - 1]))
+    cases = (("step", lambda: chain.advance(1)), ("step and p_fail", look))
+    return [
+        paired(f"{states} states, {name}", ours, "scipy expm", peer, runs, seconds, _NO_SCIPY)
+        for name, ours in cases
+    ]
+
+
+def row_of_rotors(runs: int, seconds: float) -> dict[str, Any]:
+    """Return the row of a hexacopter: the whole monitor, six inputs and one threshold."""
+    names = [f"m{i}" for i in range(6)]
+    component = {
+        "name": "rotors", "type": "propulsion", "configuration": "PNPNPN", "repair": False,
+        "rates": [1e-5] * 6, "inputs": [[name, None] for name in names],
+    }  # fmt: skip
+    model = {
+        "components": [component], "top": "rotors", "horizon": 0.5, "mission_end": False,
+        "quantum": 0.1, "on_unknown": "inactive", "max_gap": 1.0,
+        "thresholds": [{"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}],
+    }  # fmt: skip
+    document: dict[str, Any] = {
+        "format": 1, "requires_runtime": "0.1", "kind": "reliability", "id": "rotors",
+        "source": {}, "settings": {}, "model": model,
+        "inputs": [{"id": name, "attribute": name, "requires": []} for name in names],
+    }  # fmt: skip
+    document["sha256"] = digest_of(document)
+    monitor = build(check_document(document))
+    inputs = SimpleNamespace(**dict.fromkeys(names, True))
+    now = 0
+
+    def ours() -> None:
+        nonlocal now
+        now += 100_000_000
+        monitor.execute_step(inputs, now)
+
+    rotors = Rotors("PNPNPN", [1e-5] * 6)
+    spec = rotors.spec
+    peer = expm_of(generator(spec.states, spec.arcs, spec.fail))
+    case = "hexacopter, whole monitor"
+    return paired(case, ours, "scipy expm", peer, runs, seconds, _NO_SCIPY)
+
+
+def expm_of(q: Any) -> Action | None:
+    """Return the exponential that a step would need without what is precomputed."""
+    try:
+        expm = importlib.import_module("scipy.linalg").expm
+    except ImportError:
+        return None
+    matrix = q * 0.5
+    return lambda: expm(matrix)
+
+
+def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
+    """Return the row of a tree of votes, ANDs and ORs in which every tenth event is shared."""
+    chance = random.Random(events)
+    gates: list[bdd.Gate] = []
+    leaves = list(range(events))
+    for start in range(0, events, 5):
+        group = leaves[start : start + 5]
+        if start and chance.random() < 0.5:
+            group.append(chance.randrange(max(0, start - 5), start))
+        kind = chance.choice(("AND", "VOTE", "OR"))
+        gates.append(bdd.Gate(kind, tuple(group), 2))
+    level = [events + i for i in range(len(gates))]
+    while len(level) > 1:
+        above = []
+        for start in range(0, len(level), 4):
+            kind = "OR" if chance.random() < 0.5 else "AND"
+            gates.append(bdd.Gate(kind, tuple(level[start : start + 4])))
+            above.append(events + len(gates) - 1)
+        level = above
+    diagram = bdd.build(events, gates, level[0])
+    evaluate = bdd.probability(diagram)
+    q = [chance.random() * 1e-2 for _ in range(events)]
+    peer = (lambda: enumerated(gates, q)) if events <= 10 else None
+    case = f"tree, {events} events, {diagram.size} nodes"
+    reason = "too many combinations"
+    return paired(case, lambda: evaluate(q), "enumeration", peer, runs, seconds, reason)
+
+
+def enumerated(gates: list[bdd.Gate], q: list[float]) -> float:
+    """Return the sum over all combinations of events."""
+    total = 0.0
+    for state in product((0, 1), repeat=len(q)):
+        values = list(state)
+        for gate in gates:
+            count = sum(values[i] for i in gate.of)
+            need = {"AND": len(gate.of), "OR": 1, "VOTE": gate.k}[gate.type]
+            values.append(int(count >= need))
+        if values[-1]:
+            weight = 1.0
+            for p, happened in zip(q, state, strict=True):
+                weight *= p if happened else 1.0 - p
+            total += weight
+    return total
+
+
+def paired(
+    case: str, ours: Action, name: str, peer: Action | None, runs: int, seconds: float, why: str
+) -> dict[str, Any]:
+    """Return the medians of runs in turn."""
+    mine, theirs = [], []
+    for _ in range(runs):
+        mine.append(once(ours, seconds))
+        if peer is not None:
+            theirs.append(once(peer, seconds))
+    row: dict[str, Any] = {"case": case, "ours_s": statistics.median(mine), "peer": name}
+    if peer is None:
+        return row | {"peer_s": None, "ratio": None, "reason": why}
+    ratios = [b / a for a, b in zip(mine, theirs, strict=True)]
+    return row | {"peer_s": statistics.median(theirs), "ratio": statistics.median(ratios)}
+
+
+def once(action: Action, seconds: float) -> float:
+    """Return CPU seconds of one call, by batches of calls that last long enough to be timed."""
+    action()
+    count = 1
+    while True:
+        begin = time.process_time()
+        for _ in range(count):
+            action()
+        spent = time.process_time() - begin
+        if spent >= seconds:
+            return spent / count
+        count = max(2 * count, int(1.2 * count * seconds / max(spent, 1e-6)))
+
+
+if __name__ == "__main__":
+    main()
