@@ -70,8 +70,17 @@ def mros_of(source: Source) -> Shown | None:
 
 def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, JsonValue]:
     """Return a survey with no more than the chosen models; the facts of the file stay."""
-    names = {(model.kind, model.name) for model in chosen}
-    return {
-        **survey,
-        "models": [found for found in survey["models"] if (found["kind"], found["name"]) in names],
-    }
+    return {**survey, "models": [one for one in survey["models"] if is_one_of(one, chosen)]}
+
+
+def is_one_of(found: JsonValue, models: Sequence[Model]) -> bool:
+    """Is this model of a survey among ``models``?
+
+    In XML its place tells: a fault tree becomes a model for each of its top events.
+    """
+    path: str | None = found["path"]
+    if path is None:
+        return (found["kind"], found["name"]) in {(model.kind, model.name) for model in models}
+    inside = path.rstrip("/") + "/"
+    places = [model.place.path or "" for model in models]
+    return any(place == path or place.startswith(inside) for place in places)

@@ -71,13 +71,13 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
 def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:
     from eddi_scaffold.console import console
     from eddi_scaffold.kinds import kinds
+    from eddi_scaffold.showing import is_one_of
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")
         for line in kinds()[item.kind].outline(item):
             console.data(f"  {line}")
-    listed = {(item.kind, item.name) for item in models}
     for other in survey["models"]:
-        if (other["kind"], other["name"]) not in listed:
+        if not is_one_of(other, models):
             counts = ", ".join(f"{number} {what}" for what, number in other["counts"].items())
             console.data(f"{other['kind']} {other['name']} ({counts}); no monitor yet")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,7 @@ from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.recording import frames, read_recording
 from eddi_scaffold.running import compiled
 from eddi_scaffold.source import read_source
+from tests.cli.command import run
 from tests.kinds.reliability.monitors import models_of, read_text
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
@@ -70,3 +72,10 @@ def test_pictures_and_outlines() -> None:
     assert all(edge.source in ids and edge.target in ids for edge in drawn.edges)
     assert "    AND NoPosition" in KIND.outline(models["MissionLoss"])
     assert KIND.counts(models["Rotors"]) == {"models": 1, "states": 3}
+
+
+def test_a_tree_that_has_a_monitor_is_shown_once() -> None:
+    model = str(EXAMPLE / "drone.xml")
+    assert "no monitor yet" not in run("show", model, cwd=EXAMPLE).out
+    found = json.loads(run("show", model, "--name", "MissionLoss", "--json", cwd=EXAMPLE).out)
+    assert [one["name"] for one in found["models"]] == ["MissionLoss"]
