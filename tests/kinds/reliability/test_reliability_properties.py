@@ -1,0 +1,110 @@
+"""What must hold of every model: later, faster and more failures never look safer."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.kinds.reliability.monitors import at_start, everything, read_text, sound
+
+RATES = st.floats(1e-9, 1e3)
+
+
+def chain(a: float, b: float, c: float, horizon: float) -> str:
+    return (
+        f"horizon: {horizon!r} h\nmodels: {{c: {{type: markov, initial: up, fail: down, arcs: ["
+        f"{{from: up, to: half, rate: {a!r} 1/h}}, {{from: half, to: down, rate: {b!r} 1/h}}, "
+        f"{{from: up, to: down, rate: {c!r} 1/h}}]}}}}\n"
+    )
+
+
+@given(RATES, RATES, RATES, st.floats(1e-6, 1e4), st.floats(1.0, 100.0))
+def test_p_fail_grows_with_horizon_and_rates(
+    a: float, b: float, c: float, horizon: float, factor: float
+) -> None:
+    base = at_start(sound(chain(a, b, c, horizon))).p_fail
+    slack = 1.0 + 1e-10
+    assert base <= at_start(sound(chain(a, b, c, horizon * factor))).p_fail * slack
+    assert base <= at_start(sound(chain(a, b * factor, c, horizon))).p_fail * slack
+    assert base <= at_start(sound(chain(a, b, c * factor, horizon))).p_fail * slack
+
+
+@given(st.lists(st.sampled_from([True, False, None]), min_size=6, max_size=6))
+def test_an_interval_holds_every_completion(status: list[bool | None]) -> None:
+    model = sound(
+        "horizon: 100 h\nmodels: {m: {type: propulsion, configuration: PNPNPN, rate: 1e-3 1/h}}\n"
+    )
+    given_ = at_start(model, **{f"m_motor_{i}": works for i, works in enumerate(status)})
+    for guess in (True, False):
+        whole = {f"m_motor_{i}": guess if w is None else w for i, w in enumerate(status)}
+        p_fail = at_start(model, **whole).p_fail
+        assert given_.p_fail_low <= p_fail * (1 + 1e-12)
+        assert p_fail <= given_.p_fail_high * (1 + 1e-12)
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    model, problems = read_text(text)
+    assert model is not None or any(one.level == "error" for one in problems)
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.integers() | st.text("ab:{}[], ", max_size=5),
+        lambda inner: (
+            st.lists(inner, max_size=3)
+            | st.dictionaries(
+                st.sampled_from(
+                    [
+                        "type",
+                        "of",
+                        "rate",
+                        "k",
+                        "gates",
+                        "events",
+                        "arcs",
+                        "model",
+                        "p",
+                        "observe",
+                        "initial",
+                        "fail",
+                        "models",
+                        "a",
+                        "top",
+                        "thresholds",
+                    ]
+                ),
+                inner,
+                max_size=4,
+            )
+        ),
+        max_leaves=12,
+    ),
+    st.sampled_from(
+        ["markov", "fault_tree", "series", "battery", "propulsion", "k_out_of_n", "processor"]
+    ),
+)
+def test_any_structure_is_read_or_refused(data: object, kind: str) -> None:
+
+    for text in (
+        json.dumps({"models": {"m": data}}),
+        json.dumps({"models": {"m": {**(data if isinstance(data, dict) else {}), "type": kind}}}),
+        json.dumps(
+            {
+                "models": {"m": {"type": "k_out_of_n", "k": 1, "rate": "1 1/h"}},
+                "thresholds": data,
+                "top": data,
+            }
+        ),
+    ):
+        model, _ = read_text(text)
+        said = everything(text)
+        assert model is not None or any(one.level == "error" for one in said)
+
+
+def test_cycles_are_named() -> None:
+    with pytest.raises(AssertionError, match="R012"):
+        sound("models: {t: {type: fault_tree, top: A, gates: {A: {of: [B]}, B: {of: [A]}}}}\n")
