@@ -216,10 +216,19 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
     }
 
 
+_HEAT = ("t_ref", "t_max", "activation_energy")
+
+
 def _battery(entry: Values, _: str) -> Mapping[str, Any] | None:
     keys = ("failure_rate", "alpha", "beta", "degradation")
-    entry.only(("type", *keys, "repair"))
-    found = {key: entry.quantity(key, quantities.rate, required=True) for key in keys}
+    entry.only(("type", *keys, *_HEAT, "repair"))
+    found: dict[str, Any] = {
+        key: entry.quantity(key, quantities.rate, required=True) for key in keys
+    }
+    if any(entry.has(key) for key in _HEAT):
+        found["t_ref"] = entry.temperature("t_ref")
+        found["t_max"] = entry.temperature("t_max")
+        found["activation_energy"] = entry.number("activation_energy", 0.0, 10.0, required=True)
     return {**found, "repair": entry.boolean("repair")}
 
 

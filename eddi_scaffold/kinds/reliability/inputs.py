@@ -46,6 +46,9 @@ def _inputs(component: Component) -> Iterator[ModelInput]:
     elif component.type == "battery":
         text = "State of charge in percent"
         yield ModelInput(input_id(name, "level"), "float", unit="%", description=text)
+        if "t_ref" in component.values:
+            text = "Temperature of the battery"
+            yield ModelInput(input_id(name, "temperature"), "float", unit="degC", description=text)
     elif component.type == "processor":
         text = "Temperature of the processor"
         yield ModelInput(input_id(name, "temperature"), "float", unit="degC", description=text)

@@ -166,7 +166,10 @@ def _propulsion(component: Component) -> dict[str, Any]:
 
 
 def _battery(component: Component) -> dict[str, Any]:
-    return {**component.values, "level": input_id(component.name, "level")}
+    found = {**component.values, "level": input_id(component.name, "level")}
+    if "t_ref" in component.values:
+        found["temperature"] = input_id(component.name, "temperature")
+    return found
 
 
 def _processor(component: Component) -> dict[str, Any]:

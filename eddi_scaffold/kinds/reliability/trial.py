@@ -120,6 +120,7 @@ def _start(system: System) -> dict[str, Any]:
             found[input_id(name, "status")] = [True] * count
         elif component.type == "battery":
             found[input_id(name, "level")] = 100.0
+            found[input_id(name, "temperature")] = values.get("t_ref")
         elif component.type == "processor":
             found[input_id(name, "temperature")] = values["t_ref"]
             found[input_id(name, "utilisation")] = 1.0

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 import yaml
 from eddi_runtime.reliability.evidence import Evidence, Threshold
+from eddi_runtime.reliability.proximity import proximity
 from eddi_runtime.reliability.structures import CONFIGURATIONS
 
 from eddi_scaffold.kinds import Options
@@ -84,6 +85,15 @@ def test_satellites() -> None:
 
 
 def test_the_paper_of_2019() -> None:
+    working = {f"m_motor_{i}": True for i in range(6)}
+    for case in oracle()["motor_paper_table1"]:
+        text = (
+            f"horizon: {case['t']} h\n"
+            "models: {m: {type: propulsion, configuration: PNPNPN, rate: 0.04 1/h}}\n"
+        )
+        reliability = at_start(sound(text), **working).reliability
+        assert reliability == pytest.approx(case["R"], rel=1e-12, abs=0.0)
+        assert reliability == pytest.approx(case["R_paper"], abs=1e-6)
     for case in oracle()["motor_paper_table2"]:
         failed = {"6M": (), "5M": (0,), "4M": (0, 2), "3M": (0, 2, 4)}[case["state"]]
         if case["configuration"] == "PPNNPN":
@@ -179,6 +189,28 @@ def test_the_example_of_the_metamodel() -> None:
             assert result.p_fail == pytest.approx(case[name]["p_fail"], rel=1e-12, abs=0.0)
             if "MTTF" in case[name]:
                 assert result.mttf == pytest.approx(case[name]["MTTF"], rel=1e-12)
+
+
+def test_the_combination_of_motors_battery_and_processor() -> None:
+    (case,) = oracle()["combined"]
+    model = sound(
+        "horizon: 100 h\nmodels:\n"
+        "  m: {type: propulsion, configuration: PNPNPN, rate: 1e-3 1/h}\n"
+        "  b: {type: battery, failure_rate: 1e-3 1/h, alpha: 8e-3 1/h, beta: 7e-3 1/h, "
+        "degradation: 6.4e-3 1/h}\n"
+        "  c: {type: processor, mttf_ref: 400 h, t_ref: 30 degC, t_max: 90 degC, u_max: 2}\n"
+    )
+    motors = {f"m_motor_{i}": True for i in range(6)}
+    result = at_start(model, b_level=80.0, c_temperature=50.0, c_utilisation=1.0, **motors)
+    assert result.p_fail == pytest.approx(case["correct_P_fail"], rel=1e-12, abs=0.0)
+
+
+def test_two_tracks() -> None:
+    one, other = [(x, 0, 0) for x in range(10)], [(x, 0, x) for x in range(10)]
+    for case in oracle()["collision"]:
+        for name in ("danger", "collision"):
+            found = proximity(one, other, case[name])
+            assert found == (case[f"{name}_risk"], case[f"{name}_risk"])
 
 
 def test_storm() -> None:

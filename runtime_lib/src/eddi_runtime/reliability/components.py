@@ -7,30 +7,13 @@ from typing import List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from .arrhenius import Arrhenius
 from .chain import INCONSISTENT, Chain, ChainSpec, Horizons
+from .component import Component, Known
 from .estimate import Estimate, Moment, Values
 from .structures import Rotors
 
-BOLTZMANN = 8.617333262e-5
-"""eV/K."""
-_KELVIN = 273.15
 _NAN = float("nan")
-Known = Mapping[str, Estimate]
-
-
-class Component:
-    """One model of a monitor; it is asked once a step, behind those that it uses."""
-
-    latched: int = 0
-    """How often a claim was ignored that something failed works again."""
-
-    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Let time pass, take the observations, look ahead."""
-        raise NotImplementedError
-
-    def reset(self) -> None:
-        """Return to the start of the mission."""
-        self.latched = 0
 
 
 class MarkovChain(Component):
@@ -135,79 +118,30 @@ class Propulsion(Component):
         self.chain.reset()
 
 
-_BANDS = {4: 0, 3: 2, 2: 4}
-EMPTY = 6
-
-
-def battery_spec(failure: float, alpha: float, beta: float, degradation: float) -> ChainSpec:
-    """Return the chain B4, C4, B3, C3, B2, C2, Empty, F (rates in 1/h)."""
-    arcs = []
-    for band in range(3):
-        b = 2 * band
-        below = b + 2 if band < 2 else EMPTY
-        arcs += [(b, b + 1, alpha), (b + 1, b, beta), (b, below, degradation), (b, 7, failure)]
-    return ChainSpec(8, 0, (6, 7), tuple(arcs))
-
-
-class Battery(Component):
-    """A battery whose level of charge in percent selects a band; no temperature in this model."""
-
-    def __init__(
-        self, spec: ChainSpec, name: str, quantum: float, horizons: Horizons, *, repair: bool
-    ) -> None:
-        self.chain = Chain(spec, quantum, horizons)
-        self._name, self._repair = name, repair
-        self._band = 4
-
-    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Take the level: the pessimistic state of its band is what is known."""
-        del known
-        self.chain.advance(moment.quanta)
-        level = values[self._name]
-        if level is not None:
-            band = 4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1
-            if band > self._band and not self._repair:
-                self.latched += 1
-                band = self._band
-            self._band = band
-        mask = np.zeros(8)
-        if level is None:
-            mask[_BANDS.get(self._band, EMPTY) :] = 1.0
-        else:
-            mask[_BANDS.get(self._band, EMPTY)] = 1.0
-        self.chain.observe(mask)
-        return self.chain.estimate(moment, mask, (self._name,) if level is None else ())
-
-    def reset(self) -> None:
-        """Return to a full battery."""
-        super().reset()
-        self._band = 4
-        self.chain.reset()
-
-
 class Processor(Component):
     """A processor that ages by temperature (Arrhenius) and load: cumulative exposure.
 
     Args:
-        values: mttf_ref in hours, t_ref and t_max in degC, activation_energy in eV, shape, u_max.
+        values: mttf_ref in hours, shape, u_max.
+        heat: how temperature ages it.
         temperature: id of the input, degC.
         utilisation: id of the input, None for always one.
     """
 
     def __init__(
-        self, values: Mapping[str, float], temperature: str, utilisation: Optional[str]
+        self,
+        values: Mapping[str, float],
+        heat: Arrhenius,
+        temperature: str,
+        utilisation: Optional[str],
     ) -> None:
         self._shape = values["shape"]
         self._mean = values["mttf_ref"]
         self._scale = self._mean / math.gamma(1.0 + 1.0 / self._shape)
-        self._energy = values["activation_energy"] / BOLTZMANN
-        self._reference = 1.0 / (values["t_ref"] + _KELVIN)
-        self._worst = self._stress(values["t_max"], values["u_max"])
+        self._heat = heat
+        self._worst = values["u_max"] * heat.worst
         self._temperature, self._utilisation = temperature, utilisation
         self._exposure = 0.0
-
-    def _stress(self, temperature: float, load: float) -> float:
-        return load * math.exp(self._energy * (self._reference - 1.0 / (temperature + _KELVIN)))
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Add the exposure since the last step; unknown conditions count as the worst ones."""
@@ -216,7 +150,7 @@ class Processor(Component):
         load = 1.0 if self._utilisation is None else values[self._utilisation]
         names = {self._temperature: heat, self._utilisation or "": load}
         unknown = tuple(name for name, value in names.items() if value is None)
-        stress = self._worst if unknown else self._stress(heat, load)
+        stress = self._worst if unknown else load * self._heat.factor(heat)
         self._exposure += stress * moment.hours
         before = self._hazard(self._exposure)
         ahead = self._hazard(self._exposure + stress * moment.horizon) - before

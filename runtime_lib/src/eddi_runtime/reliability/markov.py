@@ -46,7 +46,7 @@ def propagator(q: np.ndarray, hours: float) -> np.ndarray:
         return np.eye(size)
     squarings = max(0, math.ceil(math.log2(fastest * hours)))
     step = fastest * math.ldexp(hours, -squarings)
-    jump = _jumps(q, fastest)
+    jump = jumps(q, fastest)
     result = np.eye(size)
     for k in range(_TERMS, 0, -1):
         result = (step / k) * (jump @ result)
@@ -75,7 +75,7 @@ def uniformised(p: np.ndarray, q: np.ndarray, hours: float) -> np.ndarray:
         result: np.ndarray = p @ propagator(q, hours)
         return result
     weights = _poisson(mean)
-    jump = _jumps(q, fastest)
+    jump = jumps(q, fastest)
     total = weights[0] * p
     moved = p
     for weight in weights[1:]:
@@ -128,7 +128,8 @@ def reaching(rates: np.ndarray, targets: Sequence[int]) -> np.ndarray:
     return found
 
 
-def _jumps(q: np.ndarray, fastest: float) -> np.ndarray:
+def jumps(q: np.ndarray, fastest: float) -> np.ndarray:
+    """Return the matrix of one jump of the uniformised chain, without negative entries."""
     jump = q / fastest
     jump.flat[:: len(q) + 1] += 1.0
     np.maximum(jump, 0.0, out=jump)

@@ -7,17 +7,11 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tup
 
 from ..model_file import ModelError, take
 from . import values as rules
+from .arrhenius import Arrhenius
+from .battery import Battery, battery_spec
 from .chain import ChainSpec, Horizons
-from .components import (
-    Battery,
-    Component,
-    KOutOfN,
-    MarkovChain,
-    Processor,
-    Propulsion,
-    Series,
-    battery_spec,
-)
+from .component import Component
+from .components import KOutOfN, MarkovChain, Processor, Propulsion, Series
 from .diagram import NODE_LIMIT, Gate, TooLargeError
 from .evidence import Threshold
 from .structures import Rotors, motors_of
@@ -182,19 +176,22 @@ class _Reader:
         spec = battery_spec(*(_number(item, key, where) for key in keys))
         level = self._input(item, "level", where, rules.LEVEL)
         repair = take(item, "repair", bool, where)
-        return Battery(spec, level, self._quantum, self._horizons, repair=repair)
+        longest = self._horizons.step * self._horizons.steps
+        if item.get("temperature") is None:
+            return Battery(spec, level, longest, repair=repair)
+        temperature = self._input(item, "temperature", where, rules.TEMPERATURE)
+        heat = _arrhenius(item, where)
+        return Battery(spec, level, longest, repair=repair, heat=heat, temperature=temperature)
 
     def _processor(self, item: Any, where: str) -> Component:
         positive = ("mttf_ref", "shape")
-        keys = ("activation_energy", "u_max")
         numbers = {key: _number(item, key, where, least=1e-12) for key in positive}
-        numbers.update({key: _number(item, key, where) for key in keys})
-        numbers.update({key: _number(item, key, where, least=-273.0) for key in ("t_ref", "t_max")})
-        heat = self._input(item, "temperature", where, rules.TEMPERATURE)
+        numbers["u_max"] = _number(item, "u_max", where)
+        temperature = self._input(item, "temperature", where, rules.TEMPERATURE)
         load = item.get("utilisation")
         if load is not None:
             load = self._input(item, "utilisation", where, rules.LOAD)
-        return Processor(numbers, heat, load)
+        return Processor(numbers, _arrhenius(item, where), temperature, load)
 
     def _k_out_of_n(self, item: Any, where: str) -> Component:
         largest: Optional[int] = item.get("max")
@@ -248,6 +245,11 @@ class _Reader:
 
 def _status_rule(position: Optional[int], count: int) -> Rule:
     return rules.BOOL if position is None else Rule("bool[]", length=count)
+
+
+def _arrhenius(item: Any, where: str) -> Arrhenius:
+    reference, hottest = (_number(item, key, where, least=-273.0) for key in ("t_ref", "t_max"))
+    return Arrhenius(_number(item, "activation_energy", where), reference, hottest)
 
 
 def _gate(item: Any, number: int, where: str) -> Gate:

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import diagram as bdd
 from .chain import Chain, ChainSpec, Horizons
-from .components import Component, Known
+from .component import Component, Known
 from .cut_sets import CutSet, minimal_cut_sets
 from .estimate import Estimate, Moment, Values
 

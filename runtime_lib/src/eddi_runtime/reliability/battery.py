@@ -1,0 +1,97 @@
+"""A battery whose level of charge in percent, and temperature, are observed.
+
+Source: the battery of SafeDrones (Aslansefat et al. 2022): bands of charge, each with a state of
+use and one of recovery.
+"""
+
+from __future__ import annotations
+
+from typing import Optional
+
+from .arrhenius import Arrhenius
+from .chain import ChainSpec
+from .component import Component, Known
+from .estimate import Estimate, Moment, Values
+from .free_horizon import FreeHorizon
+from .markov import generator, mean_times
+
+_BANDS = {4: 0, 3: 2, 2: 4}
+EMPTY = 6
+_STATES = 8
+
+
+def battery_spec(failure: float, alpha: float, beta: float, degradation: float) -> ChainSpec:
+    """Return the chain B4, C4, B3, C3, B2, C2, Empty, F (rates in 1/h)."""
+    arcs = []
+    for band in range(3):
+        b = 2 * band
+        below = b + 2 if band < 2 else EMPTY
+        arcs += [(b, b + 1, alpha), (b + 1, b, beta), (b, below, degradation), (b, 7, failure)]
+    return ChainSpec(_STATES, 0, (6, 7), tuple(arcs))
+
+
+class Battery(Component):
+    """The level selects a band; heat makes the chain run faster (accelerated life).
+
+    Its memory is the band: a known level leaves one state possible, an unknown one all from the
+    last band down.
+
+    Args:
+        spec: of ``battery_spec``.
+        level: id of the input, percent.
+        horizon: hours, the longest one.
+        repair: the level may rise again.
+        heat: how temperature ages it; None: not at all.
+        temperature: id of the input, degC.
+    """
+
+    def __init__(
+        self,
+        spec: ChainSpec,
+        level: str,
+        horizon: float,
+        *,
+        repair: bool,
+        heat: Optional[Arrhenius] = None,
+        temperature: str = "",
+    ) -> None:
+        self._level, self._repair = level, repair
+        self._heat, self._temperature = heat, temperature
+        self._worst = 1.0 if heat is None else heat.worst
+        self._ahead = FreeHorizon(spec.states, spec.arcs, spec.fail, horizon * self._worst)
+        self._now = [0.0] * EMPTY + [1.0, 1.0]
+        self._tau = mean_times(generator(spec.states, spec.arcs, spec.fail), spec.fail).tolist()
+        self._band = 4
+
+    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
+        """Take level and temperature; unknown ones are bounded by the worst."""
+        del known
+        level = values[self._level]
+        hot = None if self._heat is None else values[self._temperature]
+        missing = [] if level is not None else [self._level]
+        if self._heat is not None and hot is None:
+            missing.append(self._temperature)
+        factor = self._worst if self._heat is None or hot is None else self._heat.factor(hot)
+        if level is not None:
+            self._see(4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1)
+        first = _BANDS.get(self._band, EMPTY)
+        possible = slice(first, _STATES if level is None else first + 1)
+        ahead = self._ahead.at(factor * moment.horizon)[possible]
+        high, alive = float(ahead[:, 0].max()), float(ahead[:, 1].min())
+        # as long as the temperature is not known, it may be so cold that nothing ages
+        colder = self._heat is not None and hot is None
+        low = min(self._now[possible]) if colder else float(ahead[:, 0].min())
+        life = min(self._tau[possible])
+        life = life / factor if factor > 0.0 and life > 0.0 else life
+        return Estimate(min(low, 1.0), min(high, 1.0), alive, life, tuple(missing))
+
+    def _see(self, band: int) -> None:
+        if band > self._band and not self._repair:
+            self.latched += 1
+        else:
+            self._band = band
+
+    def reset(self) -> None:
+        """Return to a full battery."""
+        super().reset()
+        self._band = 4

@@ -1,0 +1,25 @@
+"""What every model of a monitor can do."""
+
+from __future__ import annotations
+
+from typing import Mapping
+
+from .estimate import Estimate, Moment, Values
+
+Known = Mapping[str, Estimate]
+"""Model -> what it said in this step."""
+
+
+class Component:
+    """One model of a monitor; it is asked once a step, behind those that it uses."""
+
+    latched: int = 0
+    """How often a claim was ignored that something failed works again."""
+
+    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
+        """Let time pass, take the observations, look ahead."""
+        raise NotImplementedError
+
+    def reset(self) -> None:
+        """Return to the start of the mission."""
+        self.latched = 0

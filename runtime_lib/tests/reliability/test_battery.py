@@ -1,0 +1,91 @@
+"""The battery: charge, temperature, and horizons that are known only in the step."""
+
+import math
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="reliability needs numpy")
+
+from eddi_runtime.reliability.free_horizon import FreeHorizon  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.markov import generator, propagator  # noqa: E402 - as above
+from eddi_runtime.reliability.proximity import proximity  # noqa: E402 - as above
+
+from runtime_lib.tests.reliability.reliability_models import monitor  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
+
+COLD = {
+    "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
+    "degradation": 6.4e-3, "level": "level", "repair": False,
+}  # fmt: skip
+WARM = {**COLD, "t_ref": 25.0, "t_max": 60.0, "activation_energy": 0.5, "temperature": "t"}
+
+
+def factor(celsius):
+    """Arrhenius, written once more."""
+    return math.exp(0.5 / 8.617333262e-5 * (1 / 298.15 - 1 / (celsius + 273.15)))
+
+
+def p_fail(part, horizon=1.0, **values):
+    inputs = ["level", "t"] if "temperature" in part else ["level"]
+    return step(monitor([part], inputs, horizon=horizon), **values)
+
+
+@pytest.mark.parametrize("level", [90, 60, 30])
+@pytest.mark.parametrize("celsius", [-20.0, 25.0, 45.0, 60.0, 75.0])
+def test_heat_makes_time_pass_faster(level, celsius):
+    for horizon in (0.01, 1.0, 100.0):
+        warm = p_fail(WARM, horizon, level=level, t=celsius)
+        cold = p_fail(COLD, horizon * factor(celsius), level=level)
+        assert warm.valid
+        assert warm.p_fail == pytest.approx(cold.p_fail, rel=1e-12, abs=0.0)
+        assert warm.mttf == pytest.approx(cold.mttf / factor(celsius), rel=1e-12)
+        assert warm.horizon == horizon
+
+
+def test_an_unknown_temperature_counts_as_the_hottest():
+    hottest = p_fail(WARM, level=80, t=60.0)
+    for value in (None, math.nan, math.inf, "hot", 2000.0):
+        result = p_fail(WARM, level=80, t=value)
+        assert not result.valid
+        assert result.unknown == ("t",)
+        assert (result.p_fail_low, result.p_fail_high) == (0.0, hottest.p_fail)
+    assert p_fail(WARM, level=20, t=None).p_fail_low == 1.0
+    both = p_fail(WARM, level=None, t=None)
+    assert both.unknown == ("level", "t")
+    assert (both.p_fail_low, both.p_fail_high) == (0.0, 1.0)
+    only_level = p_fail(WARM, level=None, t=60.0)
+    assert 0.0 < only_level.p_fail_low < hottest.p_fail  # a recovering battery
+
+
+def test_no_temperature_stops_a_step():
+    hot = {**WARM, "t_ref": -200.0, "t_max": -200.0, "activation_energy": 10.0}
+    result = p_fail(hot, level=80, t=999.0)
+    assert result.p_fail == 1.0
+    assert p_fail(hot, level=80, t=-200.0).p_fail < 0.01
+
+
+def test_any_horizon_agrees_with_the_propagator():
+    random = np.random.default_rng(7)
+    for _ in range(30):
+        size = int(random.integers(2, 8))
+        arcs = [
+            (int(a), int(b), float(10.0 ** random.uniform(-6, 1)))
+            for a, b in random.integers(0, size, (3 * size, 2))
+            if a != b
+        ]
+        fail = [size - 1]
+        ahead = FreeHorizon(size, arcs, fail, 20.0)
+        for hours in (0.0, 1e-12, 1e-3, 1.0, 19.0, 500.0):
+            expected = propagator(generator(size, arcs, fail), hours)
+            found = ahead.at(hours)
+            assert found[:, 0] == pytest.approx(expected[:, -1], rel=1e-11, abs=0.0)
+            assert found[:, 1] == pytest.approx(expected[:, :-1].sum(axis=1), rel=1e-11, abs=1e-300)
+
+
+def test_proximity_counts_what_is_nearer_and_bounds_what_is_unknown():
+    here = [(0.0, 0.0)] * 4
+    there = [(3.0, 4.0), (0.0, 1.0), (math.nan, 0.0), (0.0, 9.0)]
+    assert proximity(here, there, 5.0) == (0.25, 0.5)
+    assert all(math.isnan(value) for value in proximity([], [], 5.0))
+    with pytest.raises(ValueError, match="shapes"):
+        proximity(here, there[:2], 5.0)
