@@ -9,10 +9,9 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.checking import kinds_of, model_for
+from eddi_scaffold.checking import kinds_of, model_for, no_package_name
 from eddi_scaffold.config import Config, ConfigFile, Robot, from_json, named_model, read_config
 from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
-from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import checked_models, select
@@ -203,10 +202,8 @@ def _name_problems(
     for monitor in monitors:
         shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
         place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
-        if not is_package_name(monitor.package):
-            hint = "choose another Model id: a letter and one more letter or digit are needed"
-            yield error("G002", f"the id {shown!r} gives no package name", place, hint)
-        elif monitor.package in taken:
+        yield from no_package_name(monitor)
+        if monitor.package in taken:
             message = f"a package {monitor.package!r} cannot be used: {taken[monitor.package]}"
             yield error(
                 "G003", message, place, f"choose another Model id, for instance {shown}_monitor"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from eddi_scaffold.binding import monitor_of
+from eddi_scaffold.binding import Monitor, monitor_of
 from eddi_scaffold.config import ConfigFile, Robot, named_model, read_config
-from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.identifiers import is_package_name, package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import is_config, read_models
@@ -118,4 +118,14 @@ def _check_pair(config: ConfigFile, models: Sequence[Model]) -> list[Problem]:
         model, kind = model_for(config, models)
     except EddiError as failure:
         return list(failure.problems)
-    return monitor_of(model, kind, config, known_messages(kinds().values()))[1]
+    monitor, problems = monitor_of(model, kind, config, known_messages(kinds().values()))
+    return [*problems, *(no_package_name(monitor) if monitor is not None else ())]
+
+
+def no_package_name(monitor: Monitor) -> Iterator[Problem]:
+    """Say that the id of a monitor gives no name of a package (G002)."""
+    if not is_package_name(monitor.package):
+        shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
+        place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
+        hint = "choose another Model id: a letter and one more letter or digit are needed"
+        yield error("G002", f"the id {shown!r} gives no package name", place, hint)

@@ -479,6 +479,8 @@ def _translated(
         elif found["type"] == "extra_forbidden":
             known = _known_keys(path[:-1])
             hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
+            if not key.isidentifier() and (*path[:-1], "expression") in places:
+                hint = "put the expression in quotes: inside { } a comma ends it"
             yield error("K004", f"unknown key {key!r}", places.get((*path, _KEY), place), hint)
         else:
             own = _TEXTS.get(found["type"]) or found["msg"].removeprefix("Value error, ")

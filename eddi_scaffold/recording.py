@@ -37,6 +37,7 @@ MAX_PROBLEMS = 100
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf|nan", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
+_OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _EXPECTED: Mapping[str, str] = {
     "bool": "true, false, 1 or 0",
     "float": "a number",
@@ -158,6 +159,11 @@ class _Reader:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
         cells = self._cells(number, line)
         names = tuple(cell.text for cell in cells)
+        other = next((mark for mark in _OTHER_MARKS if mark in line), None)
+        if len(names) == 1 and other is not None:
+            message = f"cells are separated by {_OTHER_MARKS[other]}, commas are expected"
+            self._error("I001", message, number, line.index(other) + 1)
+            return ()
         if TIME not in names:
             self._error("I001", "the header has no column t (time in seconds)", number, 1)
         time_at = names.index(TIME) if TIME in names else -1
