@@ -121,18 +121,26 @@ def readme(system: System) -> list[str]:
 
 
 def _cut_sets(component: Component) -> list[str]:
-    part = runtime_model(System({component.name: component}, component.name))["components"][0]
-    gates = [Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"]]
-    diagram = build(len(part["events"]), gates, part["top"])
-    if not diagram.coherent:
-        return [f"`{component.name}` has NOT or XOR, so no minimal cut sets.", ""]
-    found = minimal_cut_sets(diagram)
-    if found is None:
-        return [f"`{component.name}` has more than 10,000 minimal cut sets.", ""]
-    names = [sorted(part["events"][i]["name"] for i in one) for one in found]
-    names.sort(key=lambda one: (len(one), one))
+    names = cut_sets(component)
+    if names is None:
+        return [f"`{component.name}` has NOT or XOR, or more than 10,000 minimal cut sets.", ""]
     lines = [f"Minimal cut sets of `{component.name}`: {len(names)}", ""]
     lines += [f"- {', '.join(one)}" for one in names[:_SHOWN]]
     if len(names) > _SHOWN:
         lines.append(f"- and {len(names) - _SHOWN} more")
     return [*lines, ""]
+
+
+def cut_sets(component: Component) -> list[list[str]] | None:
+    """Return the minimal cut sets of a fault tree, smallest first; None: none, or too many.
+
+    A tree with NOT or XOR has none.
+    """
+    part = runtime_model(System({component.name: component}, component.name))["components"][0]
+    gates = [Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"]]
+    diagram = build(len(part["events"]), gates, part["top"])
+    found = minimal_cut_sets(diagram) if diagram.coherent else None
+    if found is None:
+        return None
+    names = [sorted(part["events"][i]["name"] for i in one) for one in found]
+    return sorted(names, key=lambda one: (len(one), one))
