@@ -77,7 +77,10 @@ def describe(node: Node) -> str:
         return "a map"
     if is_null(node):
         return "nothing (null)"
-    return f"the text {shown(node.text)}" if node.plain else f"the quoted text {shown(node.text)}"
+    if not node.plain:
+        return f"the quoted text {shown(node.text)}"
+    is_value = as_number(node) is not None or as_bool(node) is not None
+    return node.text if is_value else f"the text {shown(node.text)}"
 
 
 def shown(text: str) -> str:
