@@ -63,16 +63,18 @@ def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
 def changes(monitor: Monitor, play: Play) -> Iterator[str]:
     """Yield a line for the first step and for each one whose output differs from the last.
 
-    A line says which inputs keep outputs from being given.
+    A line says which inputs keep outputs from being given, and why. A new reason is a new line
+    where the kind names its reasons.
     """
     running = compiled(monitor)
     last: object = None
     for frame in play(running):
         values = running.series(frame.output)
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
-        if shown != last:
+        now = shown, _omission(running)[0]
+        if now != last:
             yield f"{frame.t:10.3f}  {shown}{_blocking(running)}".rstrip()
-        last = shown
+        last = now
 
 
 def table(monitor: Monitor, play: Play) -> Iterator[str]:
@@ -103,6 +105,12 @@ def compiled(monitor: Monitor) -> RuntimeMonitor:
     return build(parse_model(monitor.model_json, monitor.model.name, files))
 
 
+def _omission(running: RuntimeMonitor) -> tuple[str, str]:
+    """Return why there is no verdict, in a word and in words for people, where a kind says it."""
+    say = getattr(running, "omission", None)
+    return ("", "") if say is None else say()
+
+
 def _is_list(value: object) -> bool:
     return isinstance(value, list | tuple)
 
@@ -131,5 +139,8 @@ def _shown(value: Value) -> str:
 
 
 def _blocking(running: RuntimeMonitor) -> str:
-    blocked = running.blocked()
-    return f"  waits for {', '.join(blocked)}" if blocked else ""
+    blocked, faults = running.blocked(), running.faults()
+    why = _omission(running)[1]
+    reasons = {name: faults.get(name) or why for name in blocked}
+    texts = [f"{name} ({reason})" if reason else name for name, reason in reasons.items()]
+    return f"  waits for {', '.join(texts)}" if texts else ""

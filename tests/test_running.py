@@ -48,6 +48,14 @@ def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> No
     ]
 
 
+def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) -> None:
+    text = "ENUM Mode { AUTO, HAND }\nVAR m : Mode TIMEOUT 1s\nEVENT e (HAZARD) := m == AUTO\n"
+    (tmp_path / "mode.events").write_text(text)
+    (tmp_path / "r.csv").write_text("t,m\n0,AUTO\n1,MANUAL\n")
+    done = run("mode.events", "--inputs", "r.csv", folder=tmp_path)
+    assert done.stdout.splitlines()[1].endswith("waits for m (expected AUTO, HAND, got 'MANUAL')")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

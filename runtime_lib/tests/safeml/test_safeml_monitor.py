@@ -72,6 +72,21 @@ def test_what_is_no_sample_is_an_omission_and_changes_nothing(bad, reason):
     assert one.blocked() == {}
 
 
+def test_an_omission_is_explained_in_words():
+    one = monitor(ROWS, settings={"max_age": 2.0})
+    assert one.omission() == ("filling", "the window has 0 of 4 samples")
+    one = filled(settings={"max_age": 2.0})
+    assert one.omission() == ("", "")
+    step(one, [1.0, 2.0])
+    assert one.omission() == ("wrong_length", "2 values, the reference has 1 feature")
+    step(one, Messages())
+    assert one.omission()[0] == "wrong_length"
+    step(one, "x")
+    assert one.omission() == ("wrong_length", "numbers are expected, not str")
+    step(one, None)
+    assert one.omission() == ("stale", "the last sample is older than 2 s")
+
+
 def test_nothing_new_repeats_the_verdict():
     one = violated()
     before = one._last

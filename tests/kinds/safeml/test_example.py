@@ -12,8 +12,8 @@ from eddi_scaffold.assembly import monitors_of
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.checking import check_files
 from eddi_scaffold.recording import frames, read_recording
-from eddi_scaffold.running import compiled, of_recording, picture
-from eddi_scaffold.source import read_source
+from eddi_scaffold.running import changes, compiled, of_recording, picture
+from eddi_scaffold.source import Source, read_source
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"
 FOG = 11.3
@@ -69,6 +69,24 @@ def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[Monitor])
     svg = picture(scope, of_recording(recording))
     for name in ("statistic", "threshold", "odd_violation", "omission"):
         assert f">{name}<" in svg
+
+
+def test_run_says_why_there_is_no_verdict(monitors: list[Monitor]) -> None:
+    good = "1 2 3 4 5 6"
+    rows = [good, good, '""', "1 nan 3 4 5 6", "1 2 3", good, good, *[""] * 11, good]
+    text = "t,frame\n" + "".join(f"{k / 10:g},{row}\n" for k, row in enumerate(rows))
+    recording, problems = read_recording(Source("r.csv", text.encode()), {"frame": "float[]"})
+    assert recording is not None, problems
+    said = [line for line in changes(monitors[0], of_recording(recording)) if "waits" in line]
+    assert [(float(line.split()[0]), line.partition("waits for ")[2]) for line in said] == [
+        (0.0, "frame (the window has 1 of 50 samples)"),
+        (0.2, "frame (the message is empty)"),
+        (0.3, "frame (feature 1 is not a finite number)"),
+        (0.4, "frame (3 values, the reference has 6 features)"),
+        (0.5, "frame (the window has 3 of 50 samples)"),
+        (1.7, "frame (the last sample is older than 1 s)"),
+        (1.8, "frame (the window has 1 of 50 samples)"),
+    ]
 
 
 def test_the_status_message_has_the_evidence_as_a_field(tmp_path: Path) -> None:

@@ -178,6 +178,20 @@ class SafeMLMonitor:
         self._phase = 0
         self._statistics = None
 
+    def omission(self) -> Tuple[str, str]:
+        """Return why there is no verdict now: as in the status, and in words for people.
+
+        Both are empty when there is one.
+        """
+        reason, model = self._last.reason, self._model
+        words = self._fault
+        if reason == FILLING:
+            words = f"the window has {self._window.filled} of {model.window_size} samples"
+        elif reason == STALE:
+            limit = "its limit" if model.max_age is None else f"{model.max_age:g} s"
+            words = f"the last sample is older than {limit}"
+        return reason, words if reason else ""
+
     def explain(self) -> Tuple[OneTest, ...]:
         """Return every test of the present window, the largest distance first.
 

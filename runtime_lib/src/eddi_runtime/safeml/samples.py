@@ -48,7 +48,7 @@ def take(value: Any, features: int, *, single: bool) -> Taken:
             faults.append(f"it is no array: {type(problem).__name__}")
         if found is None:
             taken.bad.append(WRONG_LENGTH)
-            faults.append(f"{features} numbers are expected, not {type(message).__name__}")
+            faults.append(f"numbers are expected, not {type(message).__name__}")
             continue
         _sort_out(rounded(found, single=single), features, taken, faults)
     return taken._replace(fault=faults[0] if faults else "")
@@ -89,7 +89,7 @@ def _laid_out(layout: Any, data: Any) -> Any:
 def _sort_out(found: Array, features: int, taken: Taken, faults: List[str]) -> None:
     if found.size == 0:
         taken.bad.append(EMPTY)
-        faults.append("it is empty")
+        faults.append("the message is empty")
         return
     if found.ndim == 2 and found.shape[1] == features:
         rows = list(found)
@@ -98,7 +98,10 @@ def _sort_out(found: Array, features: int, taken: Taken, faults: List[str]) -> N
     else:
         count, length = found.shape if found.ndim == 2 else (1, found.size)
         taken.bad.extend([WRONG_LENGTH] * count)
-        faults.append(f"{features} numbers are expected, not {length}")
+        shown = f"{length} value{'s' if length != 1 else ''}"
+        faults.append(
+            f"{shown}, the reference has {features} feature{'s' if features != 1 else ''}"
+        )
         return
     for row in rows:
         if np.isfinite(row).all():
