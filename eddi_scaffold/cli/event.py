@@ -59,11 +59,14 @@ def event(
     from eddi_scaffold.events import analyse
     from eddi_scaffold.events.report import as_json as report_json
     from eddi_scaffold.events.report import as_text
+    from eddi_scaffold.events.targets.names import check_module_name
     from eddi_scaffold.problems import EddiError, error
 
     if serve:
         _serve(port)
         return
+    if name is not None:
+        check_module_name(name)
     source, label = _source(text, file)
     analysis = analyse(source, rate=rate, name=label)
     if analysis.form is None:
@@ -83,7 +86,7 @@ def event(
     elif output is None and target is Target.c and not as_json:
         raise EddiError(error("E022", "C is several files: say where with --output"))
     else:
-        stem = name or ("event" if label == "<expression>" else Path(label).stem)
+        stem = name or ("event" if label == "<expression>" else _name_of(Path(label)))
         _generate(analysis, target, stem, output, as_json=as_json)
 
 
@@ -103,6 +106,20 @@ def _source(text: str | None, file: Path | None) -> tuple[str, str]:
         return read_source(path).data.decode("utf-8-sig"), str(path)
     except UnicodeDecodeError:
         raise EddiError(error("E001", "the file is not UTF-8 text", Place(str(path)))) from None
+
+
+def _name_of(file: Path) -> str:
+    """Return what files and functions begin with; says it where that is not the file's name."""
+    from eddi_scaffold.console import console
+    from eddi_scaffold.events.targets.names import module_name
+
+    name = module_name(file.stem)
+    if name != file.stem:
+        console.say(
+            f"note: files and functions begin with {name!r}, not {file.stem!r}; "
+            "--name chooses another"
+        )
+    return name
 
 
 def _file_of(text: str) -> Path | None:

@@ -80,6 +80,15 @@ def test_recorded_values(tmp_path: Path) -> None:
     assert "n.csv:1:3: error: no input has the id 'x'" in wrong.err
 
 
+def test_a_window_is_full_with_the_sample_that_the_documentation_says(tmp_path: Path) -> None:
+    (tmp_path / "v.csv").write_text("t,x\n" + "".join(f"{k / 10},1\n" for k in range(60)))
+    result = run("event", "AVERAGE(x, 5s) > 0", "--rate", "10", "-i", "v.csv", cwd=tmp_path)
+    assert [line.split() for line in result.out.splitlines()] == [
+        ["0.000", "event", "UNKNOWN"],
+        ["4.900", "event", "TRUE"],
+    ]
+
+
 def test_a_timeout_ends_a_sample_that_is_held(tmp_path: Path) -> None:
     (tmp_path / "v.csv").write_text("t,x\n0,9\n0.1,\n0.2,\n0.3,\n0.4,1\n")
     text = "VAR x : NUMBER TIMEOUT 200ms x > 5"
@@ -89,7 +98,7 @@ def test_a_timeout_ends_a_sample_that_is_held(tmp_path: Path) -> None:
 
 
 def test_python_goes_to_stdout_and_runs(tmp_path: Path) -> None:
-    result = run("event", "x > 5", "--name", "Demo One", cwd=tmp_path)
+    result = run("event", "x > 5", "--name", "demo_one", cwd=tmp_path)
     assert (result.status, result.err) == (0, "")
     program = f"{result.out}\nassert Engine().evaluate(0, 6.0) == (2,)\n"
     program = program.replace('if __name__ == "__main__":\n    main()', "")
@@ -122,6 +131,12 @@ def test_files_are_written_and_edits_kept(tmp_path: Path) -> None:
         (["x > 1", "-o", "taken"], "E020"),
         (["x > 1", "-i", "nothere.csv"], "F001"),
         (["latin.events"], "E001"),
+        (["x > 1", "--name", "wächter", "-o", "out"], "E025"),
+        (["x > 1", "--name", "int", "-o", "out"], "E025"),
+        (["x > 1", "--name", "class", "--target", "c", "-o", "out"], "E025"),
+        (["x > 1", "--name", "size", "--target", "c", "-o", "out"], "E025"),
+        (["x > 1", "--name", "", "-o", "out"], "E025"),
+        (["x > 1", "--name", "Demo One", "--check"], "E025"),
     ],
 )
 def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
@@ -132,6 +147,33 @@ def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
     assert (result.status, result.out) == (2, "")
     assert f"[{code}]" in result.err
     assert (tmp_path / "taken" / "event_event.py").read_text() == "mine = True\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_name_that_cannot_be_used_comes_with_one_that_can(tmp_path: Path) -> None:
+    refused = run("event", "x > 1", "--name", "Wächter 2", "-o", "out", cwd=tmp_path)
+    assert refused.err == (
+        "error: files and functions cannot begin with 'Wächter 2': lower-case ASCII letters, "
+        "digits and single underscores are expected [E025]\n"
+        "  hint: --name wachter_2\n1 error\n"
+    )
+    word = run("event", "x > 1", "--name", "int", "-o", "out", cwd=tmp_path)
+    assert word.err == (
+        "error: files and functions cannot begin with 'int': it means something else in C or "
+        "Python [E025]\n"
+        "  hint: --name int_monitor\n1 error\n"
+    )
+    assert run("event", "x > 1", "--name", "int_monitor", "-o", "out", cwd=tmp_path).status == 0
+
+
+def test_a_name_that_is_made_of_the_files_is_said(tmp_path: Path) -> None:
+    (tmp_path / "über wach.events").write_text("x > 1\n")
+    made = run("event", "über wach.events", "-o", "out", cwd=tmp_path)
+    assert (made.status, made.out) == (0, "out/uber_wach_event.py\n")
+    assert made.err == (
+        "note: files and functions begin with 'uber_wach', not 'über wach'; "
+        "--name chooses another\n"
+    )
 
 
 def test_two_hundred_events_in_one_file(tmp_path: Path) -> None:

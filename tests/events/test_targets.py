@@ -279,10 +279,11 @@ def test_names_are_different_identifiers() -> None:
         "v_0",
         "a_b_3",
     ]
-    assert [module_name(n) for n in ("Over Heat!", "9", "", "int", "ünï")] == [
+    assert [module_name(n) for n in ("Over Heat!", "9", "", "int", "ünï", "size")] == [
         "over_heat",
         "event_9",
         "event",
-        "int_",
-        "n",
+        "int_monitor",
+        "uni",
+        "size_monitor",
     ]

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable
+
+from eddi_scaffold.identifiers import RESERVED
+from eddi_scaffold.problems import EddiError, error
 
 _C_WORDS = frozenset(
     re.findall(
@@ -13,6 +17,15 @@ _C_WORDS = frozenset(
         typedef union unsigned void volatile while bool true false""",
     )
 )
+_C_TYPES = frozenset(
+    re.findall(
+        r"\w+",
+        """clock fpos intmax intptr off ptrdiff size ssize time uintmax uintptr wchar wint""",
+    )
+)
+"""Names that are a type of the C library with ``_t`` behind them, as a monitor's struct has."""
+_TAKEN = _C_WORDS | _C_TYPES | {word.lower() for word in RESERVED}
+_C_INTEGER = re.compile(r"u?int(_least|_fast)?[0-9]+")
 
 
 def unique_names(names: Iterable[str], prefix: str = "") -> list[str]:
@@ -33,10 +46,37 @@ def unique_names(names: Iterable[str], prefix: str = "") -> list[str]:
 
 def module_name(name: str) -> str:
     """Return a name in lower case that files and functions of both targets can begin with."""
-    word = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
-    if not word or word[0].isdigit():
-        word = f"event_{word}".rstrip("_")
-    return f"{word}_" if word in _C_WORDS else word
+    word = _plain_word(name)
+    return f"{word}_monitor" if _is_taken(word) else word
+
+
+def check_module_name(name: str) -> None:
+    """Refuse a name that files and functions cannot begin with as it is.
+
+    Raises:
+        EddiError: with one that they can begin with (E025).
+    """
+    usable = module_name(name)
+    if usable == name:
+        return
+    why = (
+        "it means something else in C or Python"
+        if name == _plain_word(name)
+        else "lower-case ASCII letters, digits and single underscores are expected"
+    )
+    message = f"files and functions cannot begin with {name!r}: {why}"
+    raise EddiError(error("E025", message, hint=f"--name {usable}"))
+
+
+def _plain_word(name: str) -> str:
+    decomposed = unicodedata.normalize("NFKD", name.casefold())
+    base = "".join(char for char in decomposed if not unicodedata.combining(char))
+    word = re.sub(r"[^a-z0-9]+", "_", base).strip("_")
+    return f"event_{word}".rstrip("_") if not word or word[0].isdigit() else word
+
+
+def _is_taken(word: str) -> bool:
+    return word in _TAKEN or _C_INTEGER.fullmatch(word) is not None
 
 
 def one_line(text: str) -> str:
