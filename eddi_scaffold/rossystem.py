@@ -27,6 +27,7 @@ from eddi_scaffold.problems import (
     Problem,
     error,
     in_order,
+    with_excerpts,
 )
 from eddi_scaffold.source import read_source
 
@@ -180,9 +181,16 @@ def parse(
     )
     entries = [Entry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
     after, notes = rewritten(document, entries)
-    problems = in_order([*robot.problems, *outputs.problems, *notes])
+    problems = in_order(_quoted([*robot.problems, *outputs.problems, *notes], document))
     before = document.text if is_there else None
     return Parsed(robot, outputs, tuple(problems), before, after)
+
+
+def _quoted(problems: Sequence[Problem], document: Document) -> list[Problem]:
+    """Quote the configuration as it was read: what is printed comes after it is rewritten."""
+    own = [one for one in problems if one.place.file == document.name]
+    others = [one for one in problems if one.place.file != document.name]
+    return [*others, *with_excerpts(own, document.text)]
 
 
 def _existing(document: Document) -> list[Existing]:
