@@ -164,19 +164,32 @@ class Definitions:
             hint = f"there are: {', '.join(names)}" if names else "there is none at all"
         return f"{where} has no {WORDS[kind].partition(' ')[2]} {reference.interface!r}", hint
 
-    @property
-    def skipped(self) -> str | None:
-        """A hint that names the files that could not be read, if there are such."""
-        return f"could not be read: {', '.join(self._skipped)}" if self._skipped else None
+    def hint_for_node(self, named: str) -> str | None:
+        """Return what helps who named a node in ``from:`` that no file defines."""
+        with_artifact = named.count(".") > 1
+        known = {
+            f"{one.package}.{one.artifact}.{one.node.name}"
+            if with_artifact
+            else f"{one.package}.{one.node.name}"
+            for one in self._every_node()
+        }
+        return self._hint(named, known)
+
+    def _every_node(self) -> Iterable[NodeModel]:
+        return (model for models in self._nodes.values() for model in models)
+
+    def _hint(self, wanted: str, known: Iterable[str]) -> str | None:
+        """Return the nearest name, and the files that could not be read."""
+        skipped = f"could not be read: {', '.join(self._skipped)}" if self._skipped else None
+        near = did_you_mean(wanted, known)
+        return f"{near} ({skipped})" if near and skipped else near or skipped
 
     def _no_node(self, reference: Reference) -> tuple[str, str | None]:
-        every = [model for models in self._nodes.values() for model in models]
+        every = self._every_node()
         if reference.package:
             wanted = f"{reference.package}.{reference.artifact}.{reference.node}"
             known = {f"{one.package}.{one.artifact}.{one.node.name}" for one in every}
         else:
             wanted, known = reference.artifact, {one.artifact for one in every}
         what = "node" if reference.package else "artifact"
-        return f"no model defines the {what} {wanted!r}", did_you_mean(
-            wanted, known
-        ) or self.skipped
+        return f"no model defines the {what} {wanted!r}", self._hint(wanted, known)

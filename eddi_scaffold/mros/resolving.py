@@ -127,13 +127,12 @@ class _Join:
             message = f"the node {name!r} has no 'from:', so its model is not known"
         else:
             message = f"there is no model of the node {name!r}, from: {named!r}"
+        hint = self.definitions.hint_for_node(named or "")
         if self.component.interfaces:
             message += ": only the interfaces that are listed count"
-            hint = self.definitions.skipped
             self.problems.append(warning("no-node-model", message, self.here, hint))
         else:
             message += ", and it lists no interfaces"
-            hint = self.definitions.skipped
             self.problems.append(error("no-node-model", message, self.here, hint))
         return ()
 

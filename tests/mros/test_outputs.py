@@ -243,6 +243,30 @@ def test_ambiguity_is_said_and_the_first_counts(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("named", "hint"),
+    [
+        ("lasr.laser", "did you mean 'laser.laser'?"),
+        ("laser.lasers", "did you mean 'laser.laser'?"),
+        ("arm.driver.drivr", "did you mean 'arm.driver.driver'?"),
+        ("camera", None),
+        ("camera.usb", None),
+    ],
+)
+def test_a_misspelt_model_is_told_with_the_nearest(
+    lasers: Path, named: str, hint: str | None
+) -> None:
+    system = LASERS.replace("laser.laser", named)
+    (lasers / "robot.rossystem").write_text(system, "utf-8")
+    _, problems = outputs_of(lasers / "robot.rossystem", lasers)
+    found = [p for p in problems if p.code == "no-node-model"]
+    assert [(p.level, p.hint) for p in found] == [("warning", hint), ("error", hint)]
+    (lasers / "broken.ros1").write_text("laser:\n  artifacts\n", "utf-8")
+    _, problems = outputs_of(lasers / "robot.rossystem", lasers)
+    wanted = "could not be read: broken.ros1" if hint is None else f"{hint} (could not be read: "
+    assert all((p.hint or "").startswith(wanted) for p in problems if p.code == "no-node-model")
+
+
+@pytest.mark.parametrize(
     ("name", "namespace", "component", "topic"),
     [
         ("/a//b/", "/x", "n", "/a/b"),
