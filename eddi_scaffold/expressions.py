@@ -150,7 +150,7 @@ class _Binder:
             names = [*self.sources, *self.inputs]
             hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
             message = f"there is no simulator output {head!r}"
-            self.problems.append(error("E002", message, locate(at), hint))
+            self.problems.append(error("E008", message, locate(at), hint))
             return None
         timeout = _nanoseconds(self.entry.max_age, source.max_age)
         try:

@@ -128,7 +128,7 @@ def test_another_input_may_be_named() -> None:
 @pytest.mark.parametrize(
     ("battery", "code", "line", "col", "words"),
     [
-        ('expression: "batery.present"', "E002", 7, 18, "no simulator output 'batery'"),
+        ('expression: "batery.present"', "E008", 7, 18, "no simulator output 'batery'"),
         ("expression: battery.presnt", "K020", 7, 17, "has no field 'presnt'"),
         ("expression: battery.present.x", "K020", 7, 17, "a bool has no field 'x'"),
         ("expression: battery.header", "K020", 7, 17, "is a std_msgs/Header"),
@@ -138,7 +138,7 @@ def test_another_input_may_be_named() -> None:
         ("expression: motor.data > 2\n    requires: [battery]", "K042", 8, 5, "`requires`"),
         ("expression: motor.data > 2\n    field: data", "K043", 8, 12, "`field:`"),
         ("states: {High: motor.data > 2}", "K043", 6, 5, "give `expression:`"),
-        ("expression: >-\n      battery.present\n      AND batery.present", "E002", 9, 11, ""),
+        ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
     ],
 )
 def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, words: str) -> None:

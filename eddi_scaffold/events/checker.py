@@ -120,7 +120,8 @@ class Checker:
             return self._variable(node, at)
         if scope.knows(name):
             return self._events.get(name)
-        if name not in self._reported and name not in self._file.broken:
+        # without declarations, only a text with another error has names that are not inferred
+        if scope.closed and name not in self._reported and name not in self._file.broken:
             self._reported.add(name)
             hint = did_you_mean(name, scope.names) or f"there are: {', '.join(scope.names) or '-'}"
             self._findings.error("E008", node.start, f"there is no variable {name!r}", hint)

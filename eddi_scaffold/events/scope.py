@@ -81,8 +81,9 @@ class Scope:
 
     @property
     def names(self) -> list[str]:
-        """Every name that has a meaning."""
-        return [*self.variables, *self.constants, *self.literals, *self.events]
+        """Every name that has a meaning; a bare expression has none."""
+        events = [name for name, event in self.events.items() if not event.anonymous]
+        return [*self.variables, *self.constants, *self.literals, *events]
 
     def knows(self, name: str) -> bool:
         """Tell whether a name has a meaning; a bare expression has no name."""

@@ -144,6 +144,18 @@ def test_more_diagnostics(text: str, wanted: str) -> None:
     assert any(line.startswith(wanted) for line in found), found
 
 
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("x > 5 y", ["1:7 E003 the text goes on with 'y'"]),
+        ("AVERAGE(x, 5s, COVERAGE 2) > 1", ["1:25 E014 the coverage must be above 0 and at most 1"]),
+        ("VAR x : NUMBER TIMEOUT 1s\ny > 1", ["2:1 E008 there is no variable 'y' (there are: x)"]),
+    ],
+)
+def test_nothing_is_told_that_follows_from_another_error(text: str, wanted: list[str]) -> None:
+    assert problems(text, known=False) == wanted
+
+
 def test_every_error_of_a_file_is_told_at_once() -> None:
     lines = ("p (HAZARD) := x >", "q (HAZARD) := y + a", "r (HAZARD) := AND", "s (HAZARD) := p")
     text = "\n".join(f"EVENT {line}" for line in lines)
