@@ -1,9 +1,10 @@
 """Time of a reliability step: chains beside ``scipy.linalg.expm``, and fault trees by size.
 
-Ours for chains is the belief over the states moved by one quantum, alone and with what lies ahead
+Ours for chains is the belief over the states moved by one quantum together with what lies ahead
 (failure within the horizon, reliability, mean time to failure), with what was precomputed; the peer
-computes the exponential of the same generator, as each step would need without. For the rotors it
-is the whole monitor, inputs and evidence included. For trees it is one evaluation of the compiled
+computes the exponential of the same generator, as each step would need without. "Whole monitor" is
+all that a node calls: inputs, clock, models, evidence, result; its peers are the exponentials of
+the same chains. For trees it is one evaluation of the compiled
 diagram, and beside it the sum over all combinations of events where there are few enough. Measured
 in turn in one process; reading and compiling is not counted.
 
@@ -15,6 +16,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import os
 import random
 import statistics
 import sys
@@ -25,6 +27,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, for the peers too
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,6 +36,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 from eddi_runtime.model_file import check_document, digest_of  # noqa: E402 - from the checkout
 from eddi_runtime.reliability import build  # noqa: E402
 from eddi_runtime.reliability import diagram as bdd  # noqa: E402
+from eddi_runtime.reliability.battery import battery_spec  # noqa: E402
 from eddi_runtime.reliability.chain import Chain, ChainSpec, Horizons  # noqa: E402
 from eddi_runtime.reliability.estimate import Moment  # noqa: E402
 from eddi_runtime.reliability.markov import generator  # noqa: E402
@@ -52,7 +56,7 @@ def main() -> None:
     options = parser.parse_args()
     runs, seconds = (3, 0.02) if options.quick else (9, 0.2)
     rows = [row for states in STATES for row in rows_of_chain(states, runs, seconds)]
-    rows.append(row_of_rotors(runs, seconds))
+    rows += rows_of_monitors(runs, seconds)
     rows += [row_of_tree(events, runs, seconds) for events in EVENTS]
     if options.json:
         print(json.dumps({"rows": rows}, indent=1))
@@ -67,58 +71,104 @@ def main() -> None:
 
 
 def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]]:
-    """Return the rows of a random chain with about half of all arcs: step, and step with look."""
+    """Return the rows of a random chain with about half of all arcs: its step, and a monitor's."""
     chance = np.random.default_rng(states)
     rates = chance.random((states, states)) * (chance.random((states, states)) < 0.5)
     arcs = [(i, j, float(rates[i, j])) for i in range(states) for j in range(states)]
     spec = ChainSpec(states, 0, (states - 1,), tuple(arcs))
     chain = Chain(spec, QUANTUM, Horizons(0.5))
     moment = Moment(1, QUANTUM, 0.0, 0.5, 0)
-
-    def look() -> None:
-        chain.advance(1)
-        chain.estimate(moment)
-
+    component = {
+        "name": "chain", "type": "markov", "states": [f"s{i}" for i in range(states)],
+        "initial": 0, "fail": [states - 1], "arcs": [list(arc) for arc in arcs],
+    }  # fmt: skip
+    alone = stepping([component | {"observe": []}], {})
+    observed = stepping(
+        [component | {"observe": [[0, "ok", False], [1, "ok", True]]}], {"ok": True}
+    )
     peer = expm_of(generator(states, arcs, [states - 1]))
-    cases = (("step", lambda: chain.advance(1)), ("step and p_fail", look))
+    cases = (
+        ("step and p_fail", lambda: chain.step(moment, chain.everything)),
+        ("whole monitor", alone),
+        ("whole monitor, observed", observed),
+    )
     return [
         paired(f"{states} states, {name}", ours, "scipy expm", peer, runs, seconds, _NO_SCIPY)
         for name, ours in cases
     ]
 
 
-def row_of_rotors(runs: int, seconds: float) -> dict[str, Any]:
-    """Return the row of a hexacopter: the whole monitor, six inputs and one threshold."""
+def rows_of_monitors(runs: int, seconds: float) -> list[dict[str, Any]]:
+    """Return the rows of a hexacopter's rotors, and of a drone: three models in a fault tree."""
     names = [f"m{i}" for i in range(6)]
-    component = {
+    rotors = {
         "name": "rotors", "type": "propulsion", "configuration": "PNPNPN", "repair": False,
         "rates": [1e-5] * 6, "inputs": [[name, None] for name in names],
     }  # fmt: skip
+    battery = {
+        "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
+        "degradation": 6.4e-3, "level": "level", "repair": False,
+    }  # fmt: skip
+    processor = {
+        "name": "cpu", "type": "processor", "mttf_ref": 40000.0, "t_ref": 51.0, "t_max": 85.0,
+        "u_max": 1.0, "activation_energy": 0.3, "shape": 1.0, "temperature": "t",
+        "utilisation": "u",
+    }  # fmt: skip
+    event = {"values": [], "model": "", "input": None}
+    events = [
+        *(event | {"name": m, "law": "model", "model": m} for m in ("rotors", "battery", "cpu")),
+        event | {"name": "gps", "law": "exponential", "values": [1e-4]},
+        event | {"name": "vio", "law": "exponential", "values": [2e-4]},
+        event | {"name": "link", "law": "exponential", "values": [1e-3], "input": "link"},
+    ]
+    gates = [{"type": "AND", "of": [3, 4]}, {"type": "OR", "of": [0, 1, 2, 5, 6]}]
+    tree = {"name": "loss", "type": "fault_tree", "repair": False, "top": 7}
+    working: dict[str, Any] = dict.fromkeys(names, True)
+    drone = {**working, "level": 80.0, "t": 60.0, "u": 0.5, "link": False}
+    chains = [Rotors("PNPNPN", [1e-5] * 6).spec, battery_spec(1e-3, 8e-3, 7e-3, 6.4e-3)]
+    peers = [expm_of(generator(one.states, one.arcs, one.fail)) for one in chains]
+    parts = [rotors, battery, processor, tree | {"events": events, "gates": gates}]
+    cases = (
+        ("hexacopter, whole monitor", stepping([rotors], working), peers[:1]),
+        ("drone, whole monitor", stepping(parts, drone), peers),
+    )
+    return [
+        paired(name, ours, "scipy expm", both(there), runs, seconds, _NO_SCIPY)
+        for name, ours, there in cases
+    ]
+
+
+def both(peers: list[Action | None]) -> Action | None:
+    """Return all of the peers as one."""
+    actions = [one for one in peers if one is not None]
+    if len(actions) < len(peers):
+        return None
+    return lambda: [one() for one in actions]
+
+
+def stepping(components: list[dict[str, Any]], values: dict[str, Any]) -> Action:
+    """Return the step of a monitor with these inputs, 0.1 s after the one before."""
     model = {
-        "components": [component], "top": "rotors", "horizon": 0.5, "mission_end": False,
-        "quantum": 0.1, "on_unknown": "inactive", "max_gap": 1.0,
+        "components": components, "top": components[-1]["name"], "horizon": 0.5,
+        "mission_end": False, "quantum": 0.1, "on_unknown": "inactive", "max_gap": 1.0,
         "thresholds": [{"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}],
     }  # fmt: skip
     document: dict[str, Any] = {
-        "format": 1, "requires_runtime": "0.1", "kind": "reliability", "id": "rotors",
-        "source": {}, "settings": {}, "model": model,
-        "inputs": [{"id": name, "attribute": name, "requires": []} for name in names],
+        "format": 1, "requires_runtime": "0.1", "kind": "reliability", "id": "m", "source": {},
+        "settings": {}, "model": model,
+        "inputs": [{"id": name, "attribute": name, "requires": []} for name in values],
     }  # fmt: skip
     document["sha256"] = digest_of(document)
     monitor = build(check_document(document))
-    inputs = SimpleNamespace(**dict.fromkeys(names, True))
+    inputs = SimpleNamespace(**values)
     now = 0
 
-    def ours() -> None:
+    def step() -> None:
         nonlocal now
         now += 100_000_000
         monitor.execute_step(inputs, now)
 
-    rotors = Rotors("PNPNPN", [1e-5] * 6)
-    spec = rotors.spec
-    peer = expm_of(generator(spec.states, spec.arcs, spec.fail))
-    case = "hexacopter, whole monitor"
-    return paired(case, ours, "scipy expm", peer, runs, seconds, _NO_SCIPY)
+    return step
 
 
 def expm_of(q: Any) -> Action | None:

@@ -77,7 +77,7 @@ def test_any_horizon_agrees_with_the_propagator():
         ahead = FreeHorizon(size, arcs, fail, 20.0)
         for hours in (0.0, 1e-12, 1e-3, 1.0, 19.0, 500.0):
             expected = propagator(generator(size, arcs, fail), hours)
-            found = ahead.at(hours)
+            found = np.array(ahead.at(hours))
             assert found[:, 0] == pytest.approx(expected[:, -1], rel=1e-11, abs=0.0)
             assert found[:, 1] == pytest.approx(expected[:, :-1].sum(axis=1), rel=1e-11, abs=1e-300)
 

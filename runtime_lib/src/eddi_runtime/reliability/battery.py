@@ -67,23 +67,31 @@ class Battery(Component):
         """Take level and temperature; unknown ones are bounded by the worst."""
         del known
         level = values[self._level]
-        hot = None if self._heat is None else values[self._temperature]
-        missing = [] if level is not None else [self._level]
-        if self._heat is not None and hot is None:
-            missing.append(self._temperature)
-        factor = self._worst if self._heat is None or hot is None else self._heat.factor(hot)
+        factor, colder = self._worst, False
+        if self._heat is not None:
+            hot = values[self._temperature]
+            if hot is not None:
+                factor = self._heat.factor(hot)
+            else:  # it may be so cold that nothing ages
+                colder = True
         if level is not None:
             self._see(4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1)
         first = _BANDS.get(self._band, EMPTY)
+        ahead = self._ahead.at(factor * moment.horizon)
+        if level is not None and not colder:
+            p, alive = ahead[first]
+            return Estimate(p, p, alive, self._aged(self._tau[first], factor))
         possible = slice(first, _STATES if level is None else first + 1)
-        ahead = self._ahead.at(factor * moment.horizon)[possible]
-        high, alive = float(ahead[:, 0].max()), float(ahead[:, 1].min())
-        # as long as the temperature is not known, it may be so cold that nothing ages
-        colder = self._heat is not None and hot is None
-        low = min(self._now[possible]) if colder else float(ahead[:, 0].min())
-        life = min(self._tau[possible])
-        life = life / factor if factor > 0.0 and life > 0.0 else life
-        return Estimate(min(low, 1.0), min(high, 1.0), alive, life, tuple(missing))
+        failed, working = zip(*ahead[possible])
+        low = min(self._now[possible] if colder else failed)
+        missing = [self._level] if level is None else []
+        missing += [self._temperature] if colder else []
+        life = self._aged(min(self._tau[possible]), factor)
+        return Estimate(low, max(failed), min(working), life, tuple(missing))
+
+    @staticmethod
+    def _aged(life: float, factor: float) -> float:
+        return life / factor if factor > 0.0 and life > 0.0 else life
 
     def _see(self, band: int) -> None:
         if band > self._band and not self._repair:

@@ -7,10 +7,20 @@ from typing import FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .estimate import Estimate, Moment
+from .estimate import Estimate, Moment, known
 from .markov import Arc, generator, mean_times, propagator
 
 INCONSISTENT = "inconsistent"
+_BLOCK = 16
+"""Steps of one quantum that are looked at in one product while the observation stays the same."""
+_LARGEST = 500
+"""States up to which this is done."""
+_LARGEST_SEEN = 64
+"""The same for a chain whose states are observed: each observation has matrices of its own."""
+_LEAST = 1e-8
+"""Weight of the belief below which it is brought back to one."""
+_LOOK = 5
+"""Numbers of a look ahead: failed, alive, mean life, weight of endless states, weight of all."""
 
 
 class ChainSpec(NamedTuple):
@@ -34,113 +44,192 @@ class Horizons(NamedTuple):
     steps: int = 1
 
 
+class Seen(NamedTuple):
+    """What the inputs say of a chain, and what follows from it in every step.
+
+    Attributes:
+        mask: one 1.0 or 0.0 per state, whether it is consistent with the inputs; None: all are.
+        unknown: inputs that are not known.
+        bounds: for each horizon failed at least and at most, alive and mean life at least.
+        worst: the state that is taken when the belief gives all consistent ones no weight.
+        powers: one quantum with the mask behind it, and its powers by 2, 4, 8, ...
+        block: from a belief to its looks ahead now and in the steps of one quantum that follow,
+            and to the belief at the end; None: each step by itself.
+    """
+
+    mask: Optional[np.ndarray]
+    unknown: Tuple[str, ...]
+    bounds: Sequence[Tuple[float, float, float, float]]
+    worst: int
+    powers: List[np.ndarray]
+    block: Optional[np.ndarray]
+
+
 class Chain:
     """The belief over the states of a chain. What depends on the model only is made here once.
+
+    The belief has any weight up to one: results are divided by it, and it is seldom brought back.
 
     Attributes:
         states: how many there are.
         fail: numbers of the fail states.
         tau: mean time to failure in hours from each state.
+        everything: no input excludes a state.
     """
 
     def __init__(self, spec: ChainSpec, quantum: float, horizons: Horizons) -> None:
         self.states, self.fail = spec.states, frozenset(spec.fail)
         self._initial = spec.initial
         q = generator(spec.states, spec.arcs, spec.fail)
-        self._step = propagator(q, quantum)
-        self._powers: List[np.ndarray] = [self._step]
         self._ahead, self._alive = _ahead(q, spec.fail, horizons)
         self.tau = mean_times(q, spec.fail)
-        self._endless = np.isinf(self.tau)
-        self._is_endless = bool(self._endless.any())
-        mean = np.where(self._endless, 0.0, self.tau)
-        # failed, alive and mean time of a belief in one product
-        self._looks = [np.array([a, b, mean]) for a, b in zip(self._ahead, self._alive)]
-        self._seen = np.zeros(3)
-        self._belief = np.zeros(spec.states)
-        self._other = np.zeros(spec.states)
+        endless = np.isinf(self.tau)
+        rest = [np.where(endless, 0.0, self.tau), endless.astype(float), np.ones(spec.states)]
+        # failed, alive, mean life, weight of endless states and of all: one product with a belief
+        self._looks = [np.column_stack([a, b, *rest]) for a, b in zip(self._ahead, self._alive)]
+        self._step = propagator(q, quantum)
+        powers = [self._step]
+        self.everything = Seen(None, (), (), min(self.fail), powers, self._block(None, powers))
+        self._belief, self._spare = np.zeros(spec.states), np.zeros(spec.states)
+        self._out = np.zeros(_BLOCK * _LOOK + spec.states)
+        self._looking, self._end = self._out[: _BLOCK * _LOOK], self._out[_BLOCK * _LOOK :]
+        self._rows: List[List[float]] = []
         self.reset()
+
+    def _block(self, mask: Optional[np.ndarray], powers: List[np.ndarray]) -> Optional[np.ndarray]:
+        largest = _LARGEST if mask is None else _LARGEST_SEEN
+        if len(self._looks) > 1 or self.states > largest:
+            return None
+        ahead = [self._looks[0]]
+        for _ in range(_BLOCK - 1):
+            ahead.append(powers[0] @ ahead[-1])
+        while 2 ** (len(powers) - 1) < _BLOCK:
+            powers.append(_squared(powers[-1], mask))
+        return np.concatenate([*ahead, powers[-1]], axis=1)
+
+    def seen(self, mask: np.ndarray, unknown: Tuple[str, ...] = ()) -> Seen:
+        """Return what follows from an observation; to be kept for the steps that see the same.
+
+        Args:
+            mask: one 1.0 or 0.0 per state.
+            unknown: names of the inputs that are not known.
+        """
+        inside = np.flatnonzero(mask)
+        powers = [self._step * mask]
+        block = self._block(mask, powers)
+        if not len(inside):
+            bounds = [(1.0, 1.0, 0.0, 0.0)] * len(self._looks)
+            return Seen(mask, unknown, bounds, min(self.fail), powers, block)
+        ahead = np.minimum(self._ahead[:, inside], 1.0)
+        least = [float(self.tau[inside].min())] * len(ahead)
+        columns = (ahead.min(axis=1), ahead.max(axis=1), self._alive[:, inside].min(axis=1))
+        bounds = list(zip(*(column.tolist() for column in columns), least))
+        worst = int(inside[int(np.argmax(self._ahead[-1][inside]))])
+        return Seen(mask, unknown, bounds, worst, powers, block)
+
+    def sure(self, at: int) -> List[Estimate]:
+        """Return for each state what lies ahead when the chain is known to be in it.
+
+        Args:
+            at: position of the horizon among those that were prepared.
+        """
+        ahead, alive = np.minimum(self._ahead[at], 1.0).tolist(), self._alive[at].tolist()
+        lives = self.tau.tolist()
+        return [known(*numbers) for numbers in zip(ahead, alive, lives)]
 
     @property
     def belief(self) -> np.ndarray:
-        """The distribution over the states now (not a copy)."""
-        return self._belief
+        """The distribution over the states now."""
+        self._settle()
+        belief: np.ndarray = self._belief / self._belief.sum()
+        return belief
 
     def reset(self) -> None:
         """Return to the initial state."""
-        self._belief[:] = 0.0
-        self._belief[self._initial] = 1.0
+        self._seen = self.everything
+        self.place(self._initial)
 
-    def advance(self, quanta: int) -> None:
+    def place(self, state: int) -> None:
+        """Believe in one state alone."""
+        self._rows, self._at = [], 0
+        self._belief[:] = 0.0
+        self._belief[state] = 1.0
+
+    def step(self, moment: Moment, seen: Seen) -> Estimate:
+        """Let time pass, keep the states that are consistent with the inputs, look ahead."""
+        quanta = moment[0]
+        at = self._at + quanta
+        rows = self._rows
+        # between two steps nothing was observed: with a mask, only single quanta are alike
+        if seen is self._seen and at < len(rows) and (quanta < 2 or seen.mask is None):
+            self._at = at
+            failed, alive, mean, endless, weight = rows[at]
+        else:
+            failed, alive, mean, endless, weight = self._moved(quanta, moment.at, seen)
+        reason = ""
+        if weight < _LEAST:
+            self._settle()
+            reason = "" if self._restored(seen.worst) else INCONSISTENT
+            look = self._belief.dot(self._looks[moment.at]).tolist()
+            failed, alive, mean, endless, weight = look
+        if seen.unknown:
+            low, high, least, life = seen.bounds[moment.at]
+            return Estimate(low, high, least, life, seen.unknown, reason)
+        p = failed / weight if failed < weight else 1.0
+        return known(p, alive / weight, math.inf if endless else mean / weight, reason)
+
+    def _moved(self, quanta: int, at: int, seen: Seen) -> List[float]:
+        """Return the look ahead; the next ones come with it if this step saw what the last did."""
+        again = seen is self._seen
+        if again and quanta == 1 and self._at == _BLOCK - 1:
+            self._belief[:] = self._end
+        else:
+            self._settle()
+            self._propagate(quanta, self.everything)
+            if seen.mask is not None:
+                self._belief *= seen.mask
+        self._seen, self._at = seen, 0
+        if again and seen.block is not None:
+            self._belief.dot(seen.block, self._out)
+            self._rows = self._looking.reshape(_BLOCK, _LOOK).tolist()
+            return self._rows[0]
+        look: List[float] = self._belief.dot(self._looks[at]).tolist()
+        return look
+
+    def _settle(self) -> None:
+        """Let the belief be that of now."""
+        at, self._at, self._rows = self._at, 0, []
+        self._propagate(at, self._seen)
+
+    def _propagate(self, quanta: int, seen: Seen) -> None:
         """Let time pass; a gap costs as many products as its number of quanta has binary ones."""
-        if quanta == 1:
-            belief, other = self._belief, self._other
-            belief.dot(self._step, other)
-            self._belief, self._other = other, belief
-            return
         bit = 0
         while quanta:
-            if bit == len(self._powers):
-                square = self._powers[-1] @ self._powers[-1]
-                square /= square.sum(axis=1, keepdims=True)
-                self._powers.append(square)
+            if bit == len(seen.powers):
+                seen.powers.append(_squared(seen.powers[-1], seen.mask))
             if quanta & 1:
-                np.dot(self._belief, self._powers[bit], out=self._other)
-                self._belief, self._other = self._other, self._belief
+                self._belief.dot(seen.powers[bit], self._spare)
+                self._belief, self._spare = self._spare, self._belief
             quanta >>= 1
             bit += 1
 
-    def observe(self, consistent: Optional[np.ndarray]) -> bool:
-        """Keep only the states consistent with the inputs; ``False``: none had any weight.
-
-        Args:
-            consistent: one 1.0 or 0.0 per state; None: all.
-        """
-        if consistent is None:
-            return True
-        np.multiply(self._belief, consistent, out=self._other)
-        largest = self._other.max()
+    def _restored(self, worst: int) -> bool:
+        """Bring the weight back to one; ``False``: there is none, ``worst`` is believed now."""
+        belief = self._belief
+        largest = belief.max()
         if largest > 0.0:
-            self._other /= largest  # a sum of 1e-300 would overflow its reciprocal
-            self._other /= self._other.sum()
-            self._belief, self._other = self._other, self._belief
+            belief /= largest  # a sum of 1e-300 would overflow its reciprocal
+            belief /= belief.sum()
             return True
-        states = np.flatnonzero(consistent)
-        worst = (
-            min(self.fail)
-            if not len(states)
-            else int(states[int(np.argmax(self._ahead[-1][states]))])
-        )
-        self._belief[:] = 0.0
-        self._belief[worst] = 1.0
+        self.place(worst)
         return False
 
-    def estimate(
-        self,
-        moment: Moment,
-        consistent: Optional[np.ndarray] = None,
-        unknown: Tuple[str, ...] = (),
-        reason: str = "",
-    ) -> Estimate:
-        """Return what lies ahead of the present belief.
 
-        Args:
-            moment: tells the horizon.
-            consistent: states that are possible, for bounds when inputs are unknown.
-            unknown: names of these inputs.
-            reason: why the result cannot be trusted.
-        """
-        if not unknown:
-            p, r, mean = self._looks[moment.at].dot(self._belief, self._seen).tolist()
-            if self._is_endless and self._belief[self._endless].any():
-                mean = math.inf
-            p = min(p, 1.0)
-            return Estimate(p, p, r, mean, (), reason)
-        at = slice(None) if consistent is None else consistent > 0.0
-        ahead, alive = self._ahead[moment.at][at], self._alive[moment.at][at]
-        low, high = float(ahead.min(initial=1.0)), float(ahead.max(initial=0.0))
-        least = float(self.tau[at].min(initial=math.inf))
-        return Estimate(low, high, float(alive.min(initial=1.0)), least, unknown, reason)
+def _squared(power: np.ndarray, mask: Optional[np.ndarray]) -> np.ndarray:
+    square: np.ndarray = power @ power
+    if mask is None:  # rows of probabilities; with a mask they have less weight
+        square /= square.sum(axis=1, keepdims=True)
+    return square
 
 
 def _ahead(q: np.ndarray, fail: Sequence[int], horizons: Horizons) -> Tuple[np.ndarray, np.ndarray]:

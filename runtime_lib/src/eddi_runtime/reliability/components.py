@@ -3,17 +3,30 @@
 from __future__ import annotations
 
 import math
-from typing import List, Mapping, Optional, Tuple
+from operator import itemgetter
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .arrhenius import Arrhenius
-from .chain import INCONSISTENT, Chain, ChainSpec, Horizons
+from .chain import Chain, ChainSpec, Horizons, Seen
 from .component import Component, Known
 from .estimate import Estimate, Moment, Values
 from .structures import Rotors
 
 _NAN = float("nan")
+
+
+_KEPT = 64
+"""How many different observations of a chain are kept."""
+
+
+def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
+    """Return what reads the values of some inputs as a tuple."""
+    if len(names) == 1:
+        (name,) = names
+        return lambda values: (values[name],)
+    return itemgetter(*names) if names else lambda _: ()
 
 
 class MarkovChain(Component):
@@ -35,25 +48,30 @@ class MarkovChain(Component):
     ) -> None:
         self.chain = Chain(spec, quantum, horizons)
         self._observe = observe
-        self._mask = np.ones(spec.states) if observe else None
+        names = tuple(dict.fromkeys(name for _, name, _ in observe))
+        self._names, self._verdicts = names, reader(names)
+        self._seen: Dict[Tuple[Any, ...], Seen] = {(): self.chain.everything}
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Exclude the states whose verdict is F."""
         del known
-        self.chain.advance(moment.quanta)
-        unknown: List[str] = []
-        mask = self._mask
-        if mask is not None:
-            mask[:] = 1.0
-            for state, name, negated in self._observe:
-                verdict = values[name]
-                if verdict is None:
-                    unknown.append(name)
-                elif verdict is negated:
-                    mask[state] = 0.0
-        fits = self.chain.observe(mask)
-        names = tuple(dict.fromkeys(unknown))
-        return self.chain.estimate(moment, mask, names, "" if fits else INCONSISTENT)
+        verdicts = self._verdicts(values)
+        seen = self._seen.get(verdicts)
+        if seen is None:
+            seen = self._see(verdicts)
+        return self.chain.step(moment, seen)
+
+    def _see(self, verdicts: Tuple[Any, ...]) -> Seen:
+        mask = np.ones(self.chain.states)
+        given = dict(zip(self._names, verdicts))
+        for state, name, negated in self._observe:
+            if given[name] is negated:
+                mask[state] = 0.0
+        unknown = tuple(name for name in self._names if given[name] is None)
+        if len(self._seen) >= _KEPT:
+            self._seen.clear()
+        seen = self._seen[verdicts] = self.chain.seen(mask, unknown)
+        return seen
 
     def reset(self) -> None:
         """Return to the initial state."""
@@ -63,6 +81,8 @@ class MarkovChain(Component):
 
 class Propulsion(Component):
     """Rotors whose motors are known to work or not.
+
+    While all statuses are known, the state is: what lies ahead of it was found in advance.
 
     Args:
         rotors: chain and structure, motors by their place in the configuration.
@@ -83,12 +103,33 @@ class Propulsion(Component):
     ) -> None:
         self.chain = Chain(rotors.spec, quantum, horizons)
         self._rotors, self._inputs, self._repair = rotors, inputs, repair
-        self._failed = [False] * rotors.motors
+        self._statuses = reader(tuple(dict.fromkeys(name for name, _ in inputs)))
+        self._sure: Dict[int, List[Estimate]] = {}
+        self._seen: Dict[Tuple[Optional[bool], ...], Seen] = {}
+        self._forget()
+
+    def _forget(self) -> None:
+        self._failed = [False] * self._rotors.motors
+        self._last: Optional[Tuple[Any, ...]] = None  # statuses that ask for no further look
+        self._state: Optional[int] = None  # the one that is known, as long as it is
+        self._vague: Optional[Seen] = None
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Take the status of each motor."""
         del known
-        self.chain.advance(moment.quanta)
+        statuses = self._statuses(values)
+        if statuses != self._last:
+            self._take(values, statuses)
+        if self._state is None:
+            return self._bounded(moment)
+        sure = self._sure.get(moment.at)
+        if sure is None:
+            sure = self._sure[moment.at] = self.chain.sure(moment.at)
+        return sure[self._state]
+
+    def _take(self, values: Values, statuses: Tuple[Any, ...]) -> None:
+        """Find the states that are possible."""
+        latched = self.latched
         working: List[Optional[bool]] = []
         unknown: List[str] = []
         for motor, (name, position) in enumerate(self._inputs):
@@ -98,11 +139,32 @@ class Propulsion(Component):
             if value is None and not self._failed[motor]:
                 unknown.append(name)
             working.append(self._status(motor, value))
-        mask = self._rotors.consistent(tuple(working))
-        fits = self.chain.observe(mask)
+        # a claim that something works again is counted each time
+        self._last = statuses if latched == self.latched else None
+        if not unknown:
+            self._state = int(self._rotors.consistent(tuple(working)).argmax())
+            self._vague = None
+            return
+        if self._state is not None:
+            self.chain.place(self._state)
+        self._state, self._vague = None, self._see(tuple(working), tuple(dict.fromkeys(unknown)))
+
+    def _see(self, working: Tuple[Optional[bool], ...], unknown: Tuple[str, ...]) -> Seen:
+        seen = self._seen.get(working)
+        if seen is None:
+            if len(self._seen) >= _KEPT:
+                self._seen.clear()
+            mask = self._rotors.consistent(working)
+            seen = self._seen[working] = self.chain.seen(mask, unknown)
+        return seen
+
+    def _bounded(self, moment: Moment) -> Estimate:
+        seen = self._vague
+        assert seen is not None
+        assert seen.mask is not None
+        found = self.chain.step(moment, seen)
         # a set of failures without weight is new, not contradictory: at the start nothing failed
-        reason = "" if fits or not unknown or mask[-1] else INCONSISTENT
-        return self.chain.estimate(moment, mask, tuple(dict.fromkeys(unknown)), reason)
+        return found._replace(reason="") if found.reason and seen.mask[-1] else found
 
     def _status(self, motor: int, value: Optional[bool]) -> Optional[bool]:
         if self._failed[motor] and value is not False and not self._repair:
@@ -114,7 +176,7 @@ class Propulsion(Component):
     def reset(self) -> None:
         """All motors work."""
         super().reset()
-        self._failed = [False] * self._rotors.motors
+        self._forget()
         self.chain.reset()
 
 
@@ -148,14 +210,19 @@ class Processor(Component):
         del known
         heat = values[self._temperature]
         load = 1.0 if self._utilisation is None else values[self._utilisation]
-        names = {self._temperature: heat, self._utilisation or "": load}
-        unknown = tuple(name for name, value in names.items() if value is None)
-        stress = self._worst if unknown else load * self._heat.factor(heat)
+        unknown: Tuple[str, ...] = ()
+        if heat is None or load is None:
+            names = {self._temperature: heat, self._utilisation or "": load}
+            unknown = tuple(name for name, value in names.items() if value is None)
+            stress = self._worst
+        else:
+            stress = load * self._heat.factor(heat)
         self._exposure += stress * moment.hours
-        before = self._hazard(self._exposure)
-        ahead = self._hazard(self._exposure + stress * moment.horizon) - before
         if self._shape == 1.0:  # a difference of large numbers would cancel
             ahead = stress * moment.horizon / self._scale
+        else:
+            before = self._hazard(self._exposure)
+            ahead = self._hazard(self._exposure + stress * moment.horizon) - before
         p = -math.expm1(-ahead)
         return Estimate(0.0 if unknown else p, p, math.exp(-ahead), self._life(stress), unknown)
 

@@ -44,3 +44,11 @@ class Estimate(NamedTuple):
     mttf: float
     unknown: Tuple[str, ...] = ()
     reason: str = ""
+
+
+def known(p: float, reliability: float, mttf: float, reason: str = "") -> Estimate:
+    """Return an estimate of which all inputs are known; twice as fast as the class."""
+    return _new(Estimate, (p, p, reliability, mttf, (), reason))
+
+
+_new = tuple.__new__

@@ -25,7 +25,7 @@ class Evidence:
     """The state of one threshold; at first it is inactive."""
 
     def __init__(self, threshold: Threshold) -> None:
-        self.threshold = threshold
+        self.threshold, self.id = threshold, threshold.id
         self.active = False
         self._since: Optional[int] = None
 
@@ -37,14 +37,16 @@ class Evidence:
             p_fail: in the worst case; NaN never satisfies a comparison.
             usable: the number may be trusted.
         """
-        own = self.threshold
-        if not usable or not p_fail <= own.release:
+        _, activate, release, hold_ns = self.threshold
+        if not usable or not p_fail <= release:
             self.active, self._since = False, None
-        elif not p_fail <= own.activate:
+        elif not p_fail <= activate:
             self._since = None
-        else:
-            self._since = now if self._since is None else self._since
-            self.active = self.active or now - self._since >= own.hold_ns
+        elif self._since is None:
+            self._since = now
+            self.active = self.active or hold_ns <= 0
+        elif not self.active:
+            self.active = now - self._since >= hold_ns
         return self.active
 
     def reset(self) -> None:

@@ -45,16 +45,15 @@ class FreeHorizon:
         self._weights = np.empty(count + 1)
         self._out = np.empty(2 * states)
         self._hours = -1.0
+        self._found: List[List[float]] = []
 
-    def at(self, hours: float) -> np.ndarray:
-        """Return (states, 2): probability to have failed, and to be alive, ``hours`` from now.
-
-        The array is used again by the next call.
-        """
+    def at(self, hours: float) -> List[List[float]]:
+        """Return for each state how probable it is to have failed, and to be alive, after hours."""
         if hours != self._hours:
             self._hours = hours
             self._look(self._fastest * hours, hours)
-        return self._out.reshape(-1, 2)
+            self._found = np.minimum(self._out, 1.0).reshape(-1, 2).tolist()
+        return self._found
 
     def _look(self, mean: float, hours: float) -> None:
         if mean <= 0.0:

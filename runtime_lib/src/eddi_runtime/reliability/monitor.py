@@ -15,7 +15,7 @@ from .evidence import Evidence
 from .model import GRID, MISSION_END, Plan, read_plan
 from .result import ReliabilityResult
 from .tree import FaultTree, Importance
-from .values import Taken, take
+from .values import Rule, Taken, take
 
 _HOUR_NS = 3.6e12
 _NAN = float("nan")
@@ -59,11 +59,14 @@ class ReliabilityMonitor:
             if name not in ids:
                 raise ModelError("", f"the input {name!r} of the model is not declared")
         self._sources = [
-            (spec, self._plan.rules[spec.id], spec.factor)
+            (spec.id, spec.attribute, rule, spec.factor, _usual(rule, spec.factor))
             for spec in self.inputs
-            if spec.id in self._plan.rules
+            for rule in (self._plan.rules.get(spec.id),)
+            if rule is not None
         ]
+        self._steps = [(name, one.step) for name, one in self._plan.components.items()]
         self._evidence = [Evidence(one) for one in self._plan.thresholds]
+        self._quantum = self._plan.quantum_ns / _HOUR_NS
         self.reset()
 
     def reset(self) -> None:
@@ -96,45 +99,52 @@ class ReliabilityMonitor:
         quanta, reason = self._pass(now)
         moment = self._moment(values, quanta)
         known: Dict[str, Estimate] = {}
-        for name, component in self._plan.components.items():
-            known[name] = component.step(values, moment, known)
-        top = known[self._plan.top]
-        unknown = top.unknown
+        for name, step in self._steps:
+            known[name] = step(values, moment, known)
+        low, high, alive, mttf, unknown, why = known[self._plan.top]
         if self._plan.moving and values[MISSION_END] is None:
             unknown = (*unknown, MISSION_END)
-        reason = reason or top.reason
+        reason = reason or why
         valid = not unknown and not reason
         usable = valid or (self._plan.worst_case and not reason)
-        evidence = {
-            one.threshold.id: one.step(now, top.high, usable=usable) for one in self._evidence
-        }
+        # loops, not comprehensions: those cost a call each before Python 3.12
+        contributions: Dict[str, float] = {}
+        for name, found in known.items():
+            contributions[name] = found[1]
+        evidence: Dict[str, bool] = {}
+        for one in self._evidence:
+            evidence[one.id] = one.step(now, high, usable=usable)
         self._result = ReliabilityResult(
-            valid=valid,
-            p_fail=top.high,
-            p_fail_low=top.low,
-            p_fail_high=top.high,
-            reliability=top.reliability,
-            mttf=top.mttf,
-            horizon=moment.horizon,
-            evidence=evidence,
-            unknown=unknown,
-            reason=reason or ("unknown inputs" if unknown else ""),
-            contributions={name: one.high for name, one in known.items()},
+            valid,
+            high,
+            low,
+            high,
+            alive,
+            mttf,
+            moment.horizon,
+            evidence,
+            unknown,
+            reason or ("unknown inputs" if unknown else ""),
+            contributions,
         )
         return self._result
 
     def _values(self, eddi_input: object) -> Dict[str, Taken]:
         self._faults = {}
         values: Dict[str, Taken] = {}
-        for spec, rule, factor in self._sources:
-            raw: Any = getattr(eddi_input, spec.attribute, None)
+        for name, attribute, rule, factor, usual in self._sources:
+            raw: Any = getattr(eddi_input, attribute, None)
+            kind, low, high = usual
+            if type(raw) is kind and low <= raw <= high:  # nearly always
+                values[name] = raw
+                continue
             value, fault = take(rule, raw)
             if factor is not None and isinstance(value, float):
                 value, fault = take(rule, value * factor[0] / factor[1])
             if fault:
-                self._faults[spec.id] = fault
-                self._counts[spec.id] = self._counts.get(spec.id, 0) + 1
-            values[spec.id] = value
+                self._faults[name] = fault
+                self._counts[name] = self._counts.get(name, 0) + 1
+            values[name] = value
         return values
 
     def _pass(self, now: int) -> Tuple[int, str]:
@@ -154,9 +164,9 @@ class ReliabilityMonitor:
         return quanta, "gap" if gap > self._plan.max_gap_ns else ""
 
     def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
-        size = self._plan.quantum_ns / _HOUR_NS
-        horizon, index = self._plan.horizon, 0
-        if self._plan.moving:
+        plan, size = self._plan, self._quantum
+        horizon, index = plan.horizon, 0
+        if plan.moving:
             index = GRID
             left = values[MISSION_END]
             if isinstance(left, float):
@@ -212,3 +222,10 @@ class ReliabilityMonitor:
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
         return dict(self._faults)
+
+
+def _usual(rule: Rule, factor: object) -> Tuple[Any, float, float]:
+    """Return the type and the range of values that are taken as they are."""
+    if rule.type == "bool":
+        return bool, 0.0, 1.0
+    return (float if rule.type == "float" and factor is None else None), rule.low, rule.high

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from math import expm1
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -12,9 +13,12 @@ from .chain import Chain, ChainSpec, Horizons
 from .component import Component, Known
 from .cut_sets import CutSet, minimal_cut_sets
 from .estimate import Estimate, Moment, Values
+from .estimate import known as sure
 
 _NAN = float("nan")
 DYNAMIC = ("PAND", "POR")
+_MANY = 20
+"""Events from which on numpy is faster than a loop."""
 
 
 class Event(NamedTuple):
@@ -90,14 +94,14 @@ class FaultTree(Component):
         self._survival = bdd.probability(self.diagram, of_failure=False)
         self._repair = repair
         self._static = _Laws(self.events)
-        self._chains = {
-            i: Chain(_order(e.law, e.values), quantum, horizons)
+        self._chains = [
+            (i, Chain(_order(e.law, e.values), quantum, horizons))
             for i, e in enumerate(events)
             if e.law in DYNAMIC
-        }
+        ]
         self._inputs = [(i, e.input) for i, e in enumerate(events) if e.input is not None]
         self._models = [(i, e.model) for i, e in enumerate(events) if e.law == "model"]
-        self._failed: Dict[int, bool] = {}
+        self._failed = [False] * len(self.events)
         self._low: List[float] = []
         self._high: List[float] = []
 
@@ -106,21 +110,23 @@ class FaultTree(Component):
         low = self._static.at(moment.age, moment.horizon)
         reason = ""
         unknown: List[str] = []
-        for i, chain in self._chains.items():
-            chain.advance(moment.quanta)
-            low[i] = chain.estimate(moment).high
+        for i, chain in self._chains:
+            low[i] = chain.step(moment, chain.everything).high
         high = low
         intervals = False
         for i, name in self._models:
-            part = known[name]
-            if part.low != part.high:
+            best, worst, _, _, missing, why = known[name]
+            if best != worst:
                 high = list(low) if high is low else high
                 intervals = True
-            low[i], high[i] = part.low, part.high
-            unknown += part.unknown
-            reason = reason or part.reason
+            low[i], high[i] = best, worst
+            if missing:
+                unknown += missing
+            reason = reason or why
+        failed = self._failed
         for i, name in self._inputs:
-            happened = self._status(i, values[name])
+            value = values[name]
+            happened = value if value is False and not failed[i] else self._status(i, value)
             if happened is None:
                 unknown.append(name)
                 high = list(low) if high is low else high
@@ -129,13 +135,17 @@ class FaultTree(Component):
             elif happened:
                 low[i] = high[i] = 1.0
         self._low, self._high = low, high
-        best, worst = self._bounds(low, high) if intervals else (self._failure(low),) * 2
-        best, worst = min(best, 1.0), min(worst, 1.0)
-        alive = 1.0 - worst
-        if worst > 0.5 and not intervals:
-            alive = self._survival(low)
-        names = tuple(dict.fromkeys(unknown))
-        return Estimate(best, worst, alive, _NAN, names, reason)
+        if not intervals:
+            p = self._failure(low)
+            alive = 1.0 - p if p <= 0.5 else self._survival(low)
+            if not unknown:
+                return sure(min(p, 1.0), alive, _NAN, reason)
+            best = worst = min(p, 1.0)
+        else:
+            best, worst = self._bounds(low, high)
+            best, worst = min(best, 1.0), min(worst, 1.0)
+            alive = 1.0 - worst
+        return Estimate(best, worst, alive, _NAN, tuple(dict.fromkeys(unknown)), reason)
 
     def _bounds(self, low: List[float], high: List[float]) -> Tuple[float, float]:
         if self.diagram.coherent:  # monotone: the corners are the bounds
@@ -143,7 +153,7 @@ class FaultTree(Component):
         return bdd.interval(self.diagram, low, high)
 
     def _status(self, i: int, value: Optional[bool]) -> Optional[bool]:
-        if self._failed.get(i) and value is not True and not self._repair:
+        if self._failed[i] and value is not True and not self._repair:
             self.latched += value is False
             return True
         self._failed[i] = value is True
@@ -152,8 +162,8 @@ class FaultTree(Component):
     def reset(self) -> None:
         """Forget what has happened."""
         super().reset()
-        self._failed.clear()
-        for chain in self._chains.values():
+        self._failed = [False] * len(self.events)
+        for _, chain in self._chains:
             chain.reset()
 
     def importances(self) -> Tuple[Importance, ...]:
@@ -193,36 +203,41 @@ class FaultTree(Component):
 
 
 class _Laws:
-    """Probabilities of all events with a formula, as one array."""
+    """Probabilities of all events with a formula."""
 
     def __init__(self, events: Sequence[Event]) -> None:
-        self._size = len(events)
-        plain = [i for i, e in enumerate(events) if e.law == "exponential" and e.input is None]
-        seen = [i for i, e in enumerate(events) if e.law == "exponential" and e.input is not None]
-        self._plain, self._seen = np.array(plain, dtype=int), np.array(seen, dtype=int)
-        self._plain_rates = np.array([events[i].values[0] for i in plain])
-        self._seen_rates = np.array([events[i].values[0] for i in seen])
+        laws = [(i, e.values[0], e.input) for i, e in enumerate(events) if e.law == "exponential"]
+        self._ageing = [(i, -rate) for i, rate, name in laws if name is None]
+        self._seen = [(i, -rate) for i, rate, name in laws if name is not None]
+        self._rates = np.array([rate for _, rate in self._ageing])
         self._weibull = [(i, e) for i, e in enumerate(events) if e.law == "weibull"]
-        self._fixed = np.zeros(self._size)
-        for i, event in enumerate(events):
-            if event.law == "fixed":
-                self._fixed[i] = event.values[0]
+        self._fixed = [e.values[0] if e.law == "fixed" else 0.0 for e in events]
+        self._horizon = -1.0
+        self._base = self._fixed
 
     def at(self, age: float, horizon: float) -> List[float]:
         """Return the probability of each event, those without a formula being 0.
 
         An event that is observed not to have happened counts from now on only.
         """
-        q = self._fixed.copy()
-        q[self._plain] = -np.expm1(-self._plain_rates * (age + horizon))
-        q[self._seen] = -np.expm1(-self._seen_rates * horizon)
-        result: List[float] = q.tolist()
+        if horizon != self._horizon:
+            self._horizon, self._base = horizon, list(self._fixed)
+            for i, rate in self._seen:
+                self._base[i] = -expm1(rate * horizon)
+        q = self._base.copy()
+        until = age + horizon
+        if len(self._ageing) < _MANY:
+            for i, rate in self._ageing:
+                q[i] = -expm1(rate * until)
+        else:
+            for (i, _), value in zip(self._ageing, np.expm1(self._rates * until).tolist()):
+                q[i] = -value
         for i, event in self._weibull:
             scale, shape = event.values
             start = age if event.input is not None else 0.0
-            ahead = ((age + horizon) / scale) ** shape - (start / scale) ** shape
-            result[i] = -math.expm1(-ahead)
-        return result
+            ahead = (until / scale) ** shape - (start / scale) ** shape
+            q[i] = -expm1(-ahead)
+        return q
 
 
 def _order(law: str, rates: Sequence[float]) -> ChainSpec:

@@ -1,0 +1,135 @@
+"""The steps of a chain, taken many at a time, against the same steps taken one by one."""
+
+import math
+import random
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="reliability needs numpy")
+
+from eddi_runtime.reliability import chain as chains  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.components import MarkovChain  # noqa: E402 - as above
+from eddi_runtime.reliability.estimate import Moment  # noqa: E402 - as above
+from eddi_runtime.reliability.markov import generator, mean_times, propagator  # noqa: E402 - as above
+
+from runtime_lib.tests.reliability.reliability_models import chain, monitor  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
+
+QUANTUM = 0.1 / 3600.0
+
+
+class OneByOne:
+    """A belief that is moved, masked and normalised in every step."""
+
+    def __init__(self, spec, horizon):
+        q = generator(spec.states, spec.arcs, spec.fail)
+        self.step, self.ahead = propagator(q, QUANTUM), propagator(q, horizon)
+        self.fail, self.tau = list(spec.fail), mean_times(q, spec.fail)
+        self.belief = np.eye(spec.states)[spec.initial]
+
+    def look(self, quanta, mask):
+        for _ in range(quanta):
+            self.belief = self.belief @ self.step
+        self.belief = self.belief * mask
+        self.belief = self.belief / self.belief.max()
+        self.belief /= self.belief.sum()
+        p = self.belief @ self.ahead[:, self.fail].sum(axis=1)
+        return p, 1.0 - p, self.belief @ self.tau
+
+
+def random_chain(seed, states):
+    chance = np.random.default_rng(seed)
+    rates = 10.0 ** chance.uniform(-9, 3, (states, states))
+    rates[chance.random((states, states)) < 0.4] = 0.0
+    arcs = [(i, j, float(rates[i, j])) for i in range(states) for j in range(states) if i != j]
+    arcs += [(i, i + 1, 1e-6) for i in range(states - 1)]  # every state may fail
+    return chains.ChainSpec(states, 0, (states - 1,), tuple(arcs))
+
+
+@pytest.mark.parametrize("states", [2, 5, 20, 70])
+@pytest.mark.parametrize("observed", [False, True])
+def test_steps_equal_those_taken_one_by_one(states, observed):
+    spec = random_chain(states, states)
+    observe = ((states - 1, "down", False), (0, "worn", True)) if observed else ()
+    ours = MarkovChain(spec, observe, QUANTUM, chains.Horizons(0.5))
+    other = OneByOne(spec, 0.5)
+    chance = random.Random(states)
+    values = {"down": False, "worn": False}
+    worst = 0.0
+    for i in range(600):
+        quanta = 0 if i == 0 else chance.choice((1, 1, 1, 1, 1, 1, 0, 2, 3, 40))
+        if i < 300 or chance.random() < 0.9:
+            quanta = min(quanta, 1)  # long runs, and runs with jitter
+        if chance.random() < 0.05:
+            worn = i > 0 and states > 2 and chance.random() < 0.5
+            values = {"down": chance.random() < 0.5, "worn": worn}
+        mask = np.ones(states)
+        if observed:
+            mask[0], mask[-1] = float(not values["worn"]), float(values["down"])
+        found = ours.step(values, Moment(quanta, quanta * QUANTUM, 0.0, 0.5, 0), {})
+        p, alive, life = other.look(quanta, mask)
+        assert (found.low, found.unknown, found.reason) == (found.high, (), "")
+        assert found.high == pytest.approx(p, rel=1e-10, abs=0.0), i
+        assert found.mttf == pytest.approx(life, rel=1e-9), i
+        worst = max(worst, abs(found.reliability - alive))
+        if chance.random() < 0.03:
+            assert ours.chain.belief == pytest.approx(other.belief, rel=1e-9, abs=1e-300)
+    assert worst < 1e-9
+
+
+def test_tiny_probabilities_keep_their_digits_over_many_steps():
+    """4e-18 in eight motors, unobserved: 500 steps, an oracle of its own."""
+    rate = 1e-9
+    spec = chains.ChainSpec(3, 0, (2,), ((0, 1, 8 * rate), (1, 2, rate)))
+    ours = MarkovChain(spec, (), QUANTUM, chains.Horizons(1e-3))
+    for i in range(500):
+        found = ours.step({}, Moment(int(i > 0), 0.0, 0.0, 1e-3, 0), {})
+    hours = 499 * QUANTUM + 1e-3
+    exact = 8 * rate * rate * hours**2 / 2 * (1 - 9 * rate * hours / 3)
+    assert found.high < 1e-20
+    assert found.high == pytest.approx(exact, rel=1e-10, abs=0.0)
+
+
+def test_what_is_observed_for_long_leaves_a_sound_belief():
+    """The weight of what is consistent falls by 1e-3 each step; p_fail stays that of the state."""
+    spec = chains.ChainSpec(3, 0, (2,), ((0, 1, 7.0 / QUANTUM), (0, 2, 1e-4), (1, 2, 5.0)))
+    ours = MarkovChain(spec, ((1, "fresh", True),), QUANTUM, chains.Horizons(0.5))
+    for i in range(300):
+        found = ours.step({"fresh": True}, Moment(int(i > 0), 0.0, 0.0, 0.5, 0), {})
+        assert found.reason == ""
+        assert ours.chain.belief[1] == 0.0
+    assert 0.0 < found.high <= 1.0
+
+
+def test_nothing_that_is_consistent_is_a_failure_whatever_else_is_unknown():
+    observe = [[0, "a", False], [1, "a", False], [1, "b", False]]
+    one = monitor([chain([[0, 1, 0.5]], 2, [1], observe=observe)], ["a", "b"])
+    result = step(one, a=False)
+    assert (result.valid, result.reason, result.unknown) == (False, "inconsistent", ("b",))
+    assert (result.p_fail_low, result.p_fail_high, result.reliability) == (1.0, 1.0, 0.0)
+    assert result.mttf == 0.0
+
+
+def test_as_many_observations_as_there_may_be_are_kept():
+    names = [f"i{k}" for k in range(7)]
+    observe = tuple((k, name, False) for k, name in enumerate(names))
+    spec = random_chain(1, 9)
+    ours = MarkovChain(spec, observe, QUANTUM, chains.Horizons(0.5))
+    other = OneByOne(spec, 0.5)
+    for i in range(128):
+        values = {name: bool(i & 2**k) for k, name in enumerate(names)}
+        mask = np.array([float(values[name]) for name in names] + [1.0, 1.0])
+        found = ours.step(values, Moment(1, QUANTUM, 0.0, 0.5, 0), {})
+        assert len(ours._seen) <= 64
+        if found.reason == "":
+            assert found.high == pytest.approx(other.look(1, mask)[0], rel=1e-9, abs=0.0)
+
+
+def test_a_reset_monitor_says_the_same_again():
+    arcs = [[0, 1, 3.0], [1, 2, 0.5]]
+    one = monitor([chain(arcs, 3, [2])])
+    first = [step(one, i * 0.1) for i in range(50)]
+    one.reset()
+    assert [step(one, i * 0.1) for i in range(50)] == first
+    assert all(a.p_fail <= b.p_fail for a, b in zip(first, first[1:]))
+    assert not any(math.isnan(result.mttf) for result in first)
