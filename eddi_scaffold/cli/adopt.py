@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DryRun, Name, OptionalModelFile
+from eddi_scaffold.cli.options import DryRun, Name, OptionalModelFile, in_a_folder
 
 
 def adopt(
@@ -16,7 +16,10 @@ def adopt(
         Path | None, typer.Option("-w", "--workspace", help="Catkin workspace to put it into.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder to put it into, as plain Python.")
+        Path | None,
+        typer.Option(
+            "-o", "--output", callback=in_a_folder, help="Folder to put it into, as plain Python."
+        ),
     ] = None,
     model: OptionalModelFile = None,
     name: Name = None,

@@ -8,13 +8,19 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, ModelFile, Name
+from eddi_scaffold.cli.options import DefaultGuarantees, ModelFile, Name, in_a_folder
 
 
 def answers(
     model: ModelFile,
     output: Annotated[
-        Path, typer.Option("-o", "--output", help="File to write; with --all a folder.")
+        Path,
+        typer.Option(
+            "-o",
+            "--output",
+            callback=in_a_folder,
+            help="File to write; with --all a folder.",
+        ),
     ],
     config: Annotated[
         Path | None, typer.Option("-c", "--config", help="eddi_config.yml of the monitor.")

@@ -7,14 +7,19 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Name
+from eddi_scaffold.cli.options import DefaultGuarantees, Name, in_a_folder
 
 
 def diagram(
     model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="SVG file, or a folder for one picture per model."),
+        typer.Option(
+            "-o",
+            "--output",
+            callback=in_a_folder,
+            help="SVG file, or a folder for one picture per model.",
+        ),
     ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,

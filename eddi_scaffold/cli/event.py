@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from eddi_scaffold.cli.options import Json
+from eddi_scaffold.cli.options import Json, in_a_folder
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,7 +38,8 @@ def event(
         str | None, typer.Option("--name", help="What files and functions begin with.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for the files.")
+        Path | None,
+        typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files."),
     ] = None,
     check: Annotated[bool, typer.Option("--check", help="Only check, and say what it is.")] = False,
     inputs: Annotated[

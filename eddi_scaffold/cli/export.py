@@ -7,12 +7,14 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Name
+from eddi_scaffold.cli.options import DefaultGuarantees, Name, in_a_folder
 
 
 def export(
     model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for the files.")],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files.")
+    ],
     kind: Annotated[
         str | None, typer.Option("--kind", help="Only models of this kind, such as consert.")
     ] = None,

@@ -17,6 +17,7 @@ from eddi_scaffold.cli.options import (
     NodeModels,
     OptionalModelFile,
     System,
+    in_a_folder,
 )
 
 
@@ -28,7 +29,10 @@ def generate(
     ] = None,
     config: ConfigFiles = None,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder (for the platform plain).")
+        Path | None,
+        typer.Option(
+            "-o", "--output", callback=in_a_folder, help="Folder (for the platform plain)."
+        ),
     ] = None,
     platform: Annotated[str, typer.Option(help="ros1 or plain.")] = "ros1",
     system: System = None,

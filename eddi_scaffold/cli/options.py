@@ -7,6 +7,29 @@ from typing import Annotated
 
 import typer
 
+
+def in_a_folder(path: Path | None) -> Path | None:
+    """Refuse, before anything is done, a place for output whose folder is not there.
+
+    A folder that is to be written may be new; one around it that is missing is a slip.
+
+    Raises:
+        EddiError: there is no such folder (F002).
+    """
+    if path is None or path.parent.is_dir():
+        return path
+    from shlex import quote
+
+    from eddi_scaffold.problems import EddiError, Place, error
+
+    there = next(one for one in path.parents if one.exists())
+    message, hint = f"cannot write: {there} is no folder", None
+    if there.is_dir():
+        message = f"cannot write: there is no folder {path.parent}"
+        hint = f"mkdir -p {quote(str(path.parent))}"
+    raise EddiError(error("F002", message, Place(str(path)), hint))
+
+
 ModelFile = Annotated[
     Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")
 ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
+from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, in_a_folder
 
 if TYPE_CHECKING:
     from eddi_scaffold.binding import Monitor
@@ -35,7 +35,8 @@ def run(
         bool, typer.Option("--csv", help="Print every step as CSV: t and each value.")
     ] = False,
     plot: Annotated[
-        Path | None, typer.Option("--plot", help="SVG to draw inputs and outputs into.")
+        Path | None,
+        typer.Option("--plot", callback=in_a_folder, help="SVG to draw inputs and outputs into."),
     ] = None,
 ) -> None:
     """Run a monitor on a recording; print what changes, or every step as JSON or CSV.

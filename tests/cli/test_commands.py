@@ -386,6 +386,28 @@ def test_data_that_cannot_be_written_is_an_error(folder: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        "answers -m two_conserts.xml -c consert_a_config.yml -o no/answers.yml",
+        "answers -m two_conserts.xml -c consert_a_config.yml --all -o no/answers",
+        "diagram two_conserts.xml --name ConSertA -o no/a.svg",
+        "diagram two_conserts.xml -o no/pictures",
+        "event x>1 -o no/monitor",
+        "export two_conserts.xml -o no/models",
+        "generate --platform plain -m two_conserts.xml -o no/packages",
+        "run two_conserts.xml -c consert_a_config.yml --inputs recording.csv --plot no/p.svg",
+    ],
+)
+def test_no_folder_is_made_around_what_is_written(command: str, folder: Path) -> None:
+    before = files_below(folder)
+    result = run(*command.split(), cwd=folder)
+    assert (result.status, result.out) == (2, "")
+    assert "there is no folder no [F002]" in result.err
+    assert files_below(folder) == before
+    assert not (folder / "no").exists()
+
+
 def test_ctrl_c_while_it_waits_for_a_file(folder: Path) -> None:
     os.mkfifo(folder / "pipe.xml")
     process = started("show", "pipe.xml", cwd=folder)

@@ -148,7 +148,10 @@ def test_more_diagnostics(text: str, wanted: str) -> None:
     ("text", "wanted"),
     [
         ("x > 5 y", ["1:7 E003 the text goes on with 'y'"]),
-        ("AVERAGE(x, 5s, COVERAGE 2) > 1", ["1:25 E014 the coverage must be above 0 and at most 1"]),
+        (
+            "AVERAGE(x, 5s, COVERAGE 2) > 1",
+            ["1:25 E014 the coverage must be above 0 and at most 1"],
+        ),
         ("VAR x : NUMBER TIMEOUT 1s\ny > 1", ["2:1 E008 there is no variable 'y' (there are: x)"]),
     ],
 )
