@@ -7,7 +7,7 @@ type and topic (``max_age``) stay with their topic.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
@@ -46,6 +46,19 @@ class OldEntry:
     column: int
     line: int
     more: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Absence:
+    """Why an entry of the old block is not among the new ones.
+
+    Attributes:
+        why: what is said of it.
+        stays: it is kept, whether an input requires it or not.
+    """
+
+    why: str = "is not published by the system"
+    stays: bool = False
 
 
 @dataclass(frozen=True)
@@ -124,18 +137,25 @@ def read_block(source: Source) -> Document:
     )
 
 
-def rewritten(document: Document, entries: Sequence[Entry]) -> tuple[str, list[Problem]]:
+def rewritten(
+    document: Document,
+    entries: Sequence[Entry],
+    absence: Callable[[OldEntry], Absence] = lambda _: Absence(),
+) -> tuple[str, list[Problem]]:
     """Return the text with another block, and what a person should know.
 
-    An entry of the old block whose topic is not among the new ones is left out, unless an input
-    requires its id: that one is typically the output of another monitor, and stays.
+    An entry of the old block whose topic is not among the new ones is dropped, unless ``absence``
+    tells that it stays, or an input requires its id: that one is typically the output of another
+    monitor, and stays.
     """
     topics = {entry.topic for entry in entries}
     old = {entry.topic: entry for entry in document.old}
-    foreign = [entry for entry in document.old if entry.topic not in topics]
+    foreign = [(entry, absence(entry)) for entry in document.old if entry.topic not in topics]
     required = document.required or {}
     ids = {entry.id for entry in entries}
-    kept = [one for one in foreign if one.id in required and one.id not in ids]
+    kept = [
+        one for one, absent in foreign if (absent.stays or one.id in required) and one.id not in ids
+    ]
     lines = [line for one in entries for line in _lines(one, old.get(one.topic))]
     lines += [line for one in kept for line in _item(one.text, one.column)]
     body = ["SimulatorOutputs:", *lines] if lines else ["SimulatorOutputs: []"]
@@ -149,18 +169,19 @@ def rewritten(document: Document, entries: Sequence[Entry]) -> tuple[str, list[P
 
 
 def _notes(
-    document: Document, foreign: Sequence[OldEntry], kept: Sequence[OldEntry]
+    document: Document, foreign: Sequence[tuple[OldEntry, Absence]], kept: Sequence[OldEntry]
 ) -> list[Problem]:
     problems: list[Problem] = []
-    for one in foreign:
+    for one, absent in foreign:
         place = Place(document.name, one.line, 1)
-        what = f"{one.id!r} ({one.topic})"
-        if one in kept:
-            message = f"{what} is not published by the system; it stays, because an input needs it"
-            problems.append(warning("kept-entry", message, place))
+        what = f"{one.id!r} ({one.topic}) {absent.why}"
+        if one not in kept:
+            problems.append(warning("dropped-entry", f"{what}; it is dropped", place))
+        elif absent.stays:
+            problems.append(warning("kept-entry", f"{what}; it stays as it is", place))
         else:
-            message = f"{what} is not published by the system and is left out"
-            problems.append(warning("dropped-entry", message, place))
+            message = f"{what}; it stays, because an input needs it"
+            problems.append(warning("kept-entry", message, place))
     if document.comments:
         lines = ", ".join(str(line) for line in document.comments)
         message = f"comments inside of SimulatorOutputs are not kept (line {lines})"

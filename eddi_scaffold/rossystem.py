@@ -10,7 +10,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from eddi_scaffold.config_block import Document, Entry, new_document, read_block, rewritten
+from eddi_scaffold.config_block import (
+    Absence,
+    Document,
+    Entry,
+    new_document,
+    read_block,
+    rewritten,
+)
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.definitions import Models, SystemFile
 from eddi_scaffold.mros.directory import load_models, load_system, named
@@ -26,6 +33,7 @@ from eddi_scaffold.problems import (
     Place,
     Problem,
     error,
+    has_errors,
     in_order,
     with_excerpts,
 )
@@ -69,7 +77,7 @@ class Parsed:
     Attributes:
         problems: files relative to the directory of models.
         before: text of the configuration, ``None`` when there is no file.
-        after: its new text.
+        after: its new text; the old one where there are errors and nothing resolved.
     """
 
     robot: Robot
@@ -77,6 +85,11 @@ class Parsed:
     problems: tuple[Problem, ...]
     before: str | None
     after: str
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there is something to write."""
+        return self.after != (self.before or "")
 
     def diff(self, name: str) -> str:
         """Return the change of the configuration as a unified diff."""
@@ -179,11 +192,21 @@ def parse(
         filters=filters,
         names=names,
     )
-    entries = [Entry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
-    after, notes = rewritten(document, entries)
-    problems = in_order(_quoted([*robot.problems, *outputs.problems, *notes], document))
+    found = [*robot.problems, *outputs.problems]
+    after, notes = document.text, list[Problem]()
+    if outputs.topics or not has_errors(found):
+        entries = [Entry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
+        after, notes = rewritten(document, entries, lambda _: _absence(outputs))
+    problems = in_order(_quoted([*found, *notes], document))
     before = document.text if is_there else None
     return Parsed(robot, outputs, tuple(problems), before, after)
+
+
+def _absence(outputs: Outputs) -> Absence:
+    """Tell why an entry is not written anew; what may be there all the same stays."""
+    if not outputs.is_complete:
+        return Absence("did not resolve this time, or is gone", stays=True)
+    return Absence()
 
 
 def _quoted(problems: Sequence[Problem], document: Document) -> list[Problem]:

@@ -106,14 +106,13 @@ def parse_rossystem(
         filters=filters,
         names="model" if topics is Names.model else "label",
     )
-    changed = parsed.after != parsed.before
     if format is Format.json:
         console.json(parsed.as_json())
     elif dry_run:
         diff = parsed.diff(str(config))
         if diff:
             console.data(diff.rstrip("\n"))
-    elif changed:
+    elif parsed.is_changed:
         save(config, parsed.after)
     console.problems(robot.located(parsed.problems), summary=False)
     what = _what(parsed, config, format, dry_run=dry_run)
@@ -138,16 +137,26 @@ def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str
     wrong = ", ".join(
         f"{counts[key]} {key if counts[key] != 1 else key[:-1]}" for key in ("errors", "warnings")
     )
-    if format is Format.json:
-        done = ""
-    elif parsed.after == parsed.before:
+    done = _done(parsed, config, dry_run=dry_run) if format is Format.yaml else ""
+    return "; ".join(part for part in (f"{found}{silent}", wrong, done) if part)
+
+
+def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
+    """Return what became of the configuration."""
+    failed = any(problem.level == "error" for problem in parsed.problems)
+    if failed and not parsed.outputs.topics:
+        changed = "written" if parsed.before is None else "changed"
+        return f"nothing resolved, so {config} is not {changed}"
+    if not parsed.is_changed:
         done = f"{config} is up to date"
+    elif parsed.before is None:
+        done = f"{config} {'would be' if dry_run else 'is'} written"
     elif dry_run:
         done = f"{config} would change"
-    elif parsed.before is None:
-        done = f"{config} is written"
     else:
         done = f"{config}: SimulatorOutputs is rewritten"
-    if counts["errors"] and done:
-        done += " with what resolved"
-    return "; ".join(part for part in (f"{found}{silent}", wrong, done) if part)
+    kept = sum(1 for problem in parsed.problems if problem.code == "kept-entry")
+    old = f"{kept} {'entry' if kept == 1 else 'entries'} of before" if kept else ""
+    new = "what resolved" if failed else ""
+    held = " and ".join(part for part in (new, old) if part)
+    return f"{done} with {held}" if held else done

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.mros.model import Interface, Kind, Model, Node, System
-from eddi_scaffold.problems import Problem, did_you_mean
+from eddi_scaffold.mros.model import Interface, Kind, Model, Node, Notice, System
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 WORDS: dict[Kind, str] = {
     "publisher": "a publisher",
@@ -193,3 +193,10 @@ class Definitions:
             wanted, known = reference.artifact, {one.artifact for one in every}
         what = "node" if reference.package else "artifact"
         return f"no model defines the {what} {wanted!r}", self._hint(wanted, known)
+
+
+def noticed(notices: tuple[Notice, ...], file: str) -> Iterator[Problem]:
+    """Return the notices of a readable file as problems."""
+    for notice in notices:
+        level = error if notice.code == "misspelt-key" else warning
+        yield level(notice.code, notice.message, Place(file, notice.line, notice.col))

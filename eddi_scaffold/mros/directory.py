@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
-from eddi_scaffold.mros.definitions import ModelFile, Models, SystemFile
+from eddi_scaffold.mros.definitions import ModelFile, Models, SystemFile, noticed
 from eddi_scaffold.mros.errors import MrosSyntaxError
-from eddi_scaffold.mros.model import Notice, System
+from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
 from eddi_scaffold.source import read_source
@@ -118,10 +118,3 @@ def _system(folder: Path, name: str) -> System | None:
         return _read(folder, name, read_rossystem)
     except EddiError:
         return None
-
-
-def noticed(notices: tuple[Notice, ...], file: str) -> Iterator[Problem]:
-    """Return the notices of a readable file as problems."""
-    for notice in notices:
-        level = error if notice.code == "misspelt-key" else warning
-        yield level(notice.code, notice.message, Place(file, notice.line, notice.col))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.identifiers import RESERVED, free_name, is_identifier
@@ -37,18 +37,21 @@ def slug(name: str) -> str:
 
 
 def give_ids(
-    published: Sequence[Wish], included: Sequence[Wish], existing: Iterable[Existing]
+    published: Sequence[Wish],
+    included: Sequence[Wish],
+    existing: Iterable[Existing],
+    reserved: Collection[str] = (),
 ) -> tuple[list[str], list[Problem]]:
     """Give each topic an id, the included ones after the published ones.
 
     A topic that has an id already keeps it. Otherwise it is the name in the model if no other
-    topic has the same one, else the topic; and a number behind what is taken.
+    topic has the same one, else the topic; and a number behind what is taken or reserved.
     """
     wishes = [*published, *included]
     old = list(existing)
     kept = _kept(wishes, old)
     problems: list[Problem] = []
-    taken = set(kept.values())
+    taken = {*kept.values(), *reserved}
     found: dict[str, str] = {}
     for group in (published, included):
         found |= _given([one for one in group if one.topic not in kept], group, taken)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from typing import Literal
 
-from eddi_scaffold.mros.definitions import Models, SystemFile
+from eddi_scaffold.mros.definitions import Models, SystemFile, noticed
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids
 from eddi_scaffold.mros.model import Kind
 from eddi_scaffold.mros.naming import Naming
@@ -77,6 +77,7 @@ class Outputs:
         publishers: number of publishers whose topic and type are known.
         services: number of services, which cannot be listened to.
         actions: number of actions; their topics come with ``include``.
+        is_complete: nothing was in the way of a topic; else the system may have more of them.
     """
 
     topics: tuple[Topic, ...]
@@ -85,6 +86,7 @@ class Outputs:
     publishers: int
     services: int
     actions: int
+    is_complete: bool
 
 
 def simulator_outputs(
@@ -107,7 +109,8 @@ def simulator_outputs(
         filters: which topics to keep; they never change an id.
         names: the names of the system, or of the node models where the system's are not used.
 
-    References that do not resolve are problems, and the rest is returned all the same.
+    References that do not resolve are problems, and the rest is returned all the same. The id of an
+    existing entry that may be among what did not resolve is given to nothing else.
     """
     flat = flattened(system, models.systems)
     kinds: set[Kind] = {"publisher"}
@@ -135,7 +138,9 @@ def simulator_outputs(
         for one in found:
             if one.kind == kind:
                 take(one)
-    topics, more = _with_ids(collected.topics, existing)
+    read = [*models.problems, *noticed(system.system.notices, system.file)]
+    is_complete = not any(_loses_topics(problem) for problem in (*read, *problems))
+    topics, more = _with_ids(collected.topics, list(existing), is_complete=is_complete)
     return Outputs(
         tuple(topic for topic in topics if filters is None or filters.keep(topic)),
         tuple(in_order([*problems, *naming.problems, *collected.problems, *more])),
@@ -143,6 +148,7 @@ def simulator_outputs(
         collected.publishers,
         counts["serviceserver"],
         counts["actionserver"],
+        is_complete,
     )
 
 
@@ -224,13 +230,19 @@ class _Collected:
             known.components.append(provider)
 
 
+def _loses_topics(problem: Problem) -> bool:
+    """Tell whether a system may have topics that are not found because of a problem."""
+    return problem.level == "error" or problem.code in ("no-node-model", "subsystem-missing")
+
+
 def _with_ids(
-    entries: dict[str, _Entry], existing: Iterable[Existing]
+    entries: dict[str, _Entry], existing: Sequence[Existing], *, is_complete: bool
 ) -> tuple[list[Topic], list[Problem]]:
     order = list(entries.items())
     wishes = [Wish(entry.model_name, topic) for topic, entry in order]
     first = next((i for i, (_, one) in enumerate(order) if one.kind != "published"), len(order))
-    ids, problems = give_ids(wishes[:first], wishes[first:], existing)
+    reserved = [] if is_complete else [old.id for old in existing if old.topic not in entries]
+    ids, problems = give_ids(wishes[:first], wishes[first:], existing, reserved)
     topics = [
         Topic(
             name,

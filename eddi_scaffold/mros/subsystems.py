@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.mros.definitions import SystemFile
+from eddi_scaffold.mros.definitions import SystemFile, noticed
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 
@@ -21,7 +21,7 @@ def flattened(system: SystemFile, known: Sequence[SystemFile]) -> Flat:
     """Return a system behind its sub-systems, each once.
 
     A sub-system is found by the name inside its file. One that is not there is a warning, a
-    system that is part of itself an error.
+    system that is part of itself an error. What was noticed in the files of parts is told as well.
     """
     by_name: dict[str, SystemFile] = {}
     for one in known:
@@ -43,5 +43,7 @@ def _add(system: SystemFile, known: dict[str, SystemFile], path: tuple[str, ...]
             hint = did_you_mean(part.name, known)
             to.problems.append(warning("subsystem-missing", message, place, hint))
         elif known[part.name] not in to.systems:
-            _add(known[part.name], known, (*path, part.name), to)
+            found = known[part.name]
+            to.problems += noticed(found.system.notices, found.file)
+            _add(found, known, (*path, part.name), to)
     to.systems.append(system)
