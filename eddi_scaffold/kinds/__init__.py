@@ -62,6 +62,23 @@ class ModelInput:
 
 
 @dataclass(frozen=True)
+class ModelOutput:
+    """A topic that a model itself asks for, beside those of ``EDDIOutputs``.
+
+    Attributes:
+        id: of what it says.
+        topic: where one value of the result is published, as a message of ``std_msgs``.
+        path: fields of the result; a pair is the element of a list by a field and its value.
+        place: where the topic is named.
+    """
+
+    id: str
+    topic: str
+    path: tuple[str | tuple[str, str], ...]
+    place: Place
+
+
+@dataclass(frozen=True)
 class Model:
     """One model of a kind, checked as far as it could be.
 
@@ -258,6 +275,7 @@ class Kind:
         output_message: name of the message that the monitor publishes.
         status_message: name of the message with the facts behind it, ``None`` for none.
         parts: ids of results that are messages of their own, which an output may choose.
+        outputs: topics that a configured model itself asks for.
         options: keys of ``Model:`` in a configuration that this kind understands.
         configure: takes what the configuration says into the model; comes before ``inputs``,
             ``runtime_model`` and all below.
@@ -302,6 +320,7 @@ class Kind:
     readme: Callable[[Model], Sequence[str]] = _none
     diagram: Callable[[Model], Diagram] | None = None
     parts: Callable[[Model], Sequence[str]] = _none
+    outputs: Callable[[Model], Sequence[ModelOutput]] = _none
     named_by_config: bool = False
 
 

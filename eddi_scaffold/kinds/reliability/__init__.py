@@ -54,6 +54,7 @@ KIND = Kind(
     outline=_later("outline"),
     export=_later("export"),
     inputs=_later("inputs"),
+    outputs=_later("outputs"),
     runtime_model=_later("model_part"),
     messages=MESSAGES,
     output_message="ReliabilityOutput",

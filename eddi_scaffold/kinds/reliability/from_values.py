@@ -23,6 +23,7 @@ from eddi_scaffold.kinds.reliability.values import Values
 from eddi_scaffold.problems import Problem
 
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
+_TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
 _Make = Callable[[Values, str], Mapping[str, Any] | None]
 
@@ -105,21 +106,29 @@ def _horizon(values: Values, base: System | None) -> tuple[float, bool]:
 def _thresholds(values: Values) -> tuple[Threshold, ...]:
     found: list[Threshold] = []
     for entry in values.maps("thresholds"):
-        entry.only(("id", "activate", "release", "hold"))
+        entry.only(("id", "activate", "release", "hold", "topic"))
         name = entry.text("id", required=True)
         activate = entry.number("activate", 0.0, 1.0, required=True)
         release = entry.number("release", 0.0, 1.0)
         hold = entry.quantity("hold", quantities.duration)
+        topic = entry.text("topic")
+        if topic is not None and _TOPIC.fullmatch(topic) is None:
+            expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
+            entry.error("R002", f"topic: {expected}", "topic")
         if name is None or activate is None:
             continue
         if any(one.id == name for one in found):
             entry.error("R015", f"two thresholds are called {name!r}", "id")
+        other = next((one.id for one in found if topic and one.topic == topic), None)
+        if other is not None:
+            message = f"thresholds {other!r} and {name!r} have the same topic {topic}"
+            entry.error("R015", message, "topic")
         if release is not None and release < activate:
             message = f"threshold {name!r}: release {release!r} is below activate {activate!r}"
             entry.error("R015", message, "release")
         release = activate if release is None else release
         seconds = 3600.0 * (hold or 0.0)
-        found.append(Threshold(name, activate, release, seconds, entry.place()))
+        found.append(Threshold(name, activate, release, seconds, topic, entry.place()))
     return tuple(found)
 
 

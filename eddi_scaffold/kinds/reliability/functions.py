@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.kinds import Model, ModelInput, Options, Reading
+from eddi_scaffold.kinds import Model, ModelInput, ModelOutput, Options, Reading
 from eddi_scaffold.kinds.reliability import from_eddi, report
 from eddi_scaffold.kinds.reliability.check import check_system
 from eddi_scaffold.kinds.reliability.from_values import KEYS, read_system, with_rate
@@ -147,6 +147,15 @@ def check(model: Model) -> Sequence[Problem]:
 def inputs(model: Model) -> Sequence[ModelInput]:
     """Return what the monitor must be told."""
     return inputs_of(used(system_of(model)))
+
+
+def outputs(model: Model) -> Sequence[ModelOutput]:
+    """Return the topics of thresholds that have one."""
+    return [
+        ModelOutput(one.id, one.topic, ("evidence", ("id", one.id), "active"), one.place)
+        for one in system_of(model).thresholds
+        if one.topic is not None
+    ]
 
 
 def model_part(model: Model) -> dict[str, Any]:

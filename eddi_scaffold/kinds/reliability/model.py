@@ -140,12 +140,18 @@ class Component:
 
 @dataclass(frozen=True)
 class Threshold:
-    """Evidence that is active while the probability of failure is small; ``hold`` in seconds."""
+    """Evidence that is active while the probability of failure is small.
+
+    Attributes:
+        hold: seconds.
+        topic: where it is published by itself; None: only within the whole result.
+    """
 
     id: str
     activate: float
     release: float
     hold: float = 0.0
+    topic: str | None = None
     place: Place = field(default=Place(), compare=False)
 
 

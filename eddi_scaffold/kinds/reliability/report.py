@@ -37,7 +37,9 @@ def outline(system: System) -> list[str]:
         lines.append(f"{component.type} {component.name}{mark}")
         lines += [f"  {line}" for line in _content(component)]
     for one in system.thresholds:
-        lines.append(f"threshold {one.id}: p_fail <= {one.activate:g}, gone above {one.release:g}")
+        on = f", on {one.topic}" if one.topic else ""
+        limits = f"p_fail <= {one.activate:g}, gone above {one.release:g}"
+        lines.append(f"threshold {one.id}: {limits}{on}")
     return lines
 
 

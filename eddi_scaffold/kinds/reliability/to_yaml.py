@@ -21,6 +21,7 @@ def to_yaml(system: System) -> str:
     if system.thresholds:
         data["thresholds"] = [
             {"id": t.id, "activate": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}
+            | ({"topic": t.topic} if t.topic else {})
             for t in system.thresholds
         ]
     data["on_unknown"] = "worst_case" if system.worst_case else "inactive"

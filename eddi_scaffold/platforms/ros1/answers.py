@@ -13,6 +13,7 @@ from eddi_scaffold.message_types import packages_of
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1.outputs import (
     MESSAGE_PACKAGE,
+    Publication,
     publication_answers,
     publications,
 )
@@ -53,7 +54,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
         for publication in published
     ]
     files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
-    problems += _check(monitor.config)
+    problems += _check(monitor.config, published)
     return PackageAnswers(monitor.package, answers, files), problems
 
 
@@ -146,13 +147,18 @@ def _imports(classes: dict[str, str]) -> list[str]:
     return lines
 
 
-def _check(config: ConfigFile) -> Iterable[Problem]:
+def _check(config: ConfigFile, published: Sequence[Publication]) -> Iterable[Problem]:
     if not config.config.EDDIOutputs:
         message = "EDDIOutputs names no topic: the result would not be published"
         hint = "add `- id: ...` with `topic: ...`"
         yield error("K030", message, config.place("EDDIOutputs"), hint)
     heard = {source.topic for source in config.config.SimulatorOutputs}
-    for index, output in enumerate(config.config.EDDIOutputs):
-        if output.topic in heard:
-            message = f"the monitor would listen to its own output {output.topic}"
-            yield error("K031", message, config.place("EDDIOutputs", index, "topic"))
+    types: dict[str, str] = {}
+    for one in published:
+        topic = one.output.topic
+        if topic in heard:
+            message = f"the monitor would listen to its own output {topic}"
+            yield error("K031", message, one.place)
+        if types.setdefault(topic, one.type) != one.type:
+            message = f"the topic {topic} would carry {types[topic]} and {one.type}"
+            yield error("K031", message, one.place, "give each output a topic of its own")

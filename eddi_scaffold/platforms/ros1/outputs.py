@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from eddi_scaffold.answers import one_line
 from eddi_scaffold.binding import Monitor
@@ -11,7 +12,7 @@ from eddi_scaffold.config import ConfigFile, Output
 from eddi_scaffold.fields import Attribute, ById, FieldPath, Index, parse_field, type_at
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.message_types import FieldsOf, known_messages
-from eddi_scaffold.problems import Problem, did_you_mean, error
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error
 
 MESSAGE_PACKAGE = "eddi_messages"
 _OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
@@ -22,13 +23,15 @@ class Publication:
     """One topic that a node publishes.
 
     Attributes:
-        output: the entry of ``EDDIOutputs``.
+        output: the entry of ``EDDIOutputs``, or one that the model asks for.
         type: message type (``std_msgs/Bool``).
+        place: where its topic is named.
         path: where the value stands in the result; empty for all of it.
     """
 
     output: Output
     type: str
+    place: Place
     path: FieldPath = ()
 
 
@@ -40,23 +43,27 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
     problems: list[Problem] = []
     parts = list(monitor.kind.parts(monitor.model))
     for index, output in enumerate(config.config.EDDIOutputs):
+        places = partial(config.place, "EDDIOutputs", index)
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
-            place = config.place("EDDIOutputs", index, "event")
             message = f"the monitor gives no message of {output.event!r} alone"
-            problems.append(error("K045", message, place, hint))
+            problems.append(error("K045", message, places("event"), hint))
             continue
         if output.field is None:
-            found.append(Publication(output, whole))
+            found.append(Publication(output, whole, places("topic")))
             continue
         try:
             path = parse_field(output.field)
             of = _type_at(path, whole, known)
         except ValueError as problem:
-            place = config.place("EDDIOutputs", index, "field")
-            problems.append(error("K034", str(problem), place))
+            problems.append(error("K034", str(problem), places("field")))
             continue
-        found.append(Publication(output, f"std_msgs/{_OF_STD_MSGS[of]}", path))
+        found.append(Publication(output, f"std_msgs/{_OF_STD_MSGS[of]}", places("topic"), path))
+    for one in monitor.kind.outputs(monitor.model):
+        path = tuple(Attribute(s) if isinstance(s, str) else ById(s[1]) for s in one.path)
+        of = _OF_STD_MSGS[_type_at(path, whole, known)]
+        output = Output.model_construct(id=one.id, topic=one.topic, field=None, event=None)
+        found.append(Publication(output, f"std_msgs/{of}", one.place, path))
     return found, problems
 
 

@@ -1,0 +1,67 @@
+"""A threshold on a topic of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.platforms.ros1.answers import monitor_answers
+from tests.kinds.reliability.monitors import read_text, sound
+from tests.kinds.reliability.test_reliability_example import EXAMPLE
+
+THRESHOLD = "- {id: RtE_continue, activate: 1.0e-4, release: 2.0e-4, hold: 1 s"
+
+
+def answers(folder: Path, topic: str, name: str = "RtE_continue") -> tuple[Any, list[str]]:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    own = THRESHOLD.replace("RtE_continue", name)
+    config = folder / "c.yml"
+    config.write_text(text.replace(THRESHOLD, f"{own}, topic: {topic}"), "utf-8")
+    (monitor,), _ = monitors_of(EXAMPLE / "drone.xml", [config])
+    package, problems = monitor_answers(monitor)
+    return package.answers, [f"{p.place.line}: {p.code} {p.message}" for p in problems]
+
+
+def test_a_threshold_is_published_as_a_bool(tmp_path: Path) -> None:
+    found, problems = answers(tmp_path, "/drone/go")
+    assert problems == []
+    whole, own = found["publications"]
+    assert whole["type_text"] == "eddi_messages/ReliabilityOutput"
+    assert (own["id"], own["topic"], own["type_text"]) == (
+        "'RtE_continue'",
+        "'/drone/go'",
+        "std_msgs/Bool",
+    )
+    assert "('evidence', ('id', 'RtE_continue'), 'active',)" in own["more"]
+    assert own["status_topic"] == "None"
+    assert "std_msgs" in found["message_packages"]
+
+
+def test_an_id_of_digits_is_no_position(tmp_path: Path) -> None:
+    found, problems = answers(tmp_path, "/drone/go", "12")
+    assert problems == []
+    assert "('id', '12')" in found["publications"][1]["more"]
+
+
+def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:
+    both = "eddi_messages/ReliabilityOutput and std_msgs/Bool"
+    assert answers(tmp_path, "/drone/reliability")[1] == [
+        f"13: K031 the topic /drone/reliability would carry {both}"
+    ]
+    assert answers(tmp_path, "/drone/rotors_ok")[1] == [
+        "13: K031 the monitor would listen to its own output /drone/rotors_ok"
+    ]
+
+
+def test_a_topic_is_shown_and_exported() -> None:
+    text = (
+        "models: {m: {type: propulsion, configuration: PNPN, rate: 0.1 1/h}}\n"
+        "thresholds: [{id: go, activate: 0.5, topic: /rte/go}]\n"
+    )
+    model = sound(text)
+    assert KIND.outline(model)[-1] == "threshold go: p_fail <= 0.5, gone above 0.5, on /rte/go"
+    (exported,) = KIND.export(model).values()
+    again, problems = read_text(exported)
+    assert (problems, again and again.data.thresholds) == ([], model.data.thresholds)
