@@ -14,6 +14,7 @@ from eddi_scaffold.config_block import (
     Absence,
     Document,
     Entry,
+    OldEntry,
     new_document,
     read_block,
     rewritten,
@@ -21,13 +22,10 @@ from eddi_scaffold.config_block import (
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.definitions import Models, SystemFile
 from eddi_scaffold.mros.directory import load_models, load_system, named
+from eddi_scaffold.mros.filters import OPTIONS, Filters, unmatched
 from eddi_scaffold.mros.ids import Existing
-from eddi_scaffold.mros.outputs import (
-    Filters,
-    Include,
-    Outputs,
-    simulator_outputs,
-)
+from eddi_scaffold.mros.outputs import Include, Outputs, simulator_outputs
+from eddi_scaffold.mros.subsystems import flattened
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -180,8 +178,9 @@ def parse(
     """Join a system with its models, and write its topics into the text of a configuration.
 
     Raises:
-        EddiError: the configuration is there and cannot be changed.
+        EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
     """
+    filters = filters or Filters()
     is_there = config.exists() or config.is_symlink()
     document = read_block(read_source(config)) if is_there else new_document(str(config))
     outputs = simulator_outputs(
@@ -193,17 +192,43 @@ def parse(
         names=names,
     )
     found = [*robot.problems, *outputs.problems]
+    _refuse_filters(filters, robot, outputs, document)
     after, notes = document.text, list[Problem]()
     if outputs.topics or not has_errors(found):
         entries = [Entry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
-        after, notes = rewritten(document, entries, lambda _: _absence(outputs))
+        after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
     problems = in_order(_quoted([*found, *notes], document))
     before = document.text if is_there else None
     return Parsed(robot, outputs, tuple(problems), before, after)
 
 
-def _absence(outputs: Outputs) -> Absence:
+def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: Document) -> None:
+    """Refuse filters that match nothing, and say what did not resolve: it may be why.
+
+    Raises:
+        EddiError: a glob matches nothing, or together they leave nothing.
+    """
+    topics = [*(topic.topic for topic in outputs.topics), *outputs.left_out]
+    if not outputs.is_complete:
+        topics += [old.topic for old in document.old]
+    systems = flattened(robot.system, robot.models.systems).systems
+    components = [one.name for file in systems for one in file.system.components]
+    wrong = list(unmatched(filters, topics, components))
+    some = filters.topics or filters.components
+    if some and not wrong and outputs.is_complete and not outputs.topics:
+        wrong = [error("unmatched-filter", f"no topic is left by {filters}")]
+    if wrong:
+        found = [one for one in (*robot.problems, *outputs.problems) if one.level == "error"]
+        raise EddiError(*robot.located(in_order(found)), *wrong)
+
+
+def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> Absence:
     """Tell why an entry is not written anew; what may be there all the same stays."""
+    criterion = outputs.left_out.get(old.topic)
+    if not outputs.is_complete and not filters.wants(old.topic):
+        criterion = "topics"
+    if criterion is not None:
+        return Absence(f"is left out by {OPTIONS[criterion]}")
     if not outputs.is_complete:
         return Absence("did not resolve this time, or is gone", stays=True)
     return Absence()

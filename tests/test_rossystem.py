@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from eddi_scaffold.mros.filters import Filters
+from eddi_scaffold.problems import EddiError
 from eddi_scaffold.rossystem import Parsed, parse, read_robot
 
 SYSTEM = """robot:
@@ -79,7 +82,7 @@ def edit(path: Path, old: str, new: str) -> None:
 
 
 def ids(text: str) -> list[str]:
-    return [line.partition("id: ")[2] for line in text.splitlines() if "id: " in line]
+    return re.findall(r"^  - id: (.*)$", text, re.MULTILINE)
 
 
 def said(found: Parsed, code: str) -> list[str]:
@@ -157,3 +160,99 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
     found = parsed(robot)
     assert (found.is_changed, found.after) == (False, text)
     assert said(found, "lost-comment") == []
+
+
+# filters
+
+
+@pytest.mark.parametrize(
+    ("filters", "message", "hint"),
+    [
+        (
+            Filters(topics=("/jonts",)),
+            "no topic matches --only '/jonts'",
+            "did you mean '/joints'?",
+        ),
+        (
+            Filters(topics=("/lidar/*",)),
+            "no topic matches --only '/lidar/*'",
+            "there are: /front/scan, /image, /joints, /load",
+        ),
+        (
+            Filters(topics=("/joints", "/Front/*")),
+            "no topic matches --only '/Front/*'",
+            "did you mean '/front/scan'?",
+        ),
+        (
+            Filters(components=("frnt*", "arm")),
+            "no component matches --component 'frnt*'",
+            "did you mean 'front'?",
+        ),
+        (
+            Filters(components=("x",)),
+            "no component matches --component 'x'",
+            "there are: arm, camera, front",
+        ),
+        (
+            Filters(topics=("/joints",), components=("front",)),
+            "no topic is left by --only '/joints' --component 'front'",
+            None,
+        ),
+        (
+            Filters(components=("camera",), no_infrastructure=True),
+            "no topic is left by --component 'camera' --exclude-infrastructure",
+            None,
+        ),
+    ],
+)
+def test_a_filter_that_keeps_nothing_is_refused(
+    robot: Path, filters: Filters, message: str, hint: str | None
+) -> None:
+    edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
+    with pytest.raises(EddiError) as refused:
+        parsed(robot, filters=filters)
+    (problem,) = refused.value.problems
+    assert (problem.code, problem.message, problem.hint) == ("unmatched-filter", message, hint)
+
+
+def test_long_lists_of_what_there_is_are_cut(robot: Path) -> None:
+    more = "".join(f"    n{number}:\n      from: 'arm.driver'\n" for number in range(40))
+    edit(robot / "robot.rossystem", "  nodes:\n", f"  nodes:\n{more}")
+    with pytest.raises(EddiError) as refused:
+        parsed(robot, filters=Filters(components=("zebra",)))
+    (problem,) = refused.value.problems
+    assert (problem.hint or "").startswith("there are: arm, camera, front, n0, n1, n10, ")
+    assert (problem.hint or "").endswith(" and 31 more")
+
+
+def test_what_a_filter_leaves_out_is_said_to_be_left_out(robot: Path) -> None:
+    parsed(robot)
+    edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
+    (robot / "c.yml").open("a").write("EDDIInputs:\n  - {id: Near, requires: [scan]}\n")
+    filters = Filters(topics=("/[jil]*",), components=("arm", "camera"), no_infrastructure=True)
+    found = parsed(robot, filters=filters)
+    assert ids(found.after) == ["ticks", "load", "scan"]
+    assert said(found, "dropped-entry") == [
+        "'image' (/image) is left out by --exclude-infrastructure; it is dropped"
+    ]
+    assert said(found, "kept-entry") == [
+        "'scan' (/front/scan) is left out by --only; it stays, because an input needs it"
+    ]
+    found = parsed(robot, filters=Filters(components=("arm",)))
+    assert said(found, "kept-entry") == [
+        "'scan' (/front/scan) is left out by --component; it stays, because an input needs it"
+    ]
+
+
+def test_a_filter_may_wait_for_what_did_not_resolve(robot: Path) -> None:
+    parsed(robot)
+    edit(robot / "robot.rossystem", "laser.laser", "lasr.laser")
+    found = parsed(robot, filters=Filters(topics=("/front/*", "/joints")))
+    assert ids(found.after) == ["ticks", "scan"]
+    assert len(said(found, "dropped-entry")) == 2
+    found = parsed(robot, filters=Filters(components=("front",)))
+    assert (found.is_changed, said(found, "no-node-model") != []) == (False, True)
+    with pytest.raises(EddiError) as refused:
+        parsed(robot, filters=Filters(topics=("/rear/*",)))
+    assert [p.code for p in refused.value.problems] == ["no-node-model", "unmatched-filter"]
+    assert refused.value.problems[0].place.file == str(robot / "robot.rossystem")

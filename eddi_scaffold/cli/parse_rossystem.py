@@ -93,7 +93,7 @@ def parse_rossystem(
     Example: eddi-scaffold parse-rossystem -s robot.rossystem -m models -c eddi_config.yml
     """
     from eddi_scaffold.console import console
-    from eddi_scaffold.mros.outputs import Filters
+    from eddi_scaffold.mros.filters import Filters
     from eddi_scaffold.problems import has_errors
     from eddi_scaffold.rossystem import parse, read_robot, save
 
@@ -155,8 +155,8 @@ def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
         done = f"{config} would change"
     else:
         done = f"{config}: SimulatorOutputs is rewritten"
+    if failed:
+        done += " with what resolved"
     kept = sum(1 for problem in parsed.problems if problem.code == "kept-entry")
-    old = f"{kept} {'entry' if kept == 1 else 'entries'} of before" if kept else ""
-    new = "what resolved" if failed else ""
-    held = " and ".join(part for part in (new, old) if part)
-    return f"{done} with {held}" if held else done
+    stays = "1 entry of before stays" if kept == 1 else f"{kept} entries of before stay"
+    return f"{done}; {stays}" if kept else done

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
 from typing import Literal
 
 from eddi_scaffold.mros.definitions import Models, SystemFile, noticed
+from eddi_scaffold.mros.filters import Criterion, Filters
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids
 from eddi_scaffold.mros.model import Kind
 from eddi_scaffold.mros.naming import Naming
@@ -17,31 +17,6 @@ from eddi_scaffold.problems import Problem, error, in_order, warning
 
 Include = Literal["subscribed", "actions"]
 TopicKind = Literal["published", "action", "subscribed"]
-_INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
-
-
-@dataclass(frozen=True)
-class Filters:
-    """Which topics are wanted; globs are case-sensitive and ``*`` also matches ``/``.
-
-    Attributes:
-        topics: any match keeps; empty keeps all.
-        components: the same for a component that provides the topic.
-        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
-            and ``lifecycle_msgs``.
-    """
-
-    topics: tuple[str, ...] = ()
-    components: tuple[str, ...] = ()
-    no_infrastructure: bool = False
-
-    def keep(self, topic: Topic) -> bool:
-        """Tell whether a topic is wanted."""
-        if self.no_infrastructure and topic.type.partition(".")[0] in _INFRASTRUCTURE:
-            return False
-        if self.topics and not _matches([topic.topic], self.topics):
-            return False
-        return not self.components or _matches(topic.components, self.components)
 
 
 @dataclass(frozen=True)
@@ -72,6 +47,7 @@ class Outputs:
 
     Attributes:
         topics: in the order of the system.
+        left_out: topics that the filters keep out, and which of them does.
         problems: errors and warnings of the system, not of the files it is made of.
         components: number of nodes of the system itself.
         publishers: number of publishers whose topic and type are known.
@@ -81,6 +57,7 @@ class Outputs:
     """
 
     topics: tuple[Topic, ...]
+    left_out: Mapping[str, Criterion]
     problems: tuple[Problem, ...]
     components: int
     publishers: int
@@ -141,8 +118,14 @@ def simulator_outputs(
     read = [*models.problems, *noticed(system.system.notices, system.file)]
     is_complete = not any(_loses_topics(problem) for problem in (*read, *problems))
     topics, more = _with_ids(collected.topics, list(existing), is_complete=is_complete)
+    left_out: dict[str, Criterion] = {}
+    for topic in topics:
+        criterion = filters.leaves_out(topic) if filters is not None else None
+        if criterion is not None:
+            left_out[topic.topic] = criterion
     return Outputs(
-        tuple(topic for topic in topics if filters is None or filters.keep(topic)),
+        tuple(topic for topic in topics if topic.topic not in left_out),
+        left_out,
         tuple(in_order([*problems, *naming.problems, *collected.problems, *more])),
         len(system.system.components),
         collected.publishers,
@@ -256,7 +239,3 @@ def _with_ids(
         for name, (topic, entry) in zip(ids, order, strict=True)
     ]
     return topics, problems
-
-
-def _matches(names: Iterable[str], patterns: Sequence[str]) -> bool:
-    return any(fnmatchcase(name, pattern) for name in names for pattern in patterns)

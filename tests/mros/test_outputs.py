@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from eddi_scaffold.identifiers import is_identifier
 from eddi_scaffold.mros.definitions import Reference
 from eddi_scaffold.mros.directory import load_models, load_system
+from eddi_scaffold.mros.filters import Filters
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids, slug
-from eddi_scaffold.mros.outputs import Filters, Outputs, Topic, simulator_outputs
+from eddi_scaffold.mros.outputs import Outputs, Topic, simulator_outputs
 from eddi_scaffold.mros.topics import topic_name
 from eddi_scaffold.problems import Place, Problem, has_errors
 from tests.shared_data import shared
@@ -200,8 +201,8 @@ def test_filters_change_no_id(lasers: Path) -> None:
 
 def test_infrastructure_can_be_left_out() -> None:
     topic = Topic("a", "rcl_interfaces.Log", "/rosout", "published", (), "", 1)
-    assert Filters().keep(topic)
-    assert not Filters(no_infrastructure=True).keep(topic)
+    assert Filters().leaves_out(topic) is None
+    assert Filters(no_infrastructure=True).leaves_out(topic) == "infrastructure"
 
 
 def test_a_system_inside_of_itself(tmp_path: Path) -> None:
