@@ -11,8 +11,10 @@ from pathlib import Path
 
 import eddi_runtime
 import pytest
+from eddi_runtime.bayesian_network import engine as engine_module
 from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.graph import components
+from eddi_runtime.bayesian_network.joint import fits
 
 from runtime_lib.tests.bayesian_network.networks import (
     enumerate_all,
@@ -27,7 +29,6 @@ pytest.importorskip("hypothesis")
 from hypothesis import given
 from hypothesis import strategies as st
 
-HAS_NUMPY = importlib.util.find_spec("numpy") is not None
 HAS_NUMPY = importlib.util.find_spec("numpy") is not None
 SOURCES = Path(eddi_runtime.__file__).parents[1]
 
@@ -57,7 +58,6 @@ def test_posteriors_are_exact(seed, count):
 @given(seed=st.integers(0, 10**9))
 def test_larger_networks_and_both_tiers_agree(seed):
     pytest.importorskip("numpy")
-    pytest.importorskip("numpy")
     rng = random.Random(seed)
     net = random_network(rng, 9, most_parents=2, most_states=2)
     outputs, observable = rng.sample(range(9), 3), sorted(rng.sample(range(9), 5))
@@ -69,6 +69,37 @@ def test_larger_networks_and_both_tiers_agree(seed):
             rows = engine.infer(*case)
             assert (rows is None) == (want is None)
             assert rows is None or furthest(rows, want) < 1e-12
+
+
+@pytest.mark.parametrize("tables", [False, True])
+@given(seed=st.integers(0, 10**9))
+def test_steps_in_which_every_input_is_observed(tables, seed):
+    pytest.importorskip("numpy")
+    rng = random.Random(seed)
+    count = rng.randint(2, 7)
+    net = random_network(rng, count, most_states=3, zeros=rng.choice([0.0, 0.3]))
+    outputs = sorted(rng.sample(range(count), rng.randint(0, min(count, 3))))
+    observable = sorted(rng.sample(range(count), rng.randint(1, count)))
+    with pytest.MonkeyPatch.context() as patch:
+        # A small part would be one table; so it goes the way of a large one.
+        patch.setattr(engine_module, "fits", lambda *of: tables and bool(of[2].given) and fits(*of))
+        engine = Engine(net, outputs, observable)
+    for _ in range(3):
+        states = [rng.randrange(net.shape.cards[node]) for node in observable]
+        want, rows = exactly(net, outputs, observable, states, {}), engine.infer(states)
+        assert (rows is None) == (want is None)
+        assert rows is None or furthest(rows, want) < 1e-12
+
+
+def test_an_observed_node_may_have_very_many_states():
+    pytest.importorskip("numpy")
+    card = 300
+    rows = [[(k + 1) / 302, 1.0 - (k + 1) / 302] for k in range(card)]
+    flat = [value for row in rows for value in row]
+    net = network([card, 2], [(), (0,)], [[1.0 / card] * card, flat])
+    engine = Engine(net, [1], [0], tables=False)
+    assert furthest(engine.infer([17]), [rows[17]]) < 1e-12
+    assert furthest(engine.infer([card]), [[301 / 604, 303 / 604]]) < 1e-12
 
 
 @given(seed=st.integers(0, 10**9))

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from eddi_runtime.bayesian_network import (
+    BayesianNetworkMonitor,
     BayesianNetworkOutput,
     EvidenceError,
     InconsistentEvidenceError,
@@ -404,9 +405,18 @@ def test_explanation():
     assert "Gap: 0.5, 1" in direct.explain().text()
 
 
-def test_posteriors_of_former_states_are_remembered():
+def test_posteriors_of_few_states_are_known_from_the_start():
+    one = monitor(direct=DIRECT)
+    assert len(one._known_rows) == 36
+    before = dict(one._known_rows)
+    one.execute_step(give(s="stands", g="near"))
+    assert one._known_rows == before
+
+
+def test_posteriors_of_former_states_are_remembered(monkeypatch):
+    monkeypatch.setattr(BayesianNetworkMonitor, "remembered", 4)
     one, never = monitor(direct=DIRECT), monitor(direct=DIRECT)
-    one.remembered, never.remembered = 4, 0
+    never.remembered = 0
     cases = [give(s=s, g=g) for s in ("stands", "slow", "fast", None) for g in ("near", "far")]
     for _ in range(2):
         for case in cases:
@@ -415,6 +425,32 @@ def test_posteriors_of_former_states_are_remembered():
     impossible = give(s="stands", g="far", x="yes")
     fresh = monitor(direct=DIRECT, outputs=["Alarm"])
     assert fresh.execute_step(impossible) == fresh.execute_step(impossible) == []
+
+
+def test_methods_that_say_the_same_in_each_step_are_asked_once():
+    one = monitor(bins=BINS, hooks=Config())
+    methods = one._methods
+    asked = [name for _, name in methods._names]
+    assert asked == ["node_Speed"]  # node_Danger only sets its flag
+    assert methods.outputs
+    hooks = methods._hooks
+    calls = hooks.calls
+    first, second = (one.execute_step(give(v=v, d=1.0)) for v in (9.0, 9.0))
+    assert first == second
+    assert hooks.calls == calls + 2
+
+    class Calling(Config):
+        def node_Danger(self):  # noqa: N802 - the name of the node stays
+            self.calls += 1
+            return False, {"yes": 0.0, "no": 0.0}
+
+    class Growing(Config):
+        def node_Danger(self):  # noqa: N802 - the name of the node stays
+            is_bn_output = self.calls > 1
+            return is_bn_output, {"yes": 0.0, "no": 0.0}
+
+    for kind in (Calling, Growing):
+        assert len(monitor(bins=BINS, hooks=kind())._methods._names) == 2
 
 
 def test_time_is_for_holding_only():

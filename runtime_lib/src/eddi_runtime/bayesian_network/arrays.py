@@ -1,7 +1,7 @@
 """Numbers of messages that are known when a model is loaded, and the careful way to compute any.
 
 Axes of an array are the nodes of its message, ascending; a tabulated message has before them one
-axis for each input, over its states and "not observed".
+axis for each input, over its states and, where that may be, "not observed".
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ class Arrays:
             elif edge in program.tabulated:
                 self.tables[edge] = self._known(message)
 
-    def scaled(self, vector: Callable[[int], Array], into: Tuple[Edge, ...]) -> Dict[Edge, Array]:
+    def scaled(
+        self, vector: Callable[[int], Array], state: Callable[[int], int], into: Tuple[Edge, ...]
+    ) -> Dict[Edge, Array]:
         """Compute messages so that none becomes zero by underflow.
 
         Each has the maximum 1, and the widest type of the machine is used: 80 bits on a PC, with
@@ -59,6 +61,7 @@ class Arrays:
 
         Args:
             vector: evidence vector of an observable node.
+            state: state of a node that is observed in each step.
             into: the messages that are wanted.
         """
         found: Dict[Edge, Any] = {}
@@ -70,7 +73,8 @@ class Arrays:
                 (node,) = bits(message.mask)
                 array = vector(node).astype(np.longdouble)
             else:
-                array = self._known(message).astype(np.longdouble)
+                case = tuple(state(node) for node in bits(message.inputs))
+                array = self._known(message)[case].astype(np.longdouble)
             largest = array.max()
             found[edge] = array / largest if largest > 0.0 else array
         return {edge: found[edge] for edge in into}
@@ -81,7 +85,7 @@ class Arrays:
             return self._contract(message, one, other, cases=True)
         leaf = self._tree.leaves[message.leaf]
         if leaf.kind == TABLE:
-            return self._table(leaf.node)
+            return self._table(leaf.node, (*bits(leaf.seen), *bits(leaf.mask)))
         if leaf.kind == EVIDENCE:
             return self.cases[leaf.node]
         return np.ones(self._network.shape.cards[leaf.node])
@@ -89,11 +93,11 @@ class Arrays:
     def _part(self, edge: Edge) -> Array:
         return self.constants[edge] if edge in self.constants else self.tables[edge]
 
-    def _table(self, node: int) -> Array:
+    def _table(self, node: int, wanted: Tuple[int, ...]) -> Array:
         shape = self._network.shape
         axes = (*shape.parents[node], node)
         array = np.array(self._network.tables[node]).reshape([shape.cards[one] for one in axes])
-        return array.transpose(sorted(range(len(axes)), key=axes.__getitem__))
+        return array.transpose([axes.index(one) for one in wanted])
 
     def _contract(self, message: Message, one: Array, other: Array, *, cases: bool) -> Array:
         messages = self._program.messages

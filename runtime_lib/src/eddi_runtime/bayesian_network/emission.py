@@ -204,7 +204,7 @@ class Emission:
             terms, stride = [], 1
             for node in reversed(list(bits(message.inputs))):
                 terms.append(f"s[{self._positions[node]}] * {stride}")
-                stride *= self._cards[node] + 1
+                stride *= self._program.cases[node]
             name = f"i{len(self._cases)}"
             self._lines.append(f"    {name} = {' + '.join(terms)}")
             self._cases[message.inputs] = name

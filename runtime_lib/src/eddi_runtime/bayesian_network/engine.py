@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from operator import eq
 from typing import (
     TYPE_CHECKING,
     FrozenSet,
@@ -18,7 +19,7 @@ from typing import (
 
 from .joint import JointTables, fits
 from .model import Network
-from .width import Plan, TooWideError, Width, make_plans, width
+from .width import Plan, TooWideError, Width, make_plans, plans_when_observed, width
 
 if TYPE_CHECKING:
     from .schedule import Schedule
@@ -109,19 +110,16 @@ class Engine:
         self.width: Width = width(network.shape, plans)
         if self.width.too_large:
             raise TooWideError(self.width)
-        positions = {node: k for k, node in enumerate(self.observable)}
-        places = {node: k for k, node in enumerate(self.outputs)}
-        self._parts: List[_Part] = []
         self.lookup_only = True
+        self._parts: List[_Part] = []
+        self._when_observed: List[_Part] = []
         for plan in plans:
-            compiled = self._compile(plan, positions, tables=tables)
-            slots = [
-                _Slot(places[node], positions.get(node, -1), cards[node])
-                for node in plan.part.outputs
-            ]
-            mine = frozenset(positions[node] for node in plan.part.inputs)
-            least = _least_exponent(network, plan)
-            self._parts.append(_Part(compiled, mine, tuple(slots) or (_ALONE,), least))
+            parts = self._compiled([plan], tables=tables)
+            faster: Sequence[Plan] = ()
+            if parts and not isinstance(parts[0].compiled, JointTables):
+                faster = plans_when_observed(network.shape, plan, trials)
+            self._parts += parts
+            self._when_observed += self._compiled(faster, tables=tables) if faster else parts
 
     def infer(
         self, states: Sequence[int], weights: Mapping[int, Sequence[float]] = _NO_WEIGHTS
@@ -134,8 +132,11 @@ class Engine:
             weights: position among the observable nodes -> one likelihood per state: finite, not
                 negative, the largest 1. Not for an observed state: that is hard evidence.
         """
+        parts = self._parts
+        if not (self.lookup_only or weights) and True not in map(eq, states, self.missing):
+            parts = self._when_observed
         found: Posteriors = [[]] * len(self.outputs)
-        for part in self._parts:
+        for part in parts:
             compiled, mine, slots, _ = part
             soft = bool(weights) and not mine.isdisjoint(weights)
             rows = compiled.soft(states, weights) if soft else compiled.hard(states)
@@ -155,16 +156,34 @@ class Engine:
                     found[slot.output] = [one / total for one in row]
         return found
 
-    def _compile(
-        self, plan: Plan, positions: Mapping[int, int], *, tables: bool
-    ) -> Union[JointTables, Schedule]:
-        least = _least_exponent(self.network, plan)
-        if tables and least > _LEAST_EXPONENT and fits(plan.program, self.network, plan.part):
-            return JointTables(self.network, plan.part, plan.tree, plan.program, positions)
-        from .schedule import Schedule  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
+    def _compiled(self, plans: Sequence[Plan], *, tables: bool) -> List[_Part]:
+        """Return the parts that can matter: others have no outputs and are always possible."""
+        network, cards = self.network, self.network.shape.cards
+        positions = {node: k for k, node in enumerate(self.observable)}
+        places = {node: k for k, node in enumerate(self.outputs)}
+        parts = []
+        for plan in plans:
+            if not plan.part.outputs and _positive(network, plan):
+                continue
+            least = _least_exponent(network, plan)
+            small = fits(plan.program, network, plan.part)
+            compiled: Union[JointTables, Schedule]
+            if tables and small and least > _LEAST_EXPONENT:
+                compiled = JointTables(network, plan.part, plan.tree, plan.program, positions)
+                if not plan.part.outputs and compiled.positive:
+                    continue
+            else:
+                from .schedule import Schedule  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
 
-        self.lookup_only = False
-        return Schedule(self.network, plan.part, plan.tree, plan.program, positions)
+                self.lookup_only = False
+                compiled = Schedule(network, plan.part, plan.tree, plan.program, positions)
+            slots = [
+                _Slot(places[node], positions.get(node, -1), cards[node])
+                for node in plan.part.outputs
+            ]
+            mine = frozenset(positions[node] for node in plan.part.inputs)
+            parts.append(_Part(compiled, mine, tuple(slots) or (_ALONE,), least))
+        return parts
 
 
 def _weighted(
@@ -188,6 +207,10 @@ def _least_exponent(network: Network, plan: Plan) -> float:
         math.log2(min((one for one in network.tables[node] if one > 0.0), default=1.0))
         for node in plan.part.nodes
     )
+
+
+def _positive(network: Network, plan: Plan) -> bool:
+    return all(min(network.tables[node]) > 0.0 for node in plan.part.nodes)
 
 
 def _may_underflow(part: _Part, weights: Mapping[int, Sequence[float]]) -> bool:

@@ -5,7 +5,7 @@ Sets of nodes are bits of an int: fast, and without an order that a hash seed co
 
 from __future__ import annotations
 
-from typing import Iterable, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 
 class Shape(NamedTuple):
@@ -26,14 +26,17 @@ class Component(NamedTuple):
     """Nodes whose probabilities depend on each other for some evidence; nothing else does.
 
     Attributes:
-        nodes: numbers, ascending.
+        nodes: numbers of those whose tables belong here, ascending.
         inputs: those that may be observed.
         outputs: those whose posterior is wanted.
+        given: nodes observed in each step: their states select numbers, tables have no axis for
+            them, and what only they connect falls apart.
     """
 
     nodes: Tuple[int, ...]
     inputs: Tuple[int, ...]
     outputs: Tuple[int, ...]
+    given: Tuple[int, ...] = ()
 
 
 def bits(mask: int) -> Iterator[int]:
@@ -72,7 +75,41 @@ def components(
     evidence is the product over the parts, so each is inferred for itself, and a contradiction is
     found in a part without outputs as well.
     """
-    wanted = _with_ancestors(shape, [*outputs, *observable])
+    wanted = tuple(bits(_with_ancestors(shape, [*outputs, *observable])))
+    seen, asked = set(observable), set(outputs)
+    return tuple(
+        Component(
+            nodes=group,
+            inputs=tuple(node for node in group if node in seen),
+            outputs=tuple(node for node in group if node in asked),
+        )
+        for group in _groups(shape, wanted, frozenset())
+    )
+
+
+def with_all_observed(shape: Shape, part: Component) -> Tuple[Component, ...]:
+    """Split a part for the steps in which each of its inputs is observed.
+
+    An input that is an output too keeps its axis: its row tells how likely its states were.
+    """
+    given = frozenset(part.inputs).difference(part.outputs)
+    return tuple(
+        Component(
+            nodes=group,
+            inputs=tuple(n for n in group if n in part.inputs and n not in given),
+            outputs=tuple(n for n in group if n in part.outputs),
+            given=tuple(sorted(given.intersection(_families(shape, group)))),
+        )
+        for group in _groups(shape, part.nodes, given)
+    )
+
+
+def _families(shape: Shape, nodes: Iterable[int]) -> Set[int]:
+    return {one for node in nodes for one in (node, *shape.parents[node])}
+
+
+def _groups(shape: Shape, nodes: Sequence[int], given: FrozenSet[int]) -> List[Tuple[int, ...]]:
+    """Return nodes whose tables share a node, other than the given ones, in groups."""
     part = list(range(len(shape.cards)))
 
     def find(node: int) -> int:
@@ -81,23 +118,18 @@ def components(
             node = part[node]
         return node
 
-    for node in bits(wanted):
-        for parent in shape.parents[node]:
-            one, other = sorted((find(node), find(parent)))
-            part[other] = one
-    groups: List[List[int]] = [[] for _ in part]
-    for node in bits(wanted):
-        groups[find(node)].append(node)
-    seen, asked = set(observable), set(outputs)
-    return tuple(
-        Component(
-            nodes=tuple(group),
-            inputs=tuple(node for node in group if node in seen),
-            outputs=tuple(node for node in group if node in asked),
-        )
-        for group in groups
-        if group
-    )
+    # A table belongs to any of its nodes that are not given: they are all in one group.
+    homes: Dict[int, int] = {}
+    for node in nodes:
+        free = [one for one in (node, *shape.parents[node]) if one not in given]
+        homes[node] = free[0] if free else node
+        for one in free[1:]:
+            first, second = sorted((find(free[0]), find(one)))
+            part[second] = first
+    groups: Dict[int, List[int]] = {}
+    for node in nodes:
+        groups.setdefault(find(homes[node]), []).append(node)
+    return [tuple(groups[first]) for first in sorted(groups)]
 
 
 def _with_ancestors(shape: Shape, nodes: Sequence[int]) -> int:

@@ -1,21 +1,23 @@
 """Small parts of a network: one table for all cases of evidence, with the standard library only.
 
-For each output P(output, inputs) is made once, over the states of every input and "not observed"
-as one more state. A step with hard or missing evidence is one look-up; virtual evidence sums over
-the states of the inputs that it is given for. Monitors of small networks so start without numpy.
+For each output P(output, inputs) is made once, over the states of every input and, where that may
+be, "not observed" as one more state. A step with hard or missing evidence is one look-up; virtual
+evidence sums over the states of the inputs that it is given for. Monitors of small networks so
+start without numpy.
 """
 
 from __future__ import annotations
 
 import math
 from operator import mul
-from typing import Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from .graph import Component, bits, mask_of
-from .messages import Edge, Message, Program, cases_of
+from .graph import Component, bits, mask_of, size_of
+from .messages import Edge, Message, Program
 from .messages import work as work_of
 from .model import Network
 from .tree import EVIDENCE, TABLE, Tree
+from .unrolled import Total, make_total
 
 MAX_NUMBERS = 16_384
 """Numbers in the table of one output: half a megabyte."""
@@ -41,25 +43,28 @@ class _Table(NamedTuple):
         values: P(output, inputs), the output fastest.
         strides: (position of an input in the evidence, distance between its states).
         card: number of states of the output; 1 if it is the probability of the evidence alone.
+        total: vectors of the inputs -> the row, summed over all states; None for a large table.
     """
 
     values: List[float]
     strides: Tuple[Tuple[int, int], ...]
     card: int
+    total: Optional[Total]
 
 
 def fits(program: Program, network: Network, part: Component) -> bool:
     """Tell whether the tables of a part are small."""
     cards = network.shape.cards
     for message in program.messages.values():
-        cases = cases_of(message.inputs, cards)
+        cases = size_of(message.inputs, program.cases)
         if message.parts and cases * work_of(program.messages, message, cards) > _MAX_WORK:
             return False
     for edge in program.answers.values():
         (node,) = bits(program.messages[edge].mask)
-        if cases_of(program.messages[edge].inputs, cards) * cards[node] > MAX_NUMBERS:
+        if size_of(program.messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
             return False
-    return not program.evidence or cases_of(mask_of(part.inputs), cards) <= MAX_NUMBERS
+    inputs = mask_of((*part.inputs, *part.given))
+    return not program.evidence or size_of(inputs, program.cases) <= MAX_NUMBERS
 
 
 class JointTables:
@@ -79,11 +84,16 @@ class JointTables:
     ) -> None:
         self.outputs: Tuple[int, ...] = part.outputs
         self._cards = network.shape.cards
+        self._cases = program.cases
         self._count = len(self._cards)
         self._positions = positions
         in_tables = {leaf.node for leaf in tree.leaves if leaf.kind == TABLE}
         self._priors = {
             positions[node]: None if node in in_tables else list(network.tables[node])
+            for node in part.inputs
+        }
+        self._rows = {
+            positions[node]: _rows(self._cards[node], self._priors[positions[node]])
             for node in part.inputs
         }
         factors = self._factors(network, tree, program)
@@ -92,9 +102,14 @@ class JointTables:
             one, other = (factors[edge] for edge in (*program.evidence, *program.evidence)[:2])
             if len(program.evidence) == 1:
                 other = _Factor((), [1.0])
-            answers = [self._product(one, other, 0, mask_of(part.inputs))]
+            answers = [self._product(one, other, 0, mask_of((*part.inputs, *part.given)))]
         self._tables = [self._table(one, part) for one in answers]
         self.hard: Callable[[States], Rows] = self._compile()
+
+    @property
+    def positive(self) -> bool:
+        """Tell whether no case has probability zero."""
+        return all(min(table.values) > 0.0 for table in self._tables)
 
     def soft(self, states: States, weights: Weights) -> Rows:
         """Return unnormalised rows when some inputs have virtual evidence.
@@ -104,11 +119,27 @@ class JointTables:
                 states stands for "not observed" and for virtual evidence.
             weights: position -> likelihoods.
         """
-        return [self._soft(table, states, weights) for table in self._tables]
+        return [
+            self._soft(table, states, weights)
+            if table.total is None
+            else table.total(self._vectors(table, states, weights))
+            for table in self._tables
+        ]
 
     def scaled(self, states: States, weights: Weights) -> Rows:
         """Return rows of which none is zero by underflow, for very small likelihoods."""
         return [self._soft(table, states, weights, scale=True) for table in self._tables]
+
+    def _vectors(self, table: _Table, states: States, weights: Weights) -> List[Sequence[float]]:
+        vectors: List[Sequence[float]] = []
+        for position, _ in table.strides:
+            weight = weights.get(position)
+            if weight is None:
+                vectors.append(self._rows[position][states[position]])
+            else:
+                prior = self._priors[position]
+                vectors.append(weight if prior is None else list(map(mul, weight, prior)))
+        return vectors
 
     def _soft(
         self, table: _Table, states: States, weights: Weights, *, scale: bool = False
@@ -162,7 +193,9 @@ class JointTables:
         leaf = tree.leaves[message.leaf]
         node, card = leaf.node, self._cards[leaf.node]
         if leaf.kind == TABLE:
-            return _Factor((*network.shape.parents[node], node), list(network.tables[node]))
+            family = (*network.shape.parents[node], node)
+            axes = tuple(one + self._count if leaf.seen >> one & 1 else one for one in family)
+            return _Factor(axes, list(network.tables[node]))
         if leaf.kind != EVIDENCE:
             return _Factor((node,), [1.0] * card)
         prior = self._priors[self._positions[node]]
@@ -197,7 +230,7 @@ class JointTables:
         return offsets
 
     def _size(self, axis: int) -> int:
-        return self._cards[axis] if axis < self._count else self._cards[axis - self._count] + 1
+        return self._cards[axis] if axis < self._count else self._cases[axis - self._count]
 
     def _table(self, factor: _Factor, part: Component) -> _Table:
         card = self._cards[factor.axes[-1]] if part.outputs else 1
@@ -206,4 +239,18 @@ class JointTables:
         for axis in reversed(cases):
             strides.append((self._positions[axis - self._count], stride))
             stride *= self._size(axis)
-        return _Table(factor.values, tuple(strides[::-1]), card)
+        strides.reverse()
+        total = None
+        if not part.given:
+            counts = [len(self._rows[position]) - 1 for position, _ in strides]
+            total = make_total(factor.values, counts, [one for _, one in strides], card)
+        return _Table(factor.values, tuple(strides), card, total)
+
+
+def _rows(card: int, prior: Optional[Sequence[float]]) -> List[List[float]]:
+    """Return the vector of an input for each of its states, and for "not observed" behind them."""
+    known = prior or [1.0] * card
+    rows = [
+        [float(one == state and p > 0.0) for one, p in enumerate(known)] for state in range(card)
+    ]
+    return [*rows, list(known)]

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from .graph import Component, bits, mask_of, size_of
-from .tree import EVIDENCE, TABLE, UNIT, Tree
+from .tree import TABLE, UNIT, Tree
 
 Edge = Tuple[int, int]
 """(from, to): numbers of a tree."""
@@ -55,12 +55,15 @@ class Program(NamedTuple):
         evidence: for a part without outputs: the two messages whose product, summed, is the
             probability of the evidence (one of them for a single leaf).
         tabulated: the messages that depend on few inputs.
+        cases: of each node when it is observable: its states, and "not observed" where that may
+            be.
     """
 
     messages: Dict[Edge, Message]
     answers: Dict[int, Edge]
     evidence: Tuple[Edge, ...]
     tabulated: Set[Edge]
+    cases: Tuple[int, ...]
 
 
 def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
@@ -77,7 +80,9 @@ def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
     messages: Dict[Edge, Message] = {}
     for edge in (*targets.values(), *evidence):
         _collect(edge, tree, around, messages)
-    return Program(messages, targets, evidence, _tabulated(messages, cards))
+    given = mask_of(part.given)
+    cases = tuple(card + (not given >> node & 1) for node, card in enumerate(cards))
+    return Program(messages, targets, evidence, _tabulated(messages, cards, cases), cases)
 
 
 def costs(program: Program, cards: Sequence[int]) -> Tuple[int, int, int]:
@@ -153,30 +158,24 @@ def _message(
             inputs |= messages[part].inputs
         return Message(edge, mask, inputs, parts, -1, "")
     leaf = tree.leaves[edge[0]]
-    seen = 1 << leaf.node if leaf.kind == EVIDENCE else 0
-    return Message(edge, mask, seen, (), edge[0], leaf.kind)
+    return Message(edge, mask, leaf.seen, (), edge[0], leaf.kind)
 
 
-def _tabulated(messages: Dict[Edge, Message], cards: Sequence[int]) -> Set[Edge]:
+def _tabulated(
+    messages: Dict[Edge, Message], cards: Sequence[int], cases_of_each: Sequence[int]
+) -> Set[Edge]:
     found: Set[Edge] = set()
     for edge, message in messages.items():
         ready = all(part in found or not messages[part].inputs for part in message.parts)
         if not message.inputs or not ready:
             continue
-        cases = cases_of(message.inputs, cards)
+        cases = size_of(message.inputs, cases_of_each)
         numbers = cases * size_of(message.mask, cards)
-        effort = cases * work(messages, message, cards) if message.parts else 0
-        if cases <= MAX_CASES and numbers <= MAX_NUMBERS and effort <= _MAX_WORK:
+        effort = cases * work(messages, message, cards)
+        small = cases <= MAX_CASES and numbers <= MAX_NUMBERS and effort <= _MAX_WORK
+        if small or not message.parts:
             found.add(edge)
     return found
-
-
-def cases_of(inputs: int, cards: Sequence[int]) -> int:
-    """Return the number of hard cases of some inputs, "not observed" being one more state."""
-    cases = 1
-    for node in bits(inputs):
-        cases *= cards[node] + 1
-    return cases
 
 
 def alias_of(messages: Dict[Edge, Message], message: Message) -> Optional[Edge]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import time
 from typing import (
     Any,
@@ -26,7 +28,7 @@ from .inference import Evidence, Inference
 from .methods import Answer, Methods
 from .model import read_model_part
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
-from .sources import make_sources, read_attribute
+from .sources import make_sources
 from .width import TooWideError
 
 Output = List[BayesianNetworkOutput]
@@ -117,33 +119,31 @@ class BayesianNetworkMonitor(Monitor):
         now = 0
         if self._timed:
             now = time.monotonic_ns() if t_ns is None else t_ns
+        answer = _NO_ANSWER
+        if self._methods is not None:
+            answer = self._methods.ask(eddi_input)
+            self._last.answer = answer
+            if not self._foreseen(answer) and not self._grow(answer.outputs, answer.findings):
+                return []
         last = self._last
-        last.answer = _NO_ANSWER if self._methods is None else self._methods.ask(eddi_input)
-        last.problem = ""
-        findings, flagged = last.answer.findings, last.answer.outputs
-        failed = last.answer.problems
-        foreseen = flagged <= self._known and findings.keys() <= self._positions.keys()
-        if not foreseen and not self._grow(flagged, findings):
-            return []
-        last = self._last
+        last.answer, last.problem = answer, ""
+        flagged = answer.outputs
         states = list(self._missing)
         weights: Dict[int, List[float]] = {}
         raw: List[object] = []
-        for node, position, attribute, reader in self._readers:
-            value, found = read_attribute(reader, eddi_input, attribute, now)
+        for position, attribute, read, reader in self._readers:
+            try:
+                value = getattr(eddi_input, attribute, None)
+                found = read(value, now)
+            except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, no evidence
+                value, found = None, reader.absent(now)
             raw.append(value)
-            if node in findings or node in failed:
-                continue  # its method has spoken, or would have said what is not known
-            if isinstance(found, int):
+            if type(found) is int:
                 states[position] = found
             else:
-                weights[position] = found
-        for node, finding in findings.items():
-            position = self._positions[node]
-            if isinstance(finding, int):
-                states[position] = finding
-            else:
-                weights[position] = finding
+                weights[position] = found  # type: ignore[assignment]  # a list, then
+        if answer is not _NO_ANSWER:
+            self._take(answer, states, weights)
         last.raw, last.states, last.weights = raw, states, weights
         rows = self._posteriors(states, weights)
         last.inconsistent = rows is None
@@ -155,10 +155,31 @@ class BayesianNetworkMonitor(Monitor):
             rows, flagged = self._good
         return [] if rows is None else self._output(rows, flagged)
 
+    def _foreseen(self, answer: Answer) -> bool:
+        known = self._positions.keys()
+        return answer.outputs <= self._known and answer.findings.keys() <= known
+
+    def _take(self, answer: Answer, states: List[int], weights: Dict[int, List[float]]) -> None:
+        """Put what the methods said in the place of what was declared."""
+        positions, missing = self._positions, self._missing
+        for node in answer.problems:  # it would have said what is not known
+            if node in positions:
+                position = positions[node]
+                states[position] = missing[position]
+                weights.pop(position, None)
+        for node, finding in answer.findings.items():
+            position = positions[node]
+            if isinstance(finding, int):
+                states[position] = finding
+                weights.pop(position, None)
+            else:
+                states[position] = missing[position]
+                weights[position] = finding
+
     def _posteriors(
         self, states: List[int], weights: Mapping[int, List[float]]
     ) -> Optional[Posteriors]:
-        """Return the posteriors, of former steps where the same states were seen."""
+        """Return the posteriors: known from the start, seen in former steps, or inferred."""
         if weights:
             return self.inference.engine.infer(states, weights)
         key = tuple(states)
@@ -280,9 +301,12 @@ class BayesianNetworkMonitor(Monitor):
         self._positions = {node: k for k, node in enumerate(engine.observable)}
         self._known = frozenset(engine.outputs)
         self._known_rows: Dict[Tuple[int, ...], Optional[Posteriors]] = {}
+        if engine.lookup_only and math.prod(card + 1 for card in engine.missing) <= self.remembered:
+            cases = itertools.product(*(range(card + 1) for card in engine.missing))
+            self._known_rows = {case: engine.infer(case) for case in cases}
         self._titles = [(node, names[node], states[node]) for node in engine.outputs]
         self._readers = [
-            (one.node, self._positions[one.node], one.spec.attribute, one.reader)
+            (self._positions[one.node], one.spec.attribute, one.reader.read, one.reader)
             for one in self._sources
         ]
         self._last = _Step(self._missing)

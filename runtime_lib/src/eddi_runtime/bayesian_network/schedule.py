@@ -2,7 +2,8 @@
 
 Two functions are made. ``full`` runs every message that depends on evidence; any mixture of hard,
 virtual and missing evidence is put into its vectors. ``hard`` is for steps without virtual
-evidence: messages that depend on few inputs are looked up, only the others are computed.
+evidence: messages that depend on few inputs are looked up, only the others are computed. Where
+nodes are observed in each step, there is ``hard`` only.
 """
 
 from __future__ import annotations
@@ -53,10 +54,16 @@ class Schedule:
         self.hard: Callable[[States], Rows]
         self._full: Callable[[States], Rows]
         self.hard = Emission(program, cards, self._arrays, positions, None).compile()
-        self._full = Emission(program, cards, self._arrays, positions, vectors).compile()
+        if part.given:
+            self._full = self.hard
+        else:
+            self._full = Emission(program, cards, self._arrays, positions, vectors).compile()
 
     def soft(self, states: States, weights: Weights) -> Rows:
-        """Return unnormalised rows when some inputs have virtual evidence (by position)."""
+        """Return unnormalised rows when some inputs have virtual evidence (by position).
+
+        Not where nodes are observed in each step.
+        """
         values: List[float] = []
         for node in self._inputs:
             values += self._vector(node, states, weights)
@@ -68,7 +75,9 @@ class Schedule:
         program = self._program
         wanted = (*program.answers.values(), *program.evidence)
         found = self._arrays.scaled(
-            lambda node: np.array(self._vector(node, states, weights)), wanted
+            lambda node: np.array(self._vector(node, states, weights)),
+            lambda node: states[self._positions[node]],
+            wanted,
         )
         if not program.evidence:
             rows = [found[program.answers[node]] for node in self.outputs]

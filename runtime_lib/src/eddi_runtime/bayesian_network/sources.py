@@ -7,7 +7,7 @@ from typing import Dict, NamedTuple, Sequence, Tuple
 from ..inputs import InputSpec
 from .declaration import read_declaration
 from .model import BayesianNetworkModel
-from .readers import DirectReader, Discretiser, Reader, Reading
+from .readers import DirectReader, Discretiser, Reader
 
 
 class Source(NamedTuple):
@@ -38,14 +38,3 @@ def make_sources(model: BayesianNetworkModel, specs: Sequence[InputSpec]) -> Tup
         found[node] = Source(node, spec, Discretiser(declaration, spec))
     wanted = found if model.observed is None else model.observed
     return tuple(found[node] for node in sorted(found) if node in wanted)
-
-
-def read_attribute(
-    reader: Reader, eddi_input: object, attribute: str, now: int
-) -> Tuple[object, Reading]:
-    """Return the value of an attribute, and what it says; never raises an Exception."""
-    try:
-        value = getattr(eddi_input, attribute, None)
-        return value, reader.read(value, now)
-    except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, it is no evidence
-        return None, reader.absent(now)

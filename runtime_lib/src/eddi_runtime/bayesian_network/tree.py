@@ -35,11 +35,13 @@ class Leaf(NamedTuple):
             prior if it is a root that is no output; ``unit``: the place of an output.
         node: number of the node.
         mask: the nodes that it has an axis for.
+        seen: the observable nodes whose states select its numbers.
     """
 
     kind: str
     node: int
     mask: int
+    seen: int
 
 
 class Tree(NamedTuple):
@@ -64,14 +66,14 @@ def make_leaves(shape: Shape, part: Component) -> Tuple[Leaf, ...]:
     The prior of an observable root goes with its evidence, so that it cancels exactly when the
     node is observed.
     """
-    inputs, outputs = set(part.inputs), set(part.outputs)
-    leaves = [
-        Leaf(TABLE, node, mask_of((*shape.parents[node], node)))
-        for node in part.nodes
-        if node in outputs or node not in inputs or shape.parents[node]
-    ]
-    leaves += [Leaf(EVIDENCE, node, 1 << node) for node in part.inputs]
-    leaves += [Leaf(UNIT, node, 1 << node) for node in part.outputs if node not in inputs]
+    inputs, outputs, given = set(part.inputs), set(part.outputs), mask_of(part.given)
+    leaves = []
+    for node in part.nodes:
+        if node in outputs or node not in inputs or shape.parents[node]:
+            family = mask_of((*shape.parents[node], node))
+            leaves.append(Leaf(TABLE, node, family & ~given, family & given))
+    leaves += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
+    leaves += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in inputs]
     return tuple(leaves)
 
 
@@ -114,7 +116,7 @@ class _Search:
         self.gain = gain
         self.weight = weight
         self.masks = [leaf.mask for leaf in leaves]
-        self.constant = [leaf.kind == TABLE for leaf in leaves]
+        self.constant = [leaf.kind == TABLE and not leaf.seen for leaf in leaves]
         self.joins: List[Tuple[int, int]] = []
         self.active = dict.fromkeys(range(len(leaves)))
         self.holders: Dict[int, List[int]] = {}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Callable, List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Sequence, Tuple
 
-from .graph import Component, Shape, bits, components, mask_of, size_of
+from .graph import Component, Shape, bits, components, mask_of, size_of, with_all_observed
 from .messages import Program, costs, joint_mask, make_program
 from .tree import Tree, find_tree
 
@@ -75,11 +75,16 @@ def make_plans(
     shape: Shape, outputs: Sequence[int], observable: Sequence[int], trials: int = 8
 ) -> Tuple[Plan, ...]:
     """Return the cheapest plan that was found for each part."""
-    plans = []
-    for part in components(shape, sorted(set(outputs)), sorted(set(observable))):
-        tree = find_tree(shape, part, _price(shape, part), trials)
-        plans.append(Plan(part, tree, make_program(tree, part, shape.cards)))
-    return tuple(plans)
+    parts = components(shape, sorted(set(outputs)), sorted(set(observable)))
+    return tuple(_plan(shape, part, trials) for part in parts)
+
+
+def plans_when_observed(shape: Shape, plan: Plan, trials: int = 8) -> Tuple[Plan, ...]:
+    """Return what replaces a plan when each of its inputs is observed; empty: nothing cheaper."""
+    parts = with_all_observed(shape, plan.part)
+    plans = tuple(_plan(shape, part, trials) for part in parts)
+    prices = [costs(one.program, shape.cards)[0] for one in plans]
+    return plans if sum(prices) < costs(plan.program, shape.cards)[0] else ()
 
 
 def width(shape: Shape, plans: Sequence[Plan]) -> Width:
@@ -99,10 +104,11 @@ def width(shape: Shape, plans: Sequence[Plan]) -> Width:
     return Width(largest, tuple(shape.names[one] for one in bits(culprit)), operations, nanoseconds)
 
 
-def _price(shape: Shape, part: Component) -> Callable[[Tree], int]:
+def _plan(shape: Shape, part: Component, trials: int) -> Plan:
     def price(tree: Tree) -> int:
         # Mostly hard evidence is seen; the other schedule must not be forgotten for it.
         hard, full, _ = costs(make_program(tree, part, shape.cards), shape.cards)
-        return 4 * hard + full
+        return hard if part.given else 4 * hard + full
 
-    return price
+    tree = find_tree(shape, part, price, trials)
+    return Plan(part, tree, make_program(tree, part, shape.cards))

@@ -70,6 +70,12 @@ class Chain:
 
     The belief has any weight up to one: results are divided by it, and it is seldom brought back.
 
+    Args:
+        spec: the chain.
+        quantum: hours.
+        horizons: where to look ahead.
+        age: hours that it had run, unobserved, before the start of the mission.
+
     Attributes:
         states: how many there are.
         fail: numbers of the fail states.
@@ -77,10 +83,12 @@ class Chain:
         everything: no input excludes a state.
     """
 
-    def __init__(self, spec: ChainSpec, quantum: float, horizons: Horizons) -> None:
+    def __init__(
+        self, spec: ChainSpec, quantum: float, horizons: Horizons, age: float = 0.0
+    ) -> None:
         self.states, self.fail = spec.states, frozenset(spec.fail)
-        self._initial = spec.initial
         q = generator(spec.states, spec.arcs, spec.fail)
+        self._first = propagator(q, age)[spec.initial].copy()
         self._ahead, self._alive = _ahead(q, spec.fail, horizons)
         self.tau = mean_times(q, spec.fail)
         endless = np.isinf(self.tau)
@@ -145,9 +153,10 @@ class Chain:
         return belief
 
     def reset(self) -> None:
-        """Return to the initial state."""
+        """Return to the start of the mission."""
         self._seen = self.everything
-        self.place(self._initial)
+        self._rows, self._at = [], 0
+        self._belief[:] = self._first
 
     def place(self, state: int) -> None:
         """Believe in one state alone."""

@@ -13,6 +13,7 @@ from .chain import Chain, ChainSpec, Horizons, Seen
 from .component import Component, Known
 from .estimate import Estimate, Moment, Values
 from .structures import Rotors
+from .weibull import hazard
 
 _NAN = float("nan")
 
@@ -37,6 +38,7 @@ class MarkovChain(Component):
         observe: (state, input id, negated): the verdict F excludes the state.
         quantum: hours.
         horizons: where to look ahead.
+        age: hours that it had run, unobserved, before the start of the mission.
     """
 
     def __init__(
@@ -45,8 +47,9 @@ class MarkovChain(Component):
         observe: Tuple[Tuple[int, str, bool], ...],
         quantum: float,
         horizons: Horizons,
+        age: float = 0.0,
     ) -> None:
-        self.chain = Chain(spec, quantum, horizons)
+        self.chain = Chain(spec, quantum, horizons, age)
         self._observe = observe
         names = tuple(dict.fromkeys(name for _, name, _ in observe))
         self._names, self._verdicts = names, reader(names)
@@ -74,7 +77,7 @@ class MarkovChain(Component):
         return seen
 
     def reset(self) -> None:
-        """Return to the initial state."""
+        """Return to the start of the mission."""
         super().reset()
         self.chain.reset()
 
@@ -184,7 +187,7 @@ class Processor(Component):
     """A processor that ages by temperature (Arrhenius) and load: cumulative exposure.
 
     Args:
-        values: mttf_ref in hours, shape, u_max.
+        values: mttf_ref in hours, shape, u_max, age in hours at reference conditions.
         heat: how temperature ages it.
         temperature: id of the input, degC.
         utilisation: id of the input, None for always one.
@@ -203,7 +206,8 @@ class Processor(Component):
         self._heat = heat
         self._worst = values["u_max"] * heat.worst
         self._temperature, self._utilisation = temperature, utilisation
-        self._exposure = 0.0
+        self._age = values["age"]
+        self._exposure = self._age
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Add the exposure since the last step; unknown conditions count as the worst ones."""
@@ -221,13 +225,9 @@ class Processor(Component):
         if self._shape == 1.0:  # a difference of large numbers would cancel
             ahead = stress * moment.horizon / self._scale
         else:
-            before = self._hazard(self._exposure)
-            ahead = self._hazard(self._exposure + stress * moment.horizon) - before
+            ahead = hazard(self._exposure, stress * moment.horizon, self._scale, self._shape)
         p = -math.expm1(-ahead)
         return Estimate(0.0 if unknown else p, p, math.exp(-ahead), self._life(stress), unknown)
-
-    def _hazard(self, exposure: float) -> float:
-        return float((exposure / self._scale) ** self._shape)
 
     def _life(self, stress: float) -> float:
         if stress == 0.0:
@@ -235,9 +235,9 @@ class Processor(Component):
         return self._mean / stress if self._shape == 1.0 or self._exposure == 0.0 else _NAN
 
     def reset(self) -> None:
-        """Return to a new processor."""
+        """Return to the start of the mission."""
         super().reset()
-        self._exposure = 0.0
+        self._exposure = self._age
 
 
 class KOutOfN(Component):

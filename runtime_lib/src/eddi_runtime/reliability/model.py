@@ -154,7 +154,7 @@ class _Reader:
             (_index(state, states, where), self._named(str(name), rules.BOOL), negated is True)
             for state, name, negated in _triples(item, "observe", where)
         )
-        return MarkovChain(spec, observe, self._quantum, self._horizons)
+        return MarkovChain(spec, observe, self._quantum, self._horizons, _age(item, where))
 
     def _propulsion(self, item: Any, where: str) -> Component:
         configuration = take(item, "configuration", str, where)
@@ -187,6 +187,7 @@ class _Reader:
         positive = ("mttf_ref", "shape")
         numbers = {key: _number(item, key, where, least=1e-12) for key in positive}
         numbers["u_max"] = _number(item, "u_max", where)
+        numbers["age"] = _age(item, where)
         temperature = self._input(item, "temperature", where, rules.TEMPERATURE)
         load = item.get("utilisation")
         if load is not None:
@@ -240,7 +241,8 @@ class _Reader:
         name = item.get("input")
         if name is not None:
             name = self._input(item, "input", where, rules.BOOL)
-        return Event(take(item, "name", str, where), law, numbers, model, name)
+        age = _age(item, where)
+        return Event(take(item, "name", str, where), law, numbers, model, name, age)
 
 
 def _status_rule(position: Optional[int], count: int) -> Rule:
@@ -282,6 +284,10 @@ def _rate(value: Any, where: str) -> float:
     if not 0.0 <= value < math.inf:
         raise ModelError("", f"{value!r} in {where} is negative or not finite")
     return float(value)
+
+
+def _age(item: Any, where: str) -> float:
+    return 0.0 if item.get("age") is None else _number(item, "age", where)
 
 
 def _number(item: Any, key: str, where: str, least: float = 0.0) -> float:

@@ -14,6 +14,7 @@ from .component import Component, Known
 from .cut_sets import CutSet, minimal_cut_sets
 from .estimate import Estimate, Moment, Values
 from .estimate import known as sure
+from .weibull import hazard
 
 _NAN = float("nan")
 DYNAMIC = ("PAND", "POR")
@@ -31,6 +32,7 @@ class Event(NamedTuple):
         values: numbers of the law.
         model: name of the model.
         input: id of the input that says whether it has happened; None: not observed.
+        age: hours that it had run before the start of the mission.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Event(NamedTuple):
     values: Tuple[float, ...] = ()
     model: str = ""
     input: Optional[str] = None
+    age: float = 0.0
 
 
 class Importance(NamedTuple):
@@ -95,7 +98,7 @@ class FaultTree(Component):
         self._repair = repair
         self._static = _Laws(self.events)
         self._chains = [
-            (i, Chain(_order(e.law, e.values), quantum, horizons))
+            (i, Chain(_order(e.law, e.values), quantum, horizons, e.age))
             for i, e in enumerate(events)
             if e.law in DYNAMIC
         ]
@@ -206,10 +209,11 @@ class _Laws:
     """Probabilities of all events with a formula."""
 
     def __init__(self, events: Sequence[Event]) -> None:
-        laws = [(i, e.values[0], e.input) for i, e in enumerate(events) if e.law == "exponential"]
-        self._ageing = [(i, -rate) for i, rate, name in laws if name is None]
-        self._seen = [(i, -rate) for i, rate, name in laws if name is not None]
-        self._rates = np.array([rate for _, rate in self._ageing])
+        laws = [(i, e) for i, e in enumerate(events) if e.law == "exponential"]
+        self._ageing = [(i, -e.values[0], e.age) for i, e in laws if e.input is None]
+        self._seen = [(i, -e.values[0]) for i, e in laws if e.input is not None]
+        self._rates = np.array([rate for _, rate, _ in self._ageing])
+        self._ages = np.array([age for _, _, age in self._ageing])
         self._weibull = [(i, e) for i, e in enumerate(events) if e.law == "weibull"]
         self._fixed = [e.values[0] if e.law == "fixed" else 0.0 for e in events]
         self._horizon = -1.0
@@ -227,16 +231,19 @@ class _Laws:
         q = self._base.copy()
         until = age + horizon
         if len(self._ageing) < _MANY:
-            for i, rate in self._ageing:
-                q[i] = -expm1(rate * until)
+            for i, rate, before in self._ageing:
+                q[i] = -expm1(rate * (before + until))
         else:
-            for (i, _), value in zip(self._ageing, np.expm1(self._rates * until).tolist()):
+            values = np.expm1(self._rates * (self._ages + until)).tolist()
+            for (i, _, _), value in zip(self._ageing, values):
                 q[i] = -value
         for i, event in self._weibull:
             scale, shape = event.values
-            start = age if event.input is not None else 0.0
-            ahead = (until / scale) ** shape - (start / scale) ** shape
-            q[i] = -expm1(-ahead)
+            whole = event.age + age
+            if event.input is None:
+                q[i] = -expm1(-hazard(0.0, whole + horizon, scale, shape))
+            else:
+                q[i] = -expm1(-hazard(whole, horizon, scale, shape))
         return q
 
 
