@@ -35,7 +35,7 @@ def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
         "runtime_names": _runtime_names(monitor.inputs),
         **_kind_answers(monitor),
         "default_guarantees": list(monitor.default_guarantees),
-        "config_json": config.as_json() if config else "",
+        "config_json": monitor.config.as_json() if monitor.config else "",
         "model_json": monitor.model_json,
     }
 

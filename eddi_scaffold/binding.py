@@ -286,12 +286,16 @@ class _Binder:
         return binding, self.problems
 
     def _computed(self) -> InputExpression | None:
-        """Check ``expression:`` or ``states:``; what it reads becomes what the input requires."""
+        """Check ``expression:`` and its like; what it reads becomes what the input requires."""
         entry = self.entry
-        if entry.expression is None and entry.states is None:
+        if entry.event is not None and entry.expression_file is None:
+            message = f"{entry.id!r} has `event:`, but no `expression_file:` that it is of"
+            self._error("K043", message, "event")
+        if not entry.is_computed:
             return None
         if entry.field is not None:
-            self._error("K043", f"{entry.id!r} has `field:` and `expression:`", "field")
+            key = "expression" if entry.expression_file is None else "expression_file"
+            self._error("K043", f"{entry.id!r} has `field:` and `{key}:`", "field")
         found, problems = bind_expression(
             self.item, self.index, self.config, self._fields_of, self.types
         )
@@ -337,7 +341,7 @@ class _Binder:
     def _expression(self) -> str | None:
         """Return the expression of ``field:``, or of the only field where that fits."""
         entry = self.entry
-        if entry.expression is not None or entry.states is not None:
+        if entry.is_computed:
             return None  # it has an error
         if self.item.type == "float[]" and self.requires:
             return self._numbers()

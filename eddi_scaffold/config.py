@@ -62,6 +62,8 @@ _TEXTS = {
 """Our words for pydantic's, which speak to programmers."""
 _KEY = -1
 """Last part of the path under which the place of a key is noted, not that of its value."""
+_EVENT_FILES = "event_files"
+"""Key of the remembered texts beside those of the configuration itself."""
 _TYPES: dict[str, InputType] = {
     "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
     "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
@@ -125,6 +127,12 @@ def _line(text: str) -> str:
     return text
 
 
+def _file_name(text: str) -> str:
+    if not text.strip() or "\0" in text:
+        raise ValueError("the name of a file is expected")
+    return text
+
+
 def _named(value: object) -> object:
     """Accept D7.2's ids that YAML 1.1 reads as numbers."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
@@ -132,6 +140,7 @@ def _named(value: object) -> object:
 
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
 MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
+FileName = Annotated[StrictStr, AfterValidator(_file_name)]
 Line = Annotated[StrictStr, AfterValidator(_line)]
 Topic = Annotated[StrictStr, AfterValidator(_topic)]
 MessageType = Annotated[StrictStr, AfterValidator(_message_type)]
@@ -187,6 +196,9 @@ class Input(_Entry):
         unit: unit of the value, when it is not the model's.
         field: path into the message (``data``, ``guarantees[G0].active``).
         expression: a condition or value over the messages (docs/events.md), in place of ``field``.
+        expression_file: file of events, relative to the configuration, that has it in place of
+            ``expression``.
+        event: which event of that file it is; the only one needs no name.
         states: for an input that is a state: state -> condition.
         polarity: what an UNKNOWN condition gives: nothing (``EVIDENCE``) or true (``HAZARD``).
         max_age: seconds after which the value is unknown, or ``none`` for never.
@@ -199,11 +211,18 @@ class Input(_Entry):
     unit: StrictStr | None = None
     field: StrictStr | None = None
     expression: StrictStr | None = None
+    expression_file: FileName | None = None
+    event: Name | None = None
     states: dict[StrictStr, StrictStr] | None = None
     polarity: Literal["EVIDENCE", "HAZARD"] = "EVIDENCE"
     max_age: MaxAge = None
     renamed_from: Name | None = None
     allow_unsafe_default: StrictBool = False
+
+    @property
+    def is_computed(self) -> bool:
+        """Whether an expression gives the value."""
+        return any(one is not None for one in (self.expression, self.expression_file, self.states))
 
 
 class Output(_Entry):
@@ -246,10 +265,6 @@ class Config(_Section):
     Package: PackageSection = PackageSection()
     MessageTypes: dict[MessageType, dict[StrictStr, StrictStr]] = {}
 
-    def as_json(self) -> str:
-        """Return the configuration as canonical JSON: what the answers remember."""
-        return json.dumps(self.model_dump(exclude_defaults=True), sort_keys=True)
-
 
 @dataclass(frozen=True)
 class ConfigFile:
@@ -259,6 +274,7 @@ class ConfigFile:
         places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
         remembered: it comes from the answers of a package, not from its file.
         text: of the file.
+        event_files: name of each ``expression_file`` as it stands there -> its text.
     """
 
     config: Config
@@ -266,6 +282,18 @@ class ConfigFile:
     places: Mapping[tuple[str | int, ...], Place]
     remembered: bool = False
     text: str = ""
+    event_files: Mapping[str, str] = field(default_factory=dict)
+
+    def as_json(self) -> str:
+        """Return configuration and files of events as canonical JSON: what the answers remember."""
+        document = self.config.model_dump(exclude_defaults=True)
+        if self.event_files:
+            document[_EVENT_FILES] = dict(self.event_files)
+        return json.dumps(document, sort_keys=True)
+
+    def path(self, name: str) -> str:
+        """Return the path of a file that is named relative to this configuration, for places."""
+        return name if self.remembered else str(Path(self.name).parent / name)
 
     def read(self, name: str) -> Source:
         """Open a file that is named relative to this configuration.
@@ -291,8 +319,17 @@ class ConfigFile:
 
 
 def from_json(text: str, name: str) -> ConfigFile:
-    """Read back what ``Config.as_json`` wrote."""
-    return ConfigFile(Config.model_validate(json.loads(text)), name, {}, remembered=True)
+    """Read back what ``ConfigFile.as_json`` wrote.
+
+    Raises:
+        ValueError: a person or a merge has damaged it.
+    """
+    document = json.loads(text)
+    files = document.pop(_EVENT_FILES, {})
+    if not isinstance(files, dict) or not all(isinstance(one, str) for one in files.values()):
+        raise ValueError(f"{_EVENT_FILES} is no map of texts")
+    config = Config.model_validate(document)
+    return ConfigFile(config, name, {}, remembered=True, event_files=files)
 
 
 @dataclass(frozen=True)
@@ -336,7 +373,35 @@ def read_config(
     text = source.data.decode("utf-8-sig", "replace")
     file = ConfigFile(_with_types(config, robot), source.name, places, text=text)
     problems += _repeated_ids(file)
+    files, unread = _event_files(file)
+    file = replace(file, event_files=files)
+    problems += unread
     return (None if has_errors(problems) else file), in_order(problems)
+
+
+def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
+    """Read the files of events that inputs name (F001, E001)."""
+    texts: dict[str, str] = {}
+    problems: list[Problem] = []
+    for index, entry in enumerate(file.config.EDDIInputs):
+        name = entry.expression_file
+        if name is None or name in texts:
+            continue
+        try:
+            source = file.read(name)
+            texts[name] = source.data.decode("utf-8-sig")
+        except EddiError as failure:
+            (problem,) = failure.problems
+            folder = Path(file.path(name)).parent
+            there = [path.name for path in folder.glob("*.events")] if folder.is_dir() else []
+            hint = did_you_mean(Path(name).name, sorted(there))
+            place = file.place("EDDIInputs", index, "expression_file")
+            problems.append(error(problem.code, f"{name!r}: {problem.message}", place, hint))
+        except UnicodeDecodeError as wrong:
+            line = source.data.count(b"\n", 0, wrong.start) + 1
+            place = Place(source.name, line, 1)
+            problems.append(error("E001", "the file is not UTF-8 text", place))
+    return texts, problems
 
 
 def _with_types(config: Config, robot: Robot | None) -> Config:
@@ -362,7 +427,7 @@ def options_of(file: ConfigFile | None) -> Options:
             type=_TYPES[item.type] if item.type is not None else None,
             unit=item.unit,
             default=item.default,
-            has_expression=item.expression is not None or item.states is not None,
+            has_expression=item.is_computed,
             place=file.place("EDDIInputs", index),
             messages=tuple(types[name] for name in item.requires),
         )

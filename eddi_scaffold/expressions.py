@@ -1,4 +1,4 @@
-"""``expression:`` of an EDDI input: checked against the messages, with places inside the YAML."""
+"""``expression:`` of an EDDI input, or the event of a file: checked against the messages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from eddi_scaffold import fields
 from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput
-from eddi_scaffold.events.diagnostics import Findings, Locate
+from eddi_scaffold.events.diagnostics import Findings, Locate, in_text
 from eddi_scaffold.events.inputs import CompiledExpression, ExpressionText, compile_input
 from eddi_scaffold.events.parser import parse
 from eddi_scaffold.events.scope import BOOL, NUMBER, Type, Variable
@@ -17,6 +17,8 @@ from eddi_scaffold.message_types import Fields
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
 
 _TYPES: Mapping[str, Type | None] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": None}
+_KEYS = ("expression", "expression_file", "states")
+"""Keys of an input of which one says how it is computed."""
 FieldsOf = Callable[[str], Fields | None]
 
 
@@ -27,7 +29,7 @@ class InputExpression:
     Attributes:
         requires: simulator outputs that it reads.
         document: for ``EDDIInputBase`` of the runtime: the compiled forms, and what the names are.
-        text: canonical form, for comments.
+        text: canonical form, for comments; what stands in a file, with its name before.
     """
 
     requires: tuple[SimulatorOutput, ...]
@@ -42,7 +44,9 @@ def bind_expression(
     fields_of: FieldsOf,
     types: Mapping[str, str],
 ) -> tuple[InputExpression | None, list[Problem]]:
-    """Check the expression of one entry of ``EDDIInputs`` (E and W codes, K020, K042 to K044).
+    """Check the expression of one entry of ``EDDIInputs``.
+
+    Problems are those of the language (E, W), K020, K033, K042 to K044 and K046.
 
     Args:
         item: the input in the model.
@@ -70,6 +74,7 @@ class _Binder:
         self.sources = {attribute(one.id): one for one in config.config.SimulatorOutputs}
         before = config.config.EDDIInputs[:index]
         self.inputs = {attribute(one.id): one for one in before}
+        self.polarity = self.entry.polarity
 
     def bind(self) -> tuple[InputExpression | None, list[Problem]]:
         if self.item.type not in ("bool", "float", "int", "state"):
@@ -87,32 +92,80 @@ class _Binder:
             rate=self.config.config.Model.frequency,
             variables=variables,
             declarations="\n".join(self.config.config.declarations),
-            polarity=self.entry.polarity,
+            polarity=self.polarity,
         )
+        if self._says_polarity:
+            problems = [problem for problem in problems if problem.code != "W002"]
         self.problems += problems
         if compiled is None:
             return None, self.problems
         requires = self._requires(compiled)
         document = {**compiled.document, "names": self._names(compiled)}
-        return InputExpression(requires, document, "; ".join(compiled.canonical)), self.problems
+        text = "; ".join(compiled.canonical)
+        if self.entry.expression_file is not None:
+            text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
+        return InputExpression(requires, document, text), self.problems
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry
-        if (entry.expression is None) == (entry.states is None) or (
-            entry.states is not None and self.item.type != "state"
-        ):
-            message = "give `expression:`, or for a state `states:` with one expression for each"
-            self._error("K043", message, "expression")
+        given = [key for key in _KEYS if getattr(entry, key) is not None]
+        if len(given) != 1 or (entry.states is not None and self.item.type != "state"):
+            message = (
+                "give `expression:` or `expression_file:`, or for a state `states:` with one "
+                "expression for each"
+            )
+            self._error("K043", message, given[-1])
+            return []
+        if entry.states is not None:
+            return [
+                ExpressionText(text, self._locate("states", state), state)
+                for state, text in entry.states.items()
+            ]
+        if self.item.type == "state":
+            self._error("K043", f"a state needs `states:`, not `{given[0]}:`", given[0])
             return []
         if entry.expression is not None:
-            if self.item.type == "state":
-                self._error("K043", "a state needs `states:`, not `expression:`", "expression")
-                return []
             return [ExpressionText(entry.expression, self._locate("expression"))]
-        return [
-            ExpressionText(text, self._locate("states", state), state)
-            for state, text in (entry.states or {}).items()
-        ]
+        assert entry.expression_file is not None
+        return self._in_file(entry.expression_file)
+
+    def _in_file(self, name: str) -> list[ExpressionText]:
+        """Return the text of a file of events, and which event of it is meant."""
+        text = self.config.event_files.get(name)
+        if text is None:
+            self._error("K033", f"the text of {name!r} is not remembered", "expression_file")
+            return []
+        findings = Findings(text, in_text(text, self.config.path(name)))
+        events = {event.name: event for event in parse(text, findings).events}
+        if has_errors(findings.problems):
+            self.problems += findings.problems
+            return []
+        only = next(iter(events)) if len(events) == 1 else None
+        wanted = self.entry.event or only
+        if wanted is None or wanted not in events:
+            there = ", ".join(events) or "none"
+            message, key = f"{name} has no event {wanted!r}", "event"
+            if wanted is None:
+                message, key = f"`event:` must say which event of {name} it is", "expression_file"
+            self._error(
+                "K046", message, key, did_you_mean(wanted or "", events) or f"events: {there}"
+            )
+            return []
+        self._take_polarity(events[wanted].polarity, name)
+        return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
+
+    @property
+    def _says_polarity(self) -> bool:
+        return "polarity" in self.entry.model_fields_set
+
+    def _take_polarity(self, polarity: str | None, name: str) -> None:
+        """Let an event mean by UNKNOWN what it says, unless the input says something else."""
+        if polarity is None:
+            return
+        if self._says_polarity and self.entry.polarity != polarity:
+            message = f"{name} says {polarity}, `polarity:` {self.entry.polarity}"
+            self._error("K043", message, "polarity", "leave `polarity:` out")
+        self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 
     def _locate(self, *path: str) -> Locate:
         return self.config.inside("EDDIInputs", self.index, *path)
@@ -122,8 +175,9 @@ class _Binder:
         declared = parse(
             "\n".join(self.config.config.declarations), Findings("", lambda _: Place())
         )
-        known = {one.name for one in (*declared.variables, *declared.constants)}
+        known = {one.name for one in declared.constants}
         known |= {literal.name for one in declared.enums for literal in one.literals}
+        typed = {one.name for one in declared.variables}
         found: dict[str, Variable] = {}
         for one in texts:
             findings = Findings(one.text, one.locate)
@@ -131,26 +185,39 @@ class _Binder:
             if has_errors(findings.problems):
                 self.problems += findings.problems
                 continue
+            file = file if one.event is None else file.reduced_to(one.event)
             local = {event.name for event in file.events if not event.anonymous}
-            local |= {v.name for v in (*file.variables, *file.constants)}
-            for node in file.nodes:
-                if node.op == "name" and node.text not in {*known, *local, *found}:
-                    variable = self._variable(node.text, one.locate, node.start)
+            local |= {v.name for v in file.constants}
+            local |= {literal.name for enum in file.enums for literal in enum.literals}
+            local_typed = typed | {v.name for v in file.variables}
+            nodes = [node for event in file.events for node in file.nodes_of(event)]
+            names = {node.text: node.start for node in reversed(nodes) if node.op == "name"}
+            for name, at in names.items():
+                if name in local_typed:
+                    self._source(name, one.locate, at)
+                elif name not in {*known, *local, *found}:
+                    variable = self._variable(name, one.locate, at)
                     if variable is not None:
-                        found[node.text] = variable
+                        found[name] = variable
         return found
 
-    def _variable(self, name: str, locate: Locate, at: int) -> Variable | None:
-        head = name.partition(".")[0].partition("[")[0]
-        if head in self.inputs and head == name:
-            of = self.types.get(self.inputs[head].id)
-            return Variable(name, _TYPES.get(of or "", None), declared=of is not None)
-        source = self.sources.get(head)
-        if source is None:
+    def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
+        """Return the message that a name is a part of; ``None`` for an input, or after an error."""
+        head = _head(name)
+        if head not in self.sources and not (head in self.inputs and head == name):
             names = [*self.sources, *self.inputs]
             hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
             message = f"there is no simulator output {head!r}"
             self.problems.append(error("E008", message, locate(at), hint))
+        return self.sources.get(head)
+
+    def _variable(self, name: str, locate: Locate, at: int) -> Variable | None:
+        head = _head(name)
+        if head in self.inputs and head == name:
+            of = self.types.get(self.inputs[head].id)
+            return Variable(name, _TYPES.get(of or "", None), declared=of is not None)
+        source = self._source(name, locate, at)
+        if source is None:
             return None
         timeout = _nanoseconds(self.entry.max_age, source.max_age)
         try:
@@ -189,6 +256,11 @@ class _Binder:
     def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
         place = self.config.place("EDDIInputs", self.index, key)
         self.problems.append(error(code, f"input {self.entry.id!r}: {message}", place, hint))
+
+
+def _head(name: str) -> str:
+    """Return the first word of a path: the id of a message or of an input."""
+    return name.partition(".")[0].partition("[")[0]
 
 
 def _nanoseconds(*ages: float | str | None) -> int | None:

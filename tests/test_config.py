@@ -131,14 +131,14 @@ def test_what_the_answers_remember_is_what_was_read(
         "Model": {"id": ids[0], "type": "ConSert", "frequency": frequency},
         "EDDIInputs": [{"id": name, "default": default, "max_age": age} for name in ids],
     }
-    config = read(dump_plain(data)).config
-    assert from_json(config.as_json(), "remembered").config == config
-    assert isinstance(config, Config)
+    file = read(dump_plain(data))
+    assert from_json(file.as_json(), "remembered").config == file.config
+    assert isinstance(file.config, Config)
 
 
 def test_a_remembered_configuration_names_no_files_any_more() -> None:
     config = read("Model: {id: A, type: ConSert}\n")
-    again = from_json(config.config.as_json(), "what the package remembers")
+    again = from_json(config.as_json(), "what the package remembers")
     for options in (options_of(again), Options()):
         with pytest.raises(EddiError) as refused:
             options.read("safeml_config.yml")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +11,7 @@ from eddi_runtime import EDDIInputBase
 from eddi_runtime.model_file import parse_model
 
 from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.config import read_config
+from eddi_scaffold.config import from_json, read_config
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import read_models
@@ -24,9 +25,9 @@ EXAMPLE = HERE / "examples" / "rover-events"
 SECOND = 1_000_000_000
 
 
-def joined(config: str) -> tuple[Monitor | None, list[Problem]]:
+def joined(config: str, folder: Path = Path()) -> tuple[Monitor | None, list[Problem]]:
     (model,) = read_models(read_source(EXAMPLE / "Rover.yml")).models
-    file, problems = read_config(Source("c.yml", config.encode()))
+    file, problems = read_config(Source(str(folder / "c.yml"), config.encode()))
     if file is None:
         return None, problems
     known = known_messages(kinds().values())
@@ -137,7 +138,8 @@ def test_another_input_may_be_named() -> None:
         ("expression: battery.present > 2", "E007", 7, 17, ""),
         ("expression: motor.data > 2\n    requires: [battery]", "K042", 8, 5, "`requires`"),
         ("expression: motor.data > 2\n    field: data", "K043", 8, 12, "`field:`"),
-        ("states: {High: motor.data > 2}", "K043", 6, 5, "give `expression:`"),
+        ("states: {High: motor.data > 2}", "K043", 7, 5, "give `expression:`"),
+        ("event: hot", "K043", 7, 12, "no `expression_file:`"),
         ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
     ],
 )
@@ -154,6 +156,181 @@ def test_declarations_beside_the_inputs() -> None:
         "expression: battery.percentage > LEAST", more='declarations: ["CONST LEAST = 0.2"]\n'
     )
     monitor, problems = joined(text)
+    assert monitor is not None, problems
+
+
+SAFETY = """\
+ENUM Mode { AUTO, HAND }
+CONST limit = 80
+VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms
+EVENT hot (EVIDENCE) := ONCE(motor.data > limit, 2s)   // another one uses it
+EVENT weak := battery.percentage < 0.2
+EVENT cool (HAZARD) := NOT hot
+EVENT elsewhere (EVIDENCE) := no.such.message > 1
+"""
+
+
+def from_file(
+    folder: Path, keys: str, text: str = SAFETY, more: str = ""
+) -> tuple[Monitor | None, list[Problem]]:
+    (folder / "safety.events").write_text(text, encoding="utf-8")
+    entry = f"expression_file: safety.events{keys}"
+    return joined(config("expression: battery.present", entry, more), folder)
+
+
+def test_the_event_of_a_file_is_the_expression(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "\n    event: cool")
+    assert monitor is not None, problems
+    assert problems == []
+    motor = monitor.inputs[1]
+    assert [source.id for source in motor.requires] == ["motor"]
+    assert motor.computed_text == "cool of safety.events: (NOT hot)"
+    eddi_input = bound(monitor)
+    name = "MotorIsCool"
+    assert step(eddi_input, name, 0, {}) is True  # of a HAZARD, as the file says
+    assert step(eddi_input, name, SECOND, {}, motor=SimpleNamespace(data=90.0)) is False
+    assert step(eddi_input, name, 2 * SECOND, {}, motor=SimpleNamespace(data=70.0)) is False
+
+
+def test_the_only_event_of_a_file_needs_no_name(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "", "motor.data < 80")
+    assert monitor is not None, problems
+    assert step(bound(monitor), "MotorIsCool", 0, {}, motor=SimpleNamespace(data=9.0)) is True
+
+
+def test_the_configuration_says_what_the_event_does_not(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "\n    event: weak")
+    assert monitor is not None, problems
+    (problem,) = problems
+    assert (problem.code, problem.place.line, problem.place.col) == ("W002", 5, 7)
+    monitor, problems = from_file(tmp_path, "\n    event: weak\n    polarity: HAZARD")
+    assert monitor is not None, problems
+    assert problems == []
+    assert step(bound(monitor), "MotorIsCool", 0, {}) is True
+
+
+def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "\n    event: cool")
+    assert monitor is not None, problems
+    assert monitor.config is not None
+    (tmp_path / "safety.events").unlink()
+    again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
+    known = known_messages(kinds().values())
+    other, problems = monitor_of(monitor.model, monitor.kind, again, known)
+    assert other is not None, problems
+    assert other.model_json == monitor.model_json
+    assert again.as_json() == monitor.config.as_json()
+
+
+@pytest.mark.parametrize(
+    ("keys", "text", "expected"),
+    [
+        (
+            "\n    event: coll",
+            SAFETY,
+            (
+                "c.yml:10:12 K046 input 'MotorIsCool': safety.events has no event 'coll' "
+                "(did you mean 'cool'?)"
+            ),
+        ),
+        (
+            "\n    event: tepid",
+            "EVENT a (HAZARD) := motor.data > 1\nEVENT b (HAZARD) := a",
+            (
+                "c.yml:10:12 K046 input 'MotorIsCool': safety.events has no event 'tepid' "
+                "(events: a, b)"
+            ),
+        ),
+        (
+            "",
+            SAFETY,
+            (
+                "c.yml:9:22 K046 input 'MotorIsCool': `event:` must say which event of "
+                "safety.events it is (events: hot, weak, cool, elsewhere)"
+            ),
+        ),
+        (
+            "\n    event: elsewhere",
+            SAFETY,
+            (
+                "safety.events:7:31 E008 there is no simulator output 'no' "
+                "(there are: battery, motor, BatteryIsFine)"
+            ),
+        ),
+        (
+            "\n    event: hot",
+            "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) := temp > 5",
+            (
+                "safety.events:2:23 E008 there is no simulator output 'temp' "
+                "(there are: battery, motor, BatteryIsFine)"
+            ),
+        ),
+        (
+            "\n    event: hot",
+            "// two lines\nEVENT hot (HAZARD) := motor.dta > 5",
+            (
+                "safety.events:2:23 K020 std_msgs/Float32 has no field 'dta' "
+                "(did you mean 'data'? its fields: data)"
+            ),
+        ),
+        (
+            "\n    event: hot",
+            "EVENT cold (HAZARD) := TRUE\nEVENT hot (HAZARD) := motor.data >",
+            "safety.events:2:35 E002 an operand is expected, found the end of the text",
+        ),
+        ("", "// a number\nmotor.data", "safety.events:2:1 E007 the input needs a boolean"),
+        (
+            "\n    event: cool\n    polarity: EVIDENCE",
+            SAFETY,
+            (
+                "c.yml:11:15 K043 input 'MotorIsCool': safety.events says HAZARD, "
+                "`polarity:` EVIDENCE (leave `polarity:` out)"
+            ),
+        ),
+        (
+            "\n    event: hot\n    expression: motor.data > 80",
+            SAFETY,
+            "c.yml:9:22 K043 input 'MotorIsCool': give `expression:` or `expression_file:`",
+        ),
+        (
+            "\n    event: hot\n    field: data",
+            SAFETY,
+            "c.yml:11:12 K043 'MotorIsCool' has `field:` and `expression_file:`",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_file_and_where(
+    keys: str, text: str, expected: str, tmp_path: Path
+) -> None:
+    monitor, problems = from_file(tmp_path, keys, text)
+    assert monitor is None
+    errors = [
+        f"{Path(p.place.file or '').name}:{p.place.line}:{p.place.col} {p.code} {p.message}"
+        + (f" ({p.hint})" if p.hint else "")
+        for p in problems
+        if p.level == "error"
+    ]
+    assert len(errors) == 1, errors
+    assert errors[0].startswith(expected), errors
+
+
+def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
+    entry = "expression_file: safty.events"
+    (tmp_path / "safety.events").write_text(SAFETY, encoding="utf-8")
+    monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
+    assert monitor is None
+    assert (problem.code, problem.place.line, problem.place.col) == ("F001", 9, 22)
+    assert problem.message == "'safty.events': cannot read the file: No such file or directory"
+    assert problem.hint == "did you mean 'safety.events'?"
+    (tmp_path / "safty.events").write_bytes(b"x > 1\n// \xe9")
+    monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
+    assert (problem.code, problem.place.file) == ("E001", str(tmp_path / "safty.events"))
+    assert problem.place.line == 2
+
+
+def test_an_enum_inside_of_an_expression() -> None:
+    text = "ENUM M { ON, OFF } VAR motor.data : M TIMEOUT 1s motor.data == ON"
+    monitor, problems = joined(config(f'expression: "{text}"'))
     assert monitor is not None, problems
 
 

@@ -75,6 +75,7 @@ def analyse(
     name: str = EXPRESSION,
     locate: Locate | None = None,
     any_rate: bool = False,
+    only: str | None = None,
 ) -> Analysis:
     """Check a text of events and make its intermediate form.
 
@@ -87,6 +88,7 @@ def analyse(
         locate: offset -> place, for a text inside of another file.
         any_rate: the rate is said later: what only it decides is not checked, and the form is
             good for nothing.
+        only: the one event that is wanted; of the others, those that it uses are checked.
 
     Raises:
         EddiError: the rate is no positive number up to 1e9 (E005).
@@ -94,6 +96,7 @@ def analyse(
     findings = Findings(text, locate or in_text(text, name))
     builder = GraphBuilder(1 if any_rate else period_of(rate))
     file = parse(text, findings)
+    file = file if only is None else file.reduced_to(only)
     outer = parse(declarations, Findings("", in_text(declarations))) if declarations else None
     scope = build_scope(file, findings, variables, outer)
     syntax_errors = has_errors(findings.problems)
@@ -101,7 +104,8 @@ def analyse(
         infer_types(file, scope)
     checker = Checker(file, scope, findings, builder, line_and_column(text), any_rate=any_rate)
     values = {event.name: checker.event(event) for event in scope.order}
-    declared = [event for event in file.events if values.get(event.name) is not None]
+    wanted = [event for event in file.events if only in (None, event.name)]
+    declared = [event for event in wanted if values.get(event.name) is not None]
     _warn(file, declared, values, findings, builder)
     problems = in_order(findings.problems)
     if locate is None:

@@ -22,11 +22,13 @@ class ExpressionText:
         text: the expression.
         locate: offset in it -> place in the configuration.
         state: of the input that it decides, for type ``state``.
+        event: which event of the text it is, where that is a file of events.
     """
 
     text: str
     locate: Locate
     state: str | None = None
+    event: str | None = None
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,7 @@ def compile_input(
             variables=variables,
             declarations=declarations,
             locate=one.locate,
+            only=one.event,
         )
         problems += [*analysis.problems, *_wrong_type(analysis, one, type_)]
         analyses.append(analysis)
@@ -97,9 +100,10 @@ def _wrong_type(
         return ()
     if len(analysis.events) != 1:
         return (error("E003", "one expression is expected, not several events", text.locate(0)),)
+    place = text.locate(0 if text.event is None else analysis.events[0].at)
     wanted = "bool" if type_ in ("bool", "state") else "number"
     if analysis.events[0].type == wanted:
         return ()
     shown = {"bool": "a boolean", "number": "a number"}
     message = f"the input needs {shown[wanted]}, this is {shown[analysis.events[0].type]}"
-    return (error("E007", message, text.locate(0)),)
+    return (error("E007", message, place),)

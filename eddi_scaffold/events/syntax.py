@@ -6,7 +6,7 @@ them is a loop: a text of 10,000 nodes may be a chain as deep as it is long.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -123,6 +123,23 @@ class File:
     constants: tuple[ConstDeclaration, ...] = ()
     events: tuple[EventDeclaration, ...] = ()
     broken: frozenset[str] = frozenset()
+
+    def nodes_of(self, event: EventDeclaration) -> tuple[Node, ...]:
+        """Return the nodes of an event's expression."""
+        return self.nodes[event.first : event.root + 1]
+
+    def reduced_to(self, name: str) -> File:
+        """Return the file with one event and those that it uses, also by way of others."""
+        events = {event.name: event for event in self.events if not event.anonymous}
+        events |= {event.name: event for event in self.events if event.name == name}
+        used: set[str] = set()
+        left = {name} & events.keys()
+        while left:
+            event = events[left.pop()]
+            used.add(event.name)
+            names = {node.text for node in self.nodes_of(event) if node.op == "name"}
+            left |= names & events.keys() - used
+        return replace(self, events=tuple(e for e in self.events if e.name in used))
 
 
 OPERATORS = {
