@@ -325,7 +325,7 @@ def from_json(text: str, name: str) -> ConfigFile:
         ValueError: a person or a merge has damaged it.
     """
     document = json.loads(text)
-    files = document.pop(_EVENT_FILES, {})
+    files = document.pop(_EVENT_FILES, {}) if isinstance(document, dict) else {}
     if not isinstance(files, dict) or not all(isinstance(one, str) for one in files.values()):
         raise ValueError(f"{_EVENT_FILES} is no map of texts")
     config = Config.model_validate(document)

@@ -136,6 +136,14 @@ def test_what_the_answers_remember_is_what_was_read(
     assert isinstance(file.config, Config)
 
 
+@pytest.mark.parametrize(
+    "text", ["3", '"x"', "[]", "{}", '{"Model": {"id": "A", "type": "C"}, "event_files": [1]}']
+)
+def test_a_damaged_memory_is_a_value_error(text: str) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        from_json(text, "what the package remembers")
+
+
 def test_a_remembered_configuration_names_no_files_any_more() -> None:
     config = read("Model: {id: A, type: ConSert}\n")
     again = from_json(config.as_json(), "what the package remembers")
