@@ -122,6 +122,8 @@ def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Proble
             reason = "is observed"
         elif event.law is not None and event.law.kind != "exponential":
             reason = "is not exponential"
+        elif event.age is not None and event.age != tree.age:
+            reason = "has an age of its own"
         elif uses[key] > 1:
             reason = "occurs elsewhere too"
         if reason:

@@ -242,8 +242,9 @@ def _battery(entry: Values, _: str) -> Mapping[str, Any] | None:
 
 
 def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
-    keys = ("mttf_ref", "t_ref", "t_max", "u_max", "activation_energy", "shape", "repair")
+    keys = ("mttf_ref", "t_ref", "t_max", "u_max", "activation_energy", "shape", "repair", "age")
     entry.only(("type", *keys))
+    age = entry.quantity("age", quantities.duration)
     mean = entry.quantity("mttf_ref", quantities.duration, required=True)
     if mean == 0.0:
         entry.error("R002", "mttf_ref must be above 0", "mttf_ref")
@@ -254,6 +255,7 @@ def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
         "u_max": entry.number("u_max", 0.0, 1e6, required=True),
         "activation_energy": entry.number("activation_energy", 0.0, 10.0, default=0.3),
         "shape": entry.number("shape", 0.01, 100.0, default=1.0),
+        **({"age": age} if age is not None else {}),
     }
 
 

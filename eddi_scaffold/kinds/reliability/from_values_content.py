@@ -17,17 +17,18 @@ from eddi_scaffold.kinds.reliability.model import (
 from eddi_scaffold.kinds.reliability.quantities import duration, rate
 from eddi_scaffold.kinds.reliability.values import Values
 
-_TREE_KEYS = ("type", "model", "top", "gates", "events", "repair", "node_limit")
-_CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe")
+_TREE_KEYS = ("type", "model", "top", "gates", "events", "repair", "node_limit", "age")
+_CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", "age")
 
 
 def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
-    """Read a chain; ``before`` is that of the EDDI, of which only ``observe`` may change."""
+    """Read a chain; ``before`` is that of the EDDI, of which ``observe`` and ``age`` may change."""
     entry.only(_CHAIN_KEYS)
     chain = before if before is not None else _chain(entry)
     if entry.has("observe"):
         chain = replace(chain, observe=_observe(name, entry, chain))
-    return chain
+    age = entry.quantity("age", duration)
+    return chain if age is None else replace(chain, age=age)
 
 
 def _chain(entry: Values) -> Chain:
@@ -99,6 +100,7 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
         return None
     if not before:
         _declare(entry, gates, events, top)
+    age = entry.quantity("age", duration)
     return FaultTree(
         top,
         events,
@@ -106,6 +108,7 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
         entry.boolean("repair"),
         entry.whole("node_limit", 1, 10_000_000),
         before.cut_sets if before else None,
+        age if age is not None else before.age if before else 0.0,
     )
 
 
@@ -152,7 +155,7 @@ def _declare(entry: Values, gates: dict[str, Gate], events: dict[str, Event], to
 
 
 def _event(name: str, entry: Values, before: Event | None) -> Event:
-    entry.only(("rate", "scale", "shape", "p", "model", "observed"))
+    entry.only(("rate", "scale", "shape", "p", "model", "observed", "age"))
     law = before.law if before else None
     value = entry.quantity("rate", rate)
     scale = entry.quantity("scale", duration)
@@ -175,5 +178,10 @@ def _event(name: str, entry: Values, before: Event | None) -> Event:
     observed = entry.boolean("observed") or bool(
         before and before.observed and not entry.has("observed")
     )
+    age = entry.quantity("age", duration)
+    if age is not None and law is not None and law.kind in ("fixed", "model"):
+        message = f"age: event {name!r} has neither a rate nor a scale, so it does not age"
+        entry.error("R002", message, "age")
     shown = before.name if before else name
-    return Event(shown, law, observed, before.place if before else entry.place())
+    age = before.age if age is None and before else age
+    return Event(shown, law, observed, age, before.place if before else entry.place())

@@ -45,11 +45,13 @@ class Event:
     Attributes:
         name: for people; its id is the key in the tree.
         observed: an input says whether it has happened.
+        age: hours that it had run before the mission; None: as long as the tree.
     """
 
     name: str
     law: Law | None
     observed: bool = False
+    age: float | None = None
     place: Place = field(default=Place(), compare=False)
 
 
@@ -70,6 +72,7 @@ class FaultTree:
 
     Attributes:
         cut_sets: minimal cut sets that the file states, names of events; None: none stated.
+        age: hours that its events had run before the mission.
     """
 
     top: str
@@ -78,6 +81,7 @@ class FaultTree:
     repair: bool = False
     node_limit: int | None = None
     cut_sets: frozenset[frozenset[str]] | None = None
+    age: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -101,13 +105,18 @@ class Observation:
 
 @dataclass(frozen=True)
 class Chain:
-    """A Markov chain; how many initial and fail states it may have is checked later."""
+    """A Markov chain; how many initial and fail states it may have is checked later.
+
+    Attributes:
+        age: hours that it had run, unobserved, before the mission.
+    """
 
     states: tuple[str, ...]
     initial: tuple[str, ...]
     fail: tuple[str, ...]
     arcs: tuple[Arc, ...]
     observe: tuple[Observation, ...] = ()
+    age: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,8 @@ def outline(system: System) -> list[str]:
 def _content(component: Component) -> Iterator[str]:
     content = component.content
     if isinstance(content, Chain):
+        if content.age:
+            yield f"age {content.age:g} h"
         for state in content.states:
             marks = [
                 m for m, of in (("initial", content.initial), ("fail", content.fail)) if state in of
@@ -64,6 +66,8 @@ def _content(component: Component) -> Iterator[str]:
 
 
 def _tree(tree: FaultTree) -> Iterator[str]:
+    if tree.age:
+        yield f"age {tree.age:g} h"
     seen: set[str] = set()
     waiting = [(tree.top, 0)]
     while waiting:
@@ -91,6 +95,8 @@ def law_text(event: Event) -> str:
         "fixed": lambda: f"p {law.values[0]:g}",
         "model": lambda: f"model {law.model}",
     }[law.kind]()
+    if event.age is not None:
+        text += f", age {event.age:g} h"
     return f"{text}, observed" if event.observed else text
 
 

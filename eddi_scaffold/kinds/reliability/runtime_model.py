@@ -11,7 +11,6 @@ from eddi_scaffold.kinds.reliability.model import (
     DYNAMIC,
     Chain,
     Component,
-    Event,
     FaultTree,
     Gate,
     System,
@@ -68,6 +67,7 @@ def _chain(chain: Chain) -> dict[str, Any]:
         "fail": [number[state] for state in chain.fail],
         "arcs": [[number[a.source], number[a.target], a.rate] for a in chain.arcs],
         "observe": [[number[o.state], o.input, o.negated] for o in chain.observe],
+        **_age(chain.age),
     }
 
 
@@ -84,8 +84,7 @@ def _tree(name: str, tree: FaultTree) -> dict[str, Any]:
     number.update({key: count + i for i, key in enumerate(gates)})
     return {
         "events": [
-            _event(name, key, tree.events[key]) if key in tree.events else _dynamic(tree, key)
-            for key in merged
+            _event(name, key, tree) if key in tree.events else _dynamic(tree, key) for key in merged
         ],
         "gates": [_gate(tree.gates[key], number) for key in gates],
         "top": number[tree.top],
@@ -115,7 +114,8 @@ def _merge_models(tree: FaultTree, leaves: list[str], number: dict[str, int]) ->
     return kept
 
 
-def _event(tree: str, key: str, event: Event) -> dict[str, Any]:
+def _event(name: str, key: str, tree: FaultTree) -> dict[str, Any]:
+    event = tree.events[key]
     law = event.law
     assert law is not None
     return {
@@ -123,8 +123,13 @@ def _event(tree: str, key: str, event: Event) -> dict[str, Any]:
         "law": law.kind,
         "values": list(law.values),
         "model": law.model,
-        "input": input_id(tree, key) if event.observed else None,
+        "input": input_id(name, key) if event.observed else None,
+        **_age(tree.age if event.age is None else event.age),
     }
+
+
+def _age(hours: float) -> dict[str, float]:
+    return {"age": hours} if hours else {}
 
 
 def _dynamic(tree: FaultTree, key: str) -> dict[str, Any]:
@@ -132,7 +137,8 @@ def _dynamic(tree: FaultTree, key: str) -> dict[str, Any]:
     rates = [law.values[0] for name in gate.of if (law := tree.events[name].law)]
     if gate.type == "SAND":  # independent continuous events never happen at the same instant
         return {"name": key, "law": "fixed", "values": [0.0], "model": "", "input": None}
-    return {"name": key, "law": gate.type, "values": rates, "model": "", "input": None}
+    found = {"name": key, "law": gate.type, "values": rates, "model": "", "input": None}
+    return {**found, **_age(tree.age)}
 
 
 def _gate(gate: Gate, number: dict[str, int]) -> dict[str, Any]:

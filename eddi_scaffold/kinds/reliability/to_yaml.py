@@ -57,7 +57,7 @@ def _value(key: str, value: Any) -> Any:
         return [_per_hour(one) for one in value]
     if key in ("rate", "failure_rate", "alpha", "beta", "degradation"):
         return _per_hour(value)
-    if key == "mttf_ref":
+    if key in ("mttf_ref", "age"):
         return _hours(value)
     if key in ("t_ref", "t_max"):
         return f"{value!r} degC"
@@ -75,6 +75,8 @@ def _chain(chain: Chain) -> dict[str, Any]:
         found["observe"] = {
             o.state: f"not {o.input}" if o.negated else o.input for o in chain.observe
         }
+    if chain.age:
+        found["age"] = _hours(chain.age)
     return found
 
 
@@ -90,6 +92,8 @@ def _tree(tree: FaultTree) -> dict[str, Any]:
         found["repair"] = True
     if tree.node_limit:
         found["node_limit"] = tree.node_limit
+    if tree.age:
+        found["age"] = _hours(tree.age)
     return found
 
 
@@ -106,4 +110,6 @@ def _event(event: Event) -> dict[str, Any]:
         else:
             found["model"] = law.model
     found["observed"] = event.observed
+    if event.age is not None:
+        found["age"] = _hours(event.age)
     return found

@@ -1,0 +1,137 @@
+"""What had run before the mission: the same numbers as after that many hours of mission."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from eddi_runtime.reliability.weibull import hazard
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds import Model, Options
+from eddi_scaffold.kinds.reliability import KIND
+from tests.kinds.reliability.monitors import at_start, compiled, models_of, read_text, sound
+from tests.kinds.reliability.test_reliability_example import EXAMPLE
+
+TREE = (
+    "horizon: 2 h\nmodels: {{t: {{type: fault_tree{age}, gates: {{T: {{type: OR, of: [A, B, C]}}"
+    "}}, events: {{A: {{rate: 1e-3 1/h{own}}}, B: {{scale: 900 h, shape: 2, observed: true}}, "
+    "C: {{p: 0.001}}}}}}}}\n"
+)
+
+
+def p_fail(text: str, **values: Any) -> float:
+    found = at_start(sound(text), **values)
+    assert found.valid
+    return float(found.p_fail)
+
+
+def test_a_tree_that_has_run_500_hours() -> None:
+    a, b = 1e-3 * 502, (502 / 900) ** 2 - (500 / 900) ** 2
+    expected = 1 - 0.999 * math.exp(-a - b)
+    text = TREE.format(age=", age: 500 h", own="")
+    assert p_fail(text, t_B=False) == pytest.approx(expected, rel=1e-12)
+    own = TREE.format(age=", age: 500 h", own=", age: 2 day")
+    expected = 1 - 0.999 * math.exp(-1e-3 * 50 - b)
+    assert p_fail(own, t_B=False) == pytest.approx(expected, rel=1e-12)
+    new = 1 - 0.999 * math.exp(-1e-3 * 2 - (2 / 900) ** 2)
+    assert p_fail(TREE.format(age="", own=""), t_B=False) == pytest.approx(new, rel=1e-12)
+
+
+def test_ages_add_up_with_the_mission() -> None:
+    aged = compiled(sound(TREE.format(age=", age: 500 h", own="") + "max_gap: 1000 h\n"))
+    new = compiled(sound(TREE.format(age="", own="") + "max_gap: 1000 h\n"))
+    hour = 3600 * 10**9
+    values = type("Values", (), {"t_B": False})()
+    aged.execute_step(values, 0)
+    new.execute_step(values, 0)
+    ours = aged.execute_step(values, 100 * hour)
+    assert ours.valid
+    assert ours.p_fail == pytest.approx(new.execute_step(values, 600 * hour).p_fail, rel=1e-12)
+    aged.reset()
+    again = aged.execute_step(values, 7)
+    assert again.p_fail == pytest.approx(new_at(500), rel=1e-12)
+
+
+def new_at(hours: float) -> float:
+    a, b = 1e-3 * (hours + 2), ((hours + 2) / 900) ** 2 - (hours / 900) ** 2
+    return 1 - 0.999 * math.exp(-a - b)
+
+
+def test_a_chain_that_has_run_unobserved() -> None:
+    text = (
+        "horizon: 2 h\nmodels: {c: {type: markov, initial: up, fail: down, age: 30 h, arcs: ["
+        "{from: up, to: half, rate: 0.02 1/h}, {from: half, to: down, rate: 0.05 1/h}]}}\n"
+    )
+    a, b = 0.02, 0.05
+    expected = 1 - (b * math.exp(-a * 32) - a * math.exp(-b * 32)) / (b - a)
+    assert p_fail(text) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_processor_that_has_run_at_reference_conditions() -> None:
+    text = (
+        "horizon: 2 h\nmodels: {c: {type: processor, mttf_ref: 400 h, t_ref: 51 degC, t_max: 90 "
+        "degC, u_max: 1, shape: 2, age: 300 h}}\n"
+    )
+    eta = 400 / math.gamma(1.5)
+    expected = -math.expm1((300 / eta) ** 2 - (302 / eta) ** 2)
+    assert p_fail(text, c_temperature=51.0, c_utilisation=1.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_dynamic_gate_that_has_run() -> None:
+    text = (
+        "horizon: 2 h\nmodels: {t: {type: fault_tree, age: 40 h, gates: {G: {type: PAND, of: [A, "
+        "B]}}, events: {A: {rate: 0.01 1/h}, B: {rate: 0.02 1/h}}}}\n"
+    )
+    a, b, t = 0.01, 0.02, 42.0
+    expected = 1 - math.exp(-b * t) - b / (a + b) * -math.expm1(-(a + b) * t)
+    assert p_fail(text) == pytest.approx(expected, rel=1e-11)
+
+
+def test_the_age_of_a_model_of_the_eddi() -> None:
+    models, _ = models_of(EXAMPLE / "drone.xml")
+
+    def start(age: str) -> float:
+        change = {"models": {"MissionLoss": {"age": age}, "Rotors": {"age": age}}}
+        model, problems = KIND.configure(models["MissionLoss"], Options(values=change))
+        assert model is not None, problems
+        return float(at_start(model).p_fail)
+
+    assert start("0 h") < start("10 h") < start("1000 h")
+
+
+def test_ages_are_exported_and_shown() -> None:
+    text = TREE.format(age=", age: 500 h", own=", age: 2 day")
+    model = sound(text)
+    (exported,) = KIND.export(model).values()
+    again, problems = read_text(exported)
+    assert problems == []
+    assert again is not None
+    assert again.data.components == model.data.components
+    assert "  age 500 h" in KIND.outline(model)
+    assert "    A  0.001 1/h, age 48 h" in KIND.outline(model)
+    assert isinstance(model, Model)
+
+
+@given(
+    st.floats(0.0, 1e9) | st.just(0.0),
+    st.floats(0.0, 1e6),
+    st.floats(1e-3, 1e9),
+    st.floats(1e-6, 1e6),
+)
+def test_no_hazard_stops_a_step(age: float, ahead: float, scale: float, shape: float) -> None:
+    assert 0.0 <= hazard(age, ahead, scale, shape) <= math.inf
+
+
+@pytest.mark.parametrize("age", [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e8])
+@pytest.mark.parametrize("shape", [1e-3, 0.5, 1.0, 2.5, 80.0])
+def test_hazards_keep_their_digits(age: float, shape: float) -> None:
+    mpmath = pytest.importorskip("mpmath", reason="mpmath is a peer, not a dependency")
+    for ahead in (1e-6, 0.5, 100.0):
+        with mpmath.workdps(80):
+            whole, start = mpmath.mpf(age) + mpmath.mpf(ahead), mpmath.mpf(age)
+            expected = (whole / 5000) ** shape - (start / 5000) ** shape
+            exact = float(expected)
+        assert hazard(age, ahead, 5000.0, shape) == pytest.approx(exact, rel=2e-12, abs=1e-300)
