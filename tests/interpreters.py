@@ -10,11 +10,13 @@ import pytest
 
 SINCE = "3.8"
 """The oldest Python that a robot may have."""
+_VERSIONS = Path.home() / ".pyenv" / "versions"
+"""Of the person; some tests give a home of their own to what they run."""
 
 
 def old_python() -> str:
     """Find a Python 3.8."""
-    pyenv = sorted(Path("~/.pyenv/versions").expanduser().glob(f"{SINCE}.*/bin/python"))
+    pyenv = sorted(_VERSIONS.glob(f"{SINCE}.*/bin/python"))
     named = shutil.which(f"python{SINCE}")
     for found in [*([named] if named else []), *map(str, pyenv)]:
         asked = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
