@@ -40,9 +40,13 @@ def export(
     console.problems(in_order([*reading.problems, *seen]))
     files: dict[str, FileState] = {}
     for item in chosen:
-        files |= {
-            file: FileState(text.encode()) for file, text in kinds()[item.kind].export(item).items()
-        }
+        for file, text in kinds()[item.kind].export(item).items():
+            # Upper and lower case are the same on some disks.
+            if file.lower() in map(str.lower, files):
+                message = f"two models would be written to {file}; {item.name!r} is the second"
+                hint = "export them one by one: --name NAME -o FOLDER"
+                raise EddiError(error("G021", message, item.place, hint=hint))
+            files[file] = FileState(text.encode())
     write(output, files)
     for file in sorted(files):
         console.data(str(output / file))

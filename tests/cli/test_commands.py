@@ -219,6 +219,19 @@ def test_export_keeps_to_the_named_model(folder: Path) -> None:
     assert run("check", "one/ConSertB.yml", cwd=folder).status == 0
 
 
+def test_export_does_not_write_one_model_over_another(folder: Path) -> None:
+    text = (folder / MODEL).read_text(encoding="utf-8").replace('"ConSertB"', '"conserta"')
+    (folder / "alike.xml").write_text(text, encoding="utf-8")
+    result = run("export", "alike.xml", "-o", "both", cwd=folder)
+    assert result.status == 2
+    assert (
+        "two models would be written to conserta.yml; 'conserta' is the second [G021]" in result.err
+    )
+    assert "--name NAME -o FOLDER" in result.err
+    assert not (folder / "both").exists()
+    assert run("export", "alike.xml", "-o", "one", "--name", "conserta", cwd=folder).status == 0
+
+
 def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
     result = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "a b.yml", cwd=folder)
     assert (result.status, result.out) == (0, "")

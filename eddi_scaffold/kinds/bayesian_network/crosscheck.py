@@ -22,6 +22,7 @@ EVERY_CASE = 2000
 """Up to so many cases of hard and missing evidence are all tried."""
 CASES, SOFT_CASES = 200, 50
 TOLERANCE = 1e-9
+_ROUNDING = 1e-12
 Case = Mapping[str, "str | list[float]"]
 
 
@@ -48,7 +49,8 @@ def cross_check(model: Model, model_json: str) -> CrossCheck:
         message = f"the compiled network differs from pgmpy by {largest:.3g}"
         hint = "please report it with the network: nothing was written"
         return CrossCheck("", (error("B307", message, model.place, hint),))
-    bound = 10.0 ** math.ceil(math.log10(max(largest, 1e-15)))
+    # Digits below that differ between machines; what is written must not.
+    bound = 10.0 ** math.ceil(math.log10(max(largest, _ROUNDING)))
     tried = f"{len(cases)} sets of evidence"
     return CrossCheck(f"Cross-checked with pgmpy: {tried}, largest difference below {bound:g}.")
 
