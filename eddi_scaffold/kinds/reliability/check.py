@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from eddi_runtime.reliability.cut_sets import minimal_cut_sets
-from eddi_runtime.reliability.diagram import NODE_LIMIT, TooLargeError, build
-from eddi_runtime.reliability.diagram import Gate as Number
+from eddi_runtime.reliability.cut_sets import LIMIT, minimal_cut_sets
+from eddi_runtime.reliability.diagram import COHERENT, NODE_LIMIT, TooLargeError, build
 
 from eddi_scaffold.kinds.reliability.check_chain import check_chain
 from eddi_scaffold.kinds.reliability.graph import order
@@ -20,7 +19,7 @@ from eddi_scaffold.kinds.reliability.model import (
     Gate,
     System,
 )
-from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.kinds.reliability.runtime_model import gate_name, gates_of, runtime_model, used
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
 
 
@@ -134,22 +133,30 @@ def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Proble
 
 def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
     part = runtime_model(System({component.name: component}, component.name))["components"][0]
-    gates = [Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"]]
-    limit = tree.node_limit or NODE_LIMIT
-    events = part["events"]
-    try:
-        diagram = build(len(events), gates, part["top"], limit=limit)
-    except TooLargeError as problem:
-        message = (
-            f"the diagram of tree {component.name!r} has {problem.count} nodes at the limit of "
-            f"{limit}"
-        )
-        hint = "make parts share fewer events, or raise node_limit"
-        return [error("R010", message, component.place, hint)]
-    if tree.cut_sets is None or not diagram.coherent:
-        return []
-    ours = minimal_cut_sets(diagram)
-    if ours is None:
+    gates, events = gates_of(part), part["events"]
+    coherent = all(gate.type in COHERENT for gate in gates)
+    if tree.approximate:
+        ours = part.get("cut_sets")
+        if ours is None:
+            return [_no_bounds(component, coherent=coherent)]
+    else:
+        limit = tree.node_limit or NODE_LIMIT
+        try:
+            diagram = build(len(events), gates, part["top"], limit=limit)
+        except TooLargeError as problem:
+            gate = gate_name(tree, part, problem.gate)
+            message = (
+                f"the diagram of tree {component.name!r} has {problem.count} nodes below gate "
+                f"{gate!r}, at the limit of {limit}"
+            )
+            hint = "make parts share fewer events, or raise node_limit"
+            if coherent:
+                hint += ", or take bounds: `approximation: cut_sets`"
+            return [error("R010", message, component.place, hint)]
+        if tree.cut_sets is None or not coherent:
+            return []
+        ours = minimal_cut_sets(diagram)
+    if tree.cut_sets is None or ours is None:
         return []
     named = frozenset(frozenset(events[i]["name"] for i in one) for one in ours)
     if named == tree.cut_sets:
@@ -159,6 +166,16 @@ def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
         f"{_sets(tree.cut_sets)}, we find {_sets(named)}"
     )
     return [warning("R016", message, component.place)]
+
+
+def _no_bounds(component: Component, *, coherent: bool) -> Problem:
+    name = component.name
+    if not coherent:
+        message = f"tree {name!r} has NOT or XOR, so that cut sets do not bound it"
+        return error("R010", message, component.place, "leave out `approximation`")
+    message = f"tree {name!r} has more than {LIMIT:,} minimal cut sets"
+    hint = "leave out `approximation`, raise node_limit, or make parts share fewer events"
+    return error("R010", message, component.place, hint)
 
 
 def _sets(sets: frozenset[frozenset[str]]) -> str:

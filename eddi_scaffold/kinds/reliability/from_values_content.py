@@ -17,7 +17,17 @@ from eddi_scaffold.kinds.reliability.model import (
 from eddi_scaffold.kinds.reliability.quantities import duration, rate
 from eddi_scaffold.kinds.reliability.values import Values
 
-_TREE_KEYS = ("type", "model", "top", "gates", "events", "repair", "node_limit", "age")
+_TREE_KEYS = (
+    "type",
+    "model",
+    "top",
+    "gates",
+    "events",
+    "repair",
+    "node_limit",
+    "approximation",
+    "age",
+)
 _CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", "age")
 
 
@@ -109,6 +119,7 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
         entry.whole("node_limit", 1, 10_000_000),
         before.cut_sets if before else None,
         age if age is not None else before.age if before else 0.0,
+        entry.choice("approximation", ("cut_sets",)) is not None,
     )
 
 

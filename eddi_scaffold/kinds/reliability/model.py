@@ -73,6 +73,7 @@ class FaultTree:
     Attributes:
         cut_sets: minimal cut sets that the file states, names of events; None: none stated.
         age: hours that its events had run before the mission.
+        approximate: bounds by minimal cut sets in place of the diagram.
     """
 
     top: str
@@ -82,6 +83,7 @@ class FaultTree:
     node_limit: int | None = None
     cut_sets: frozenset[frozenset[str]] | None = None
     age: float = 0.0
+    approximate: bool = False
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator, Mapping
 
 from eddi_runtime.reliability.cut_sets import minimal_cut_sets
-from eddi_runtime.reliability.diagram import Gate as Number
-from eddi_runtime.reliability.diagram import build
+from eddi_runtime.reliability.diagram import NODE_LIMIT, build
 
 from eddi_scaffold.kinds.reliability.model import Chain, Component, Event, FaultTree, System
-from eddi_scaffold.kinds.reliability.runtime_model import runtime_model
+from eddi_scaffold.kinds.reliability.runtime_model import gates_of, runtime_model
 from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
 
 _SHOWN = 20
@@ -106,9 +105,13 @@ def readme(system: System) -> list[str]:
     life = mean_life(system)
     shown = "not computed" if life is None else "infinite" if math.isinf(life) else f"{life:.6g} h"
     until = "the mission's end" if system.mission_end else "the horizon"
+    probability = f"{start.p_fail:.6g}"
+    if start.p_fail_low < start.p_fail_high:  # bounds by cut sets: reliability is the least one
+        probability = f"from {start.p_fail_low:.6g} to {start.p_fail_high:.6g}"
+        shown = f"at least {shown}" if life is not None else shown
     first = (
         f"`{system.top}` fails within {system.horizon:g} h ({until}) with probability "
-        f"{start.p_fail:.6g} at mission start, everything in order; mean time to failure: {shown}."
+        f"{probability} at mission start, everything in order; mean time to failure: {shown}."
     )
     lines = [first, ""]
     if system.thresholds:
@@ -145,9 +148,11 @@ def cut_sets(component: Component) -> list[list[str]] | None:
     A tree with NOT or XOR has none.
     """
     part = runtime_model(System({component.name: component}, component.name))["components"][0]
-    gates = [Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"]]
-    diagram = build(len(part["events"]), gates, part["top"])
-    found = minimal_cut_sets(diagram) if diagram.coherent else None
+    found = part.get("cut_sets")
+    if found is None:
+        limit = part.get("node_limit", NODE_LIMIT)
+        diagram = build(len(part["events"]), gates_of(part), part["top"], limit=limit)
+        found = minimal_cut_sets(diagram) if diagram.coherent else None
     if found is None:
         return None
     names = [sorted(part["events"][i]["name"] for i in one) for one in found]

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
+
+from eddi_runtime.reliability.cut_sets import cut_sets_of_gates
+from eddi_runtime.reliability.diagram import Gate as Number
 
 from eddi_scaffold.kinds.reliability.graph import order
 from eddi_scaffold.kinds.reliability.inputs import input_id
@@ -82,15 +86,45 @@ def _tree(name: str, tree: FaultTree) -> dict[str, Any]:
     gates = [key for key in names if key in tree.gates and not _is_dynamic(tree, key)]
     count = len(merged)
     number.update({key: count + i for i, key in enumerate(gates)})
+    numbered = [_gate(tree.gates[key], number) for key in gates]
     return {
         "events": [
             _event(name, key, tree) if key in tree.events else _dynamic(tree, key) for key in merged
         ],
-        "gates": [_gate(tree.gates[key], number) for key in gates],
+        "gates": numbered,
         "top": number[tree.top],
         "repair": tree.repair,
         **({"node_limit": tree.node_limit} if tree.node_limit else {}),
+        **(_cut_sets(count, numbered, number[tree.top]) if tree.approximate else {}),
     }
+
+
+def gates_of(part: dict[str, Any]) -> tuple[Number, ...]:
+    """Return the gates of a fault tree of the runtime model."""
+    return tuple(Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"])
+
+
+def gate_name(tree: FaultTree, part: dict[str, Any], number: int) -> str:
+    """Return the name of a gate that has a number in the runtime model."""
+    names, _ = order(tree.top, {key: gate.of for key, gate in tree.gates.items()})
+    gates = [key for key in names if key in tree.gates and not _is_dynamic(tree, key)]
+    return tree.gates[gates[number - len(part["events"])]].name
+
+
+def _cut_sets(events: int, gates: list[dict[str, Any]], top: int) -> dict[str, Any]:
+    found = _all_cut_sets(events, gates_of({"gates": gates}), top)
+    return {} if found is None else {"cut_sets": [sorted(one) for one in found]}
+
+
+@lru_cache(maxsize=8)
+def _all_cut_sets(
+    events: int, gates: tuple[Number, ...], top: int
+) -> tuple[frozenset[int], ...] | None:
+    """Return all minimal cut sets; None: too many, or none of a tree with NOT or XOR."""
+    try:
+        return cut_sets_of_gates(events, gates, top)
+    except ValueError:
+        return None
 
 
 def _is_dynamic(tree: FaultTree, key: str) -> bool:

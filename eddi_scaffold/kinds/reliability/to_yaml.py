@@ -92,6 +92,8 @@ def _tree(tree: FaultTree) -> dict[str, Any]:
         found["repair"] = True
     if tree.node_limit:
         found["node_limit"] = tree.node_limit
+    if tree.approximate:
+        found["approximation"] = "cut_sets"
     if tree.age:
         found["age"] = _hours(tree.age)
     return found

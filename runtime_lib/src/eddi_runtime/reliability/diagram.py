@@ -83,7 +83,7 @@ def build(
     Raises:
         TooLargeError: there would be more.
     """
-    used = _reached(events, gates, top)
+    used = reached(events, gates, top)
     coherent = all(gates[n - events].type in COHERENT for n in used if n >= events)
     order = [n for n in used if n < events]
     if not coherent:
@@ -101,7 +101,7 @@ def build(
     return Diagram(events, tuple(modules), coherent)
 
 
-def _reached(events: int, gates: Sequence[Gate], top: int) -> List[int]:
+def reached(events: int, gates: Sequence[Gate], top: int) -> List[int]:
     """Return the numbers below the top in the order of their first visit, depth first."""
     found: Dict[int, None] = {}
     waiting = [top]

@@ -221,6 +221,7 @@ class _Reader:
                 horizons=self._horizons,
                 repair=take(item, "repair", bool, where),
                 limit=item.get("node_limit", NODE_LIMIT),
+                cut_sets=_cut_sets(item, len(events), where),
             )
         except TooLargeError as problem:
             raise ModelError("", f"{where}: {problem}, more than the limit") from None
@@ -243,6 +244,15 @@ class _Reader:
             name = self._input(item, "input", where, rules.BOOL)
         age = _age(item, where)
         return Event(take(item, "name", str, where), law, numbers, model, name, age)
+
+
+def _cut_sets(item: Any, events: int, where: str) -> Optional[List[List[int]]]:
+    if item.get("cut_sets") is None:
+        return None
+    found: List[Any] = take(item, "cut_sets", list, where)
+    if not all(isinstance(one, list) and one for one in found):
+        raise ModelError("", f"'cut_sets' of {where} is no list of sets")
+    return [[_index(i, events, where) for i in one] for one in found]
 
 
 def _status_rule(position: Optional[int], count: int) -> Rule:

@@ -11,7 +11,7 @@ import numpy as np
 from . import diagram as bdd
 from .chain import Chain, ChainSpec, Horizons
 from .component import Component, Known
-from .cut_sets import CutSet, minimal_cut_sets
+from .cut_sets import CutSet, CutSetBounds, minimal_cut_sets
 from .estimate import Estimate, Moment, Values
 from .estimate import known as sure
 from .weibull import hazard
@@ -74,6 +74,8 @@ class FaultTree(Component):
         horizons: where to look ahead.
         repair: an event that has happened may be undone.
         limit: nodes of the diagram.
+        cut_sets: all minimal cut sets of a coherent tree whose diagram would be too large: its
+            probability is then told by bounds.
 
     Raises:
         TooLargeError: the diagram has more nodes than the limit.
@@ -89,12 +91,21 @@ class FaultTree(Component):
         horizons: Horizons,
         repair: bool = False,
         limit: int = bdd.NODE_LIMIT,
+        cut_sets: Optional[Sequence[Sequence[int]]] = None,
     ) -> None:
         self.events = tuple(events)
-        first = frozenset(i for i, e in enumerate(events) if e.input is not None)
-        self.diagram = bdd.build(len(events), gates, top, first, limit)
-        self._failure = bdd.probability(self.diagram)
-        self._survival = bdd.probability(self.diagram, of_failure=False)
+        self._bounded: Optional[CutSetBounds] = None
+        self._cut_sets: Optional[Tuple[CutSet, ...]] = None
+        if cut_sets is not None:
+            self._cut_sets = tuple(frozenset(one) for one in cut_sets)
+            self._bounded = bounds = CutSetBounds(cut_sets)
+            self._failure: bdd.Evaluate = bounds.upper
+            self._survival: bdd.Evaluate = bounds.survival
+        else:
+            first = frozenset(i for i, e in enumerate(events) if e.input is not None)
+            self._diagram = bdd.build(len(events), gates, top, first, limit)
+            self._failure = bdd.probability(self._diagram)
+            self._survival = bdd.probability(self._diagram, of_failure=False)
         self._repair = repair
         self._static = _Laws(self.events)
         self._chains = [
@@ -138,7 +149,10 @@ class FaultTree(Component):
             elif happened:
                 low[i] = high[i] = 1.0
         self._low, self._high = low, high
-        if not intervals:
+        if self._bounded is not None:
+            best, worst = self._bounded.lower(low), min(self._failure(high), 1.0)
+            alive = self._survival(high)
+        elif not intervals:
             p = self._failure(low)
             alive = 1.0 - p if p <= 0.5 else self._survival(low)
             if not unknown:
@@ -151,9 +165,9 @@ class FaultTree(Component):
         return Estimate(best, worst, alive, _NAN, tuple(dict.fromkeys(unknown)), reason)
 
     def _bounds(self, low: List[float], high: List[float]) -> Tuple[float, float]:
-        if self.diagram.coherent:  # monotone: the corners are the bounds
+        if self._diagram.coherent:  # monotone: the corners are the bounds
             return self._failure(low), self._failure(high)
-        return bdd.interval(self.diagram, low, high)
+        return bdd.interval(self._diagram, low, high)
 
     def _status(self, i: int, value: Optional[bool]) -> Optional[bool]:
         if self._failed[i] and value is not True and not self._repair:
@@ -202,7 +216,7 @@ class FaultTree(Component):
         Raises:
             ValueError: the tree is not coherent.
         """
-        return minimal_cut_sets(self.diagram)
+        return minimal_cut_sets(self._diagram) if self._cut_sets is None else self._cut_sets
 
 
 class _Laws:

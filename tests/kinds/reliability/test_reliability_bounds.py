@@ -1,0 +1,129 @@
+"""Bounds by minimal cut sets, for coherent trees whose diagram would be too large."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from eddi_runtime.model_file import ModelError
+from eddi_runtime.reliability.cut_sets import (
+    CutSetBounds,
+    cut_sets_of_gates,
+    minimal_cut_sets,
+)
+from eddi_runtime.reliability.diagram import Gate, build, probability
+from eddi_runtime.reliability.model import read_plan
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.kinds.reliability import KIND
+from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
+
+EVENTS = 7
+
+
+@st.composite
+def trees(draw: Any) -> list[Gate]:
+    gates: list[Gate] = []
+    for i in range(draw(st.integers(1, 6))):
+        kind = draw(st.sampled_from(["OR", "AND", "VOTE"]))
+        of = draw(st.lists(st.integers(0, EVENTS + i - 1), min_size=1, max_size=4, unique=True))
+        gates.append(Gate(kind, tuple(of), draw(st.integers(1, len(of)))))
+    return gates
+
+
+@given(trees(), st.lists(st.floats(0.0, 1.0), min_size=EVENTS, max_size=EVENTS))
+def test_gates_give_the_cut_sets_of_the_diagram_and_bounds_of_its_value(
+    gates: list[Gate], q: list[float]
+) -> None:
+    top = EVENTS + len(gates) - 1
+    diagram = build(EVENTS, gates, top)
+    sets = cut_sets_of_gates(EVENTS, gates, top)
+    assert sets == minimal_cut_sets(diagram)
+    assert sets is not None
+    bounds, exact = CutSetBounds([sorted(one) for one in sets]), probability(diagram)(q)
+    assert bounds.lower(q) <= exact * (1 + 1e-12)
+    assert exact <= bounds.upper(q) * (1 + 1e-12)
+    assert bounds.survival(q) == pytest.approx(1 - bounds.upper(q), abs=1e-12)
+
+
+VOTES = (
+    "horizon: 1 h\nmodels:\n  t:\n    type: fault_tree\n    node_limit: 5\n"
+    "    approximation: cut_sets\n"
+    "    gates: {T: {type: VOTE, k: 3, of: [A, B, C, D, E]}}\n"
+    "    events: {A: {p: 1e-6}, B: {p: 1e-6}, C: {p: 1e-6}, D: {p: 1e-6}, "
+    "E: {p: 1e-6, observed: true}}\n"
+    "thresholds: [{id: go, activate: 1.1e-17}]\n"
+)
+
+
+def test_a_tree_above_its_limit_is_bounded() -> None:
+    model = sound(VOTES)
+    found = at_start(model, t_E=False)
+    assert found.valid
+    assert found.p_fail_low == pytest.approx(1e-18, rel=1e-12, abs=0.0)
+    assert found.p_fail_high == pytest.approx(10e-18, rel=1e-12, abs=0.0)
+    assert (found.p_fail, found.evidence) == (found.p_fail_high, {"go": True})
+    assert found.reliability == 1.0
+    happened = at_start(model, t_E=True)
+    assert happened.p_fail_low == pytest.approx(1e-12, rel=1e-12, abs=0.0)
+    assert happened.p_fail_high == pytest.approx(6e-12 + 4e-18, rel=1e-9, abs=0.0)
+    unknown = at_start(model)
+    assert (unknown.valid, unknown.unknown, unknown.evidence) == (False, ("t_E",), {"go": False})
+    assert unknown.p_fail_low == 1e-18 or math.isclose(unknown.p_fail_low, 1e-18)
+    assert unknown.p_fail_high == happened.p_fail_high
+    readme = "\n".join(KIND.readme(model))
+    assert "with probability from 1e-18 to 1e-17 at mission start" in readme
+    assert "Minimal cut sets of `t`: 10" in readme
+    (exported,) = KIND.export(model).values()
+    again, problems = read_text(exported)
+    assert problems == []
+    assert again is not None
+    assert again.data.components == model.data.components
+    monitor = compiled(model)
+    monitor.execute_step(type("Values", (), {"t_E": False})(), 0)
+    assert len(monitor.importances()) == 5
+
+
+def test_what_is_certain_and_what_never_happens() -> None:
+    bounds = CutSetBounds([[0], [1, 2]])
+    assert (bounds.lower([1.0, 0.0, 0.5]), bounds.upper([1.0, 0.0, 0.5])) == (1.0, 1.0)
+    assert bounds.survival([1.0, 0.0, 0.5]) == 0.0
+    never = CutSetBounds([])
+    assert (never.lower([0.5]), never.upper([0.5]), never.survival([0.5])) == (0.0, 0.0, 1.0)
+
+
+def test_what_r010_says_helps() -> None:
+    exact = VOTES.replace("    approximation: cut_sets\n", "")
+    (problem,) = [one for one in everything(exact) if one.code == "R010"]
+    assert problem.hint is not None
+    assert problem.hint.endswith("or take bounds: `approximation: cut_sets`")
+    assert not [one for one in everything(VOTES) if one.level == "error"]
+    raised = sound(exact.replace("node_limit: 5", "node_limit: 10000000"))
+    assert "Minimal cut sets of `t`: 10" in "\n".join(KIND.readme(raised))
+
+
+def test_many_cut_sets_are_found_soon() -> None:
+    gates = [Gate("VOTE", tuple(range(20)), 4), Gate("OR", tuple(range(18, 21)), 0)]
+    sets = cut_sets_of_gates(20, gates, 21)
+    assert sets is not None
+    assert len(sets) == 2 + 3060
+    assert cut_sets_of_gates(20, [Gate("VOTE", tuple(range(20)), 5)], 20) is None
+    wide = cut_sets_of_gates(9000, [Gate("OR", tuple(range(9000)))], 9000)
+    assert wide is not None
+    assert CutSetBounds([sorted(one) for one in wide]).upper(np.full(9000, 1e-12)) < 1.1e-8
+
+
+def test_damaged_cut_sets_are_refused() -> None:
+    part = KIND.runtime_model(sound(VOTES))
+    cases: list[tuple[Any, str]] = [
+        ("x", "'cut_sets' of component 't' has the wrong type str"),
+        ([0], "'cut_sets' of component 't' is no list of sets"),
+        ([[9]], "9 in component 't' is no number below 5"),
+    ]
+    for broken, reason in cases:
+        component = {**part["components"][0], "cut_sets": broken}
+        with pytest.raises(ModelError, match=reason):
+            read_plan({**part, "components": [component]})
