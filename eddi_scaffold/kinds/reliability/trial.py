@@ -38,12 +38,12 @@ def mean_life(system: System) -> float | None:
         return first.mttf
     if _size(system) > _TOO_MANY:
         return None
-    start = _start(system)
+    values = SimpleNamespace(**_start(system))
+    monitor = ReliabilityMonitor(_model_file(replace(system, mission_end=False, thresholds=())))
 
     def reliability(hours: float) -> float:
-        later = replace(system, horizon=hours, mission_end=False, thresholds=())
-        monitor = ReliabilityMonitor(_model_file(later))
-        return monitor.execute_step(SimpleNamespace(**start), 0).reliability
+        monitor.look_ahead(hours)
+        return monitor.execute_step(values, 0).reliability
 
     return _integral(reliability)
 
@@ -59,7 +59,8 @@ def _integral(reliability: Any) -> float | None:
         scale /= 2.0
     total, left, width = 0.0, 0.0, scale / 2.0
     for _ in range(80):
-        part = _panel(reliability, left, left + width, 6)
+        whole = _gauss(reliability, left, left + width)
+        part = _panel(reliability, left, left + width, whole, 6)
         total += part
         left += width
         width *= 1.5
@@ -68,14 +69,14 @@ def _integral(reliability: Any) -> float | None:
     return None
 
 
-def _panel(reliability: Any, left: float, right: float, depth: int) -> float:
-    whole = _gauss(reliability, left, right)
+def _panel(reliability: Any, left: float, right: float, whole: float, depth: int) -> float:
     middle = 0.5 * (left + right)
-    halves = _gauss(reliability, left, middle) + _gauss(reliability, middle, right)
+    low, high = _gauss(reliability, left, middle), _gauss(reliability, middle, right)
+    halves = low + high
     if depth == 0 or abs(whole - halves) <= 1e-11 * abs(halves) or halves == 0.0:
         return halves
-    low = _panel(reliability, left, middle, depth - 1)
-    return low + _panel(reliability, middle, right, depth - 1)
+    below = _panel(reliability, left, middle, low, depth - 1)
+    return below + _panel(reliability, middle, right, high, depth - 1)
 
 
 def _gauss(reliability: Any, left: float, right: float) -> float:

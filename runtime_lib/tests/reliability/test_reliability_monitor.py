@@ -210,6 +210,47 @@ def test_battery_processor_units_and_series():
     assert idle.contributions["cpu"] == 0.0
 
 
+def everything(horizon):
+    """Return a monitor with every type of component, and inputs that say that all is in order."""
+    battery = {
+        "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
+        "degradation": 6.4e-3, "level": "level", "repair": False,
+    }  # fmt: skip
+    processor = {
+        "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 90.0,
+        "u_max": 2.0, "activation_energy": 0.3, "shape": 2.0, "temperature": "t",
+        "utilisation": None,
+    }  # fmt: skip
+    units = {"name": "units", "type": "k_out_of_n", "k": 2, "rate": 1e-3, "available": "n"}
+    worn = chain([[0, 1, 0.1], [1, 2, 0.2]], 3, [2], observe=[[0, "new", False]])
+    names = ("battery", "cpu", "units", "rotors", "chain")
+    events = [event("model", model=name) for name in names]
+    events += [event("exponential", 0.01), event("weibull", 50.0, 2.0, input="w")]
+    events += [event("PAND", 0.1, 0.2)]
+    top = tree(events, [{"type": "OR", "of": list(range(len(events)))}])
+    values = {**WORKING, "level": 80.0, "t": 60.0, "n": 4, "new": True, "w": False}
+    parts = [battery, processor, units, quad(0.01), worn, top]
+    return monitor(parts, values, horizon=horizon), values
+
+
+def test_another_horizon_is_as_good_as_another_monitor():
+    one, values = everything(1.0)
+    for i in range(5):
+        step(one, i * 0.1, **values)
+    for horizon in (0.0, 0.25, 3.0, 1000.0):
+        one.look_ahead(horizon)
+        other, _ = everything(horizon)
+        for i in range(40):
+            unknown = {} if i % 20 < 17 else {"m1": None, "new": None}
+            given = {**values, **unknown}
+            mine, expected = step(one, i * 0.1, **given), step(other, i * 0.1, **given)
+            assert mine.horizon == horizon
+            assert (mine.unknown, mine.reason) == (expected.unknown, expected.reason)
+            for name in ("p_fail_low", "p_fail_high", "reliability"):
+                assert getattr(mine, name) == pytest.approx(getattr(expected, name), rel=1e-12)
+            assert mine.contributions == pytest.approx(expected.contributions, rel=1e-12)
+
+
 def test_statuses_may_come_as_a_list():
     model = quad(0.01, inputs=[["status", i] for i in range(4)])
     one = monitor([model], ["status"])

@@ -87,21 +87,26 @@ class Chain:
         self, spec: ChainSpec, quantum: float, horizons: Horizons, age: float = 0.0
     ) -> None:
         self.states, self.fail = spec.states, frozenset(spec.fail)
-        q = generator(spec.states, spec.arcs, spec.fail)
+        self._rates = q = generator(spec.states, spec.arcs, spec.fail)
         self._first = propagator(q, age)[spec.initial].copy()
-        self._ahead, self._alive = _ahead(q, spec.fail, horizons)
         self.tau = mean_times(q, spec.fail)
-        endless = np.isinf(self.tau)
-        rest = [np.where(endless, 0.0, self.tau), endless.astype(float), np.ones(spec.states)]
-        # failed, alive, mean life, weight of endless states and of all: one product with a belief
-        self._looks = [np.column_stack([a, b, *rest]) for a, b in zip(self._ahead, self._alive)]
         self._step = propagator(q, quantum)
-        powers = [self._step]
-        self.everything = Seen(None, (), (), min(self.fail), powers, self._block(None, powers))
+        self._powers = [self._step]
         self._belief, self._spare = np.zeros(spec.states), np.zeros(spec.states)
         self._out = np.zeros(_BLOCK * _LOOK + spec.states)
         self._looking, self._end = self._out[: _BLOCK * _LOOK], self._out[_BLOCK * _LOOK :]
         self._rows: List[List[float]] = []
+        self.prepare(horizons)
+
+    def prepare(self, horizons: Horizons) -> None:
+        """Prepare other horizons and return to the start; what was ``seen`` before is void."""
+        self._ahead, self._alive = _ahead(self._rates, sorted(self.fail), horizons)
+        endless = np.isinf(self.tau)
+        rest = [np.where(endless, 0.0, self.tau), endless.astype(float), np.ones(self.states)]
+        # failed, alive, mean life, weight of endless states and of all: one product with a belief
+        self._looks = [np.column_stack([a, b, *rest]) for a, b in zip(self._ahead, self._alive)]
+        block = self._block(None, self._powers)
+        self.everything = Seen(None, (), (), min(self.fail), self._powers, block)
         self.reset()
 
     def _block(self, mask: Optional[np.ndarray], powers: List[np.ndarray]) -> Optional[np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Mapping
 
+from .chain import Horizons
 from .estimate import Estimate, Moment, Values
 
 Known = Mapping[str, Estimate]
@@ -19,6 +20,11 @@ class Component:
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Let time pass, take the observations, look ahead."""
         raise NotImplementedError
+
+    def prepare(self, horizons: Horizons) -> None:
+        """Prepare other horizons and return to the start of the mission."""
+        del horizons
+        self.reset()
 
     def reset(self) -> None:
         """Return to the start of the mission."""

@@ -76,6 +76,12 @@ class MarkovChain(Component):
         seen = self._seen[verdicts] = self.chain.seen(mask, unknown)
         return seen
 
+    def prepare(self, horizons: Horizons) -> None:
+        """Prepare other horizons."""
+        self.chain.prepare(horizons)
+        self._seen = {(): self.chain.everything}
+        self.reset()
+
     def reset(self) -> None:
         """Return to the start of the mission."""
         super().reset()
@@ -175,6 +181,13 @@ class Propulsion(Component):
             return False
         self._failed[motor] = value is False
         return value
+
+    def prepare(self, horizons: Horizons) -> None:
+        """Prepare other horizons."""
+        self.chain.prepare(horizons)
+        self._sure.clear()
+        self._seen.clear()
+        self.reset()
 
     def reset(self) -> None:
         """All motors work."""

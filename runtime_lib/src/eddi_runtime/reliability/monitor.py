@@ -10,6 +10,7 @@ from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
 from . import result as out
+from .chain import Horizons
 from .estimate import Estimate, Moment
 from .evidence import Evidence
 from .model import GRID, MISSION_END, Plan, read_plan
@@ -86,6 +87,17 @@ class ReliabilityMonitor:
             component.reset()
         for one in self._evidence:
             one.reset()
+
+    def look_ahead(self, hours: float) -> None:
+        """Take another fixed horizon and return to the start of the mission.
+
+        Args:
+            hours: at least 0.
+        """
+        self._plan = self._plan._replace(horizon=hours, moving=False)
+        for component in self._plan.components.values():
+            component.prepare(Horizons(hours))
+        self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> ReliabilityResult:
         """Let time pass, take the observations, look ahead; never raises.

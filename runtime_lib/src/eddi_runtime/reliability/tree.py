@@ -176,6 +176,12 @@ class FaultTree(Component):
         self._failed[i] = value is True
         return value
 
+    def prepare(self, horizons: Horizons) -> None:
+        """Prepare other horizons."""
+        for _, chain in self._chains:
+            chain.prepare(horizons)
+        self.reset()
+
     def reset(self) -> None:
         """Forget what has happened."""
         super().reset()
