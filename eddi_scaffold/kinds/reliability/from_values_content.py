@@ -110,16 +110,17 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
         return None
     if not before:
         _declare(entry, gates, events, top)
+    tree = before or FaultTree(top, events, gates)
     age = entry.quantity("age", duration)
-    return FaultTree(
-        top,
-        events,
-        gates,
-        entry.boolean("repair"),
-        entry.whole("node_limit", 1, 10_000_000),
-        before.cut_sets if before else None,
-        age if age is not None else before.age if before else 0.0,
-        entry.choice("approximation", ("cut_sets",)) is not None,
+    limit = entry.whole("node_limit", 1, 10_000_000)
+    approximation = entry.choice("approximation", ("cut_sets",))
+    return replace(
+        tree,
+        events=events,
+        repair=entry.boolean("repair") if entry.has("repair") else tree.repair,
+        node_limit=tree.node_limit if limit is None else limit,
+        approximate=tree.approximate or approximation is not None,
+        age=tree.age if age is None else age,
     )
 
 

@@ -18,6 +18,7 @@ from eddi_runtime.reliability.model import read_plan
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import KIND
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 
@@ -85,6 +86,17 @@ def test_a_tree_above_its_limit_is_bounded() -> None:
     monitor = compiled(model)
     monitor.execute_step(type("Values", (), {"t_E": False})(), 0)
     assert len(monitor.importances()) == 5
+
+
+def test_a_configuration_keeps_what_it_does_not_name() -> None:
+    """A key of one event takes neither the bounds nor the repair of its tree away."""
+    model, problems = read_text(VOTES.replace("    gates", "    repair: true\n    gates"))
+    assert model is not None, problems
+    change = {"models": {"t": {"events": {"A": {"p": 1e-5}}}}}
+    configured, problems = KIND.configure(model, Options(values=change))
+    assert configured is not None, problems
+    tree = configured.data.components["t"].content
+    assert (tree.approximate, tree.repair, tree.node_limit) == (True, True, 5)
 
 
 def test_what_is_certain_and_what_never_happens() -> None:
