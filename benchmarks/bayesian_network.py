@@ -62,6 +62,36 @@ IMPORTS = {
 }
 
 
+class Methods:
+    """The methods of a package: two written by hand, one as it was generated."""
+
+    def __init__(self) -> None:
+        self.dra_data: Any = None
+
+    def update_dra_data(self, dra_data: Any) -> None:
+        """Take over what the step was given."""
+        self.dra_data = getattr(dra_data, "data", dra_data)
+
+    def node_n0(self) -> tuple[bool, dict[str, float]]:
+        """Say in which state the node is."""
+        outcomes = dict.fromkeys(("s0", "s1", "s2", "s3"), 0.0)
+        outcomes[self.dra_data.n0] = 1.0
+        return False, outcomes
+
+    def node_n1(self) -> tuple[bool, dict[str, float]]:
+        """Say in which state the node is."""
+        outcomes = dict.fromkeys(("s0", "s1", "s2"), 0.0)
+        outcomes[self.dra_data.n1] = 1.0
+        return False, outcomes
+
+    def node_n2(self) -> tuple[bool, dict[str, float]]:
+        """Say nothing, as generated."""
+        is_bn_output = False
+        outcome_s0 = 0.0
+        outcome_s1 = 0.0
+        return is_bn_output, {"s0": outcome_s0, "s1": outcome_s1}
+
+
 class Task(NamedTuple):
     """What is asked of a network in each step."""
 
@@ -71,6 +101,7 @@ class Task(NamedTuple):
     observed: tuple[int, ...]
     missing: float
     virtual: float
+    hooks: object = None
 
 
 def main() -> None:
@@ -92,6 +123,7 @@ def main() -> None:
 def tasks() -> Iterator[Task]:
     yield Task("pedestrian 3/2/1", PEDESTRIAN, (2,), (0, 1), 0.0, 0.0)
     yield Task("pedestrian 3/2/1, 30 % virtual", PEDESTRIAN, (2,), (0, 1), 0.0, 0.3)
+    yield Task("pedestrian 3/2/1, methods", PEDESTRIAN, (2,), (0, 1), 0.0, 0.0, Methods())
     yield from variants("chain", peers.chain(30))
     yield from variants("grid", peers.grid(6, 6))
     yield from variants("grid", peers.grid(12, 12), few=True)
@@ -185,7 +217,7 @@ def evidence_of(task: Task) -> list[Evidence]:
 
 def monitor_of(task: Task) -> BayesianNetworkMonitor:
     data = peers.document(task.net, task.outputs, task.observed)
-    return build(check_document(data | {"sha256": digest_of(data)}))
+    return build(check_document(data | {"sha256": digest_of(data)}), task.hooks)
 
 
 def source_of(evidence: Evidence) -> SimpleNamespace:

@@ -14,7 +14,6 @@ from ..plain_values import plain, show
 Finding = Union[None, int, List[float]]
 """None: nothing is known. A number: the state, for sure. A list: likelihoods, the largest is 1."""
 
-_PLAIN = {float}
 _EPSILON = 2.220446049250313e-16
 
 
@@ -44,26 +43,30 @@ def finding(values: Sequence[Any], states: Sequence[str], *, virtual: bool = Tru
     count = len(values)
     if count != len(states):
         raise EvidenceError(f"{count} values for {len(states)} states")
-    # The usual case, several times faster; a sum below infinity has no NaN in it.
-    plain_numbers = virtual and set(map(type, values)) == _PLAIN
-    if plain_numbers and min(values) >= 0.0 and sum(values) < math.inf:
-        return _ratios(values)
-    if values.count(0.0) == count:
+    zeros = values.count(0.0)
+    if zeros == count:
         return None
+    if virtual and zeros == count - 1:
+        try:  # the usual case, four times faster
+            largest = max(values)
+            if 0.0 < largest < math.inf:
+                return values.index(largest)
+        except TypeError:
+            pass
+    elif virtual and set(map(type, values)) == {float} and min(values) >= 0.0:
+        largest = max(values)
+        if sum(values) < math.inf:  # so none is NaN
+            return [number / largest for number in values]
     return _judged([_number(value, state) for value, state in zip(values, states)], virtual=virtual)
 
 
 def _judged(numbers: List[float], *, virtual: bool) -> Finding:
-    return _ratios(numbers) if virtual else _as_in_d72(numbers)
-
-
-def _ratios(numbers: Sequence[float]) -> Finding:
+    if not virtual:
+        return _as_in_d72(numbers)
+    others = [k for k, number in enumerate(numbers) if number]
+    if len(others) < 2:
+        return others[0] if others else None
     largest = max(numbers)
-    zeros = numbers.count(0.0)
-    if zeros == len(numbers):
-        return None
-    if zeros == len(numbers) - 1:
-        return numbers.index(largest)
     return [number / largest for number in numbers]
 
 
