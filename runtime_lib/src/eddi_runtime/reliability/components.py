@@ -145,9 +145,10 @@ class Propulsion(Component):
             value = values[name]
             if position is not None and value is not None:
                 value = value[position] if len(value) == self._rotors.motors else None
-            if value is None and not self._failed[motor]:
+            status = self._status(motor, value)
+            if status is None:
                 unknown.append(name)
-            working.append(self._status(motor, value))
+            working.append(status)
         # a claim that something works again is counted each time
         self._last = statuses if latched == self.latched else None
         if not unknown:
