@@ -29,6 +29,7 @@ class FreeHorizon:
         self, states: int, arcs: Sequence[Arc], fail: Sequence[int], longest: float
     ) -> None:
         self._q = generator(states, arcs, fail)
+        self._fail = tuple(fail)
         self._ends = np.zeros((states, 2))
         self._ends[:, 1] = 1.0
         self._ends[list(fail)] = (1.0, 0.0)
@@ -53,6 +54,8 @@ class FreeHorizon:
             self._hours = hours
             self._look(self._fastest * hours, hours)
             self._found = np.minimum(self._out, 1.0).reshape(-1, 2).tolist()
+            for state in self._fail:  # the sum of the weights is one up to rounding only
+                self._found[state] = [1.0, 0.0]
         return self._found
 
     def _look(self, mean: float, hours: float) -> None:
