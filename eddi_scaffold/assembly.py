@@ -10,7 +10,14 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import Monitor, monitor_of
 from eddi_scaffold.checking import kinds_of, model_for, no_package_name
-from eddi_scaffold.config import Config, ConfigFile, Robot, from_json, named_model, read_config
+from eddi_scaffold.config import (
+    Config,
+    ConfigFile,
+    Robot,
+    from_json,
+    named_model_path,
+    read_config,
+)
 from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.message_types import known_messages
@@ -112,14 +119,16 @@ def _candidates(
 ) -> Sequence[Model]:
     """Return the models among which a configuration chooses; reads the file that it names."""
     kind_names = {kind.name for kind in kinds_of(config)}
-    name = named_model(config)
-    if name is None or any(model.kind in kind_names for model in models):
-        if not models and name is None:
+    if any(model.kind in kind_names for model in models):
+        return models
+    path = named_model_path(config)
+    if path is None:
+        if not models:
             hint = "add `-m MODEL`, or name it: `parameters: [{model: FILE}]`"
             place = config.place("Model")
             raise EddiError(error("G015", "the configuration does not say of what", place, hint))
         return models
-    reading = checked_models(Path(config.name).parent / name)
+    reading = checked_models(path)
     problems += reading.problems
     return reading.models
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.config import ConfigFile, Robot, named_model, read_config
+from eddi_scaffold.config import ConfigFile, Robot, named_model, named_model_path, read_config
 from eddi_scaffold.identifiers import is_package_name, package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.message_types import known_messages
@@ -87,14 +87,14 @@ def _named(
     config: ConfigFile, models: Sequence[Model], default_guarantees: Sequence[str]
 ) -> tuple[Sequence[Model], list[Problem]]:
     """Return the models that a configuration chooses among: those given, else what it names."""
-    name = named_model(config)
     fitting = {kind.name for kind in kinds_of(config)}
-    if name is None or any(model.kind in fitting for model in models):
+    if any(model.kind in fitting for model in models):
         return models, []
     try:
-        found, read, _ = _check_one(
-            read_source(Path(config.name).parent / name), default_guarantees
-        )
+        path = named_model_path(config)
+        if path is None:
+            return models, []
+        found, read, _ = _check_one(read_source(path), default_guarantees)
     except EddiError as failure:
         return (), list(failure.problems)
     return read, found

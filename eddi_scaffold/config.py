@@ -445,6 +445,7 @@ def options_of(file: ConfigFile | None) -> Options:
 
 
 _MODEL_KEYS = ("model", "config", "file")
+_Keys = tuple[str | int, ...]
 
 
 def named_model(file: ConfigFile) -> str | None:
@@ -452,10 +453,41 @@ def named_model(file: ConfigFile) -> str | None:
 
     SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
     """
+    found = _named_model(file)
+    return None if found is None else found[0]
+
+
+def named_model_path(file: ConfigFile) -> Path | None:
+    """Return where the file is that ``parameters`` names, ``None`` where it names none.
+
+    Raises:
+        EddiError: there is no such file (F001); the place is that of its name.
+    """
+    found = _named_model(file)
+    if found is None:
+        return None
+    name, where = found
+    path = Path(file.name).parent / name
+    try:
+        path.stat()
+    except (OSError, ValueError):
+        hint = "a name is relative to the folder of the configuration"
+        message = f"there is no file {name!r}"
+        raise EddiError(error("F001", message, file.place(*where), hint)) from None
+    return path
+
+
+def _named_model(file: ConfigFile) -> tuple[str, _Keys] | None:
+    """Return the name of the model's file and the keys under which it stands."""
     given = file.config.Model.parameters
-    maps = [one for one in (given if isinstance(given, list) else [given]) if isinstance(one, dict)]
-    names = (one.get(key) for key in _MODEL_KEYS for one in maps)
-    return next((name for name in names if isinstance(name, str) and name), None)
+    where: _Keys = ("Model", "parameters")
+    maps = [((*where, k), one) for k, one in enumerate(given)] if isinstance(given, list) else []
+    for key in _MODEL_KEYS:
+        for keys, one in maps or [(where, given)]:
+            name = one.get(key) if isinstance(one, dict) else None
+            if isinstance(name, str) and name:
+                return name, (*keys, key)
+    return None
 
 
 def _options_for(section: object) -> set[str]:
