@@ -31,21 +31,23 @@ if TYPE_CHECKING:
     from eddi_scaffold.source import Source
 
 TIME = "t"
-MAX_PROBLEMS = 100
-"""Problems that are listed of one file; a wrong column would else be reported for every row."""
+MAX_PROBLEMS = 10
+"""Errors that are listed of one file; a wrong column would else be reported for every row."""
+MAX_TIME = 9e9
+"""Seconds, 285 years: a monitor counts nanoseconds in 64 bits."""
 
-_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf|nan", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _EXPECTED: Mapping[str, str] = {
-    "bool": "true, false, 1 or 0",
-    "float": "a number",
-    "int": "a whole number",
+    "bool": "true, false, 1, 0, or nan for unknown",
+    "float": "a number, or nan for unknown",
+    "int": "a whole number, or nan for unknown",
     "str": "a text",
     "state": "a state, or numbers with blanks between them",
     "float[]": "numbers with blanks between them",
-    "bool[]": "true, false, 1 or 0 with blanks between them",
+    "bool[]": "true, false, 1, 0 or nan with blanks between them",
 }
 
 
@@ -109,7 +111,7 @@ def read_recording(
         types: input id -> type of its values; other columns than these and ``t`` are errors.
 
     Returns:
-        The recording, ``None`` when a problem is an error, and all problems (I001 to I009).
+        The recording, ``None`` when a problem is an error, and all problems (I001 to I009, I015).
     """
     try:
         text = source.data.decode("utf-8-sig")
@@ -130,6 +132,8 @@ class _Reader:
         self.problems: list[Problem] = []
         self._file = file
         self._types = types
+        self._errors = 0
+        self._cut: int | None = None
 
     def read(self, lines: Sequence[str]) -> Recording:
         filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
@@ -145,15 +149,22 @@ class _Reader:
             if row is not None:
                 rows.append(row)
                 last = row.t
-            if len(self.problems) >= MAX_PROBLEMS:
-                self._error("I009", "too many problems, the rest was not read", number, 1)
-                break
+        if not rest and not self._errors:
+            message = "there are no rows below the header: nothing can be played"
+            self._error("I015", message, header[0], 1)
+        if self._errors > MAX_PROBLEMS:
+            message = f"... and {self._errors - MAX_PROBLEMS} more problems from here on"
+            self.problems.append(error("I009", message, Place(self._file, self._cut)))
         time_at = columns.index(TIME) if TIME in columns else -1
         inputs = tuple(name for k, name in enumerate(columns) if k != time_at)
         return Recording(inputs, tuple(rows))
 
     def _error(self, code: str, message: str, line: int, col: int, hint: str | None = None) -> None:
-        self.problems.append(error(code, message, Place(self._file, line, col), hint))
+        self._errors += 1
+        if self._errors <= MAX_PROBLEMS:
+            self.problems.append(error(code, message, Place(self._file, line, col), hint))
+        else:
+            self._cut = self._cut or line
 
     def _columns(self, number: int, line: str) -> tuple[str, ...]:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
@@ -185,10 +196,10 @@ class _Reader:
         return names
 
     def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
-        before = len(self.problems)
+        before = self._errors
         cells = self._cells(number, line)
         if len(cells) != len(columns):
-            if len(self.problems) == before:
+            if self._errors == before:
                 message = f"{len(cells)} cells, but the header has {len(columns)} columns"
                 self._error("I005", message, number, 1)
             return None
@@ -206,6 +217,11 @@ class _Reader:
         if not math.isfinite(t):
             message = f"the time {cell.text!r} is not a number of seconds"
             self._error("I007", message, number, cell.col)
+            return None
+        if abs(t) > MAX_TIME:
+            message = f"the time {cell.text} is out of range: at most 9e9 seconds"
+            hint = "t is in seconds, not in milliseconds or nanoseconds"
+            self._error("I007", message, number, cell.col, hint)
             return None
         if t <= last:
             message = f"the time {cell.text} is not after the one before, {last:g}"
@@ -257,13 +273,15 @@ def _plain(part: str, start: int) -> _Cell:
 
 
 def _converted(text: str, wanted: InputType) -> JsonValue:
-    """Return the value of a cell, ``None`` when it cannot be read."""
-    if wanted == "bool":
-        return _TRUTH.get(text.lower())
+    """Return the value of a cell, ``None`` when it cannot be read; NaN counts as unknown."""
     if wanted == "str":
         return text
     if wanted.endswith("[]") or wanted == "state":
         return _several(text, wanted)
+    if text.lower() == "nan":
+        return math.nan
+    if wanted == "bool":
+        return _TRUTH.get(text.lower())
     if wanted == "int":
         return int(text) if _WHOLE.fullmatch(text) else None
     return float(text) if _NUMBER.fullmatch(text) else None
@@ -271,6 +289,8 @@ def _converted(text: str, wanted: InputType) -> JsonValue:
 
 def _several(text: str, wanted: InputType) -> JsonValue:
     """Return the list of a cell; the name of a state is a text that is no list of numbers."""
+    if wanted == "bool[]" and text.lower() == "nan":
+        return math.nan
     one: InputType = "bool" if wanted == "bool[]" else "float"
     values = [_converted(part, one) for part in text.split()]
     if wanted == "state" and (not values or None in values):

@@ -62,13 +62,20 @@ def test_cells_by_type():
         (
             "t,e,n\n0, yes,1.5\n",
             [
-                "2:4: I006 cannot read 'yes': expected true, false, 1 or 0",
-                "2:8: I006 cannot read '1.5': expected a whole number",
+                "2:4: I006 cannot read 'yes': expected true, false, 1, 0, or nan for unknown",
+                "2:8: I006 cannot read '1.5': expected a whole number, or nan for unknown",
             ],
         ),
-        ("t,speed\n0,1_0\n", ["2:3: I006 cannot read '1_0': expected a number"]),
+        (
+            "t,speed\n0,1_0\n",
+            ["2:3: I006 cannot read '1_0': expected a number, or nan for unknown"],
+        ),
         ("t,e\n,1\n", ["2:1: I007 the time '' is not a number of seconds"]),
         ("t,e\ninf,1\n", ["2:1: I007 the time 'inf' is not a number of seconds"]),
+        ("t,e\nNaN,1\n", ["2:1: I007 the time 'NaN' is not a number of seconds"]),
+        ("t,e\n1e10,1\n", ["2:1: I007 the time 1e10 is out of range: at most 9e9 seconds"]),
+        ("t,e\n-1e300,1\n", ["2:1: I007 the time -1e300 is out of range: at most 9e9 seconds"]),
+        ("t,e\n\n", ["1:1: I015 there are no rows below the header: nothing can be played"]),
         (
             "t,e\n1,1\n1.0,1\n2,1\n0,1\n",
             [
@@ -98,7 +105,32 @@ def test_hints_excerpts_and_missing_columns():
 def test_many_problems_are_cut():
     _, problems = read("t,e,speed,front left,n\n" + "x,y\n" * 1000)
     assert len(problems) == MAX_PROBLEMS + 1
-    assert problems[-1].message == "too many problems, the rest was not read"
+    assert problems[-1].message == f"... and {1000 - MAX_PROBLEMS} more problems from here on"
+    assert problems[-1].place.line == MAX_PROBLEMS + 2
+
+
+@pytest.mark.parametrize("text", ["nan", "NaN", "NAN"])
+def test_not_a_number_is_unknown_in_every_case(text):
+    types = {"e": "bool", "speed": "float", "n": "int", "list": "bool[]", "name": "str"}
+    recording, problems = read(
+        f"t,e,speed,n,list,name\n0,{text},{text},{text},true {text},{text}\n1,1,2,3,{text},\n",
+        types,
+    )
+    assert problems == []
+    first, second = recording.rows
+    unknown = [first.samples[name] for name in ("e", "speed", "n")]
+    unknown += [first.samples["list"][1], second.samples["list"]]
+    assert all(value != value for value in unknown)  # noqa: PLR0124 - NaN
+    assert first.samples["list"][0] is True
+    assert first.samples["name"] == text
+
+
+def test_an_unknown_sample_takes_the_place_of_the_one_before():
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"default": True}})
+    text = "t,e\n0,\n1,nan\n2,true\n3,NaN\n4,\n5,true\n"
+    wanted = [(0, ["G"]), (1, []), (2, ["G"]), (3, []), (4, []), (5, ["G"])]
+    assert play(made, text, {"e": "bool"}) == wanted
+    assert made.faults() == {}
 
 
 def test_an_input_may_be_called_t():

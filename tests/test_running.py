@@ -61,7 +61,12 @@ def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) ->
     [
         ("time,RtE_A_E0\n", ":1:1: error: the header has no column t (time in seconds) [I001]"),
         ("t,RtE_A_E\n0,1\n", ":1:3: error: no input has the id 'RtE_A_E' [I003]"),
-        ("t,RtE_A_E0\n0,maybe\n", ":2:3: error: cannot read 'maybe': expected true, false, 1 or 0"),
+        ("t,RtE_A_E0\n0,1\n1e300,1\n", ":3:1: error: the time 1e300 is out of range: at most"),
+        ("t,RtE_A_E0\n", ":1:1: error: there are no rows below the header: nothing can be"),
+        (
+            "t,RtE_A_E0\n0,maybe\n",
+            ":2:3: error: cannot read 'maybe': expected true, false, 1, 0, or nan",
+        ),
     ],
 )
 def test_a_bad_recording_is_told_with_its_place(tmp_path: Path, text: str, message: str) -> None:
