@@ -35,7 +35,27 @@ def check_system(system: System) -> list[Problem]:
             problems += _tree(component, component.content)
     if has_errors(problems):
         return problems
-    return [*problems, *_dependence(system), *_inputs(system)]
+    return [*problems, *_open_ports(system), *_dependence(system), *_inputs(system)]
+
+
+def _open_ports(system: System) -> Iterator[Problem]:
+    """Refuse evidence from trees that leave out what nobody has connected."""
+    if not system.thresholds:
+        return
+    for component in used(system).components.values():
+        tree = component.content
+        if not isinstance(tree, FaultTree):
+            continue
+        below = {key: gate.of for key, gate in tree.gates.items()}
+        for key in order(tree.top, below)[0]:
+            gate = tree.gates.get(key)
+            if gate is not None and not gate.of:
+                message = (
+                    f"port {gate.name!r} has no input: what it stands for is left out, so that no "
+                    f"threshold may trust p_fail of {system.top!r}"
+                )
+                hint = "connect it in the model, or take it out there"
+                yield error("R005", message, gate.place, hint)
 
 
 def _references(system: System) -> Iterator[Problem]:
@@ -89,7 +109,7 @@ def _tree(component: Component, tree: FaultTree) -> list[Problem]:
 def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
     name, place = gate.name, gate.place
     if not gate.of:
-        yield warning("R013", f"gate {name!r} has no input: it never occurs", place)
+        yield from _empty(gate)
         return
     if gate.type == "VOTE" and gate.k is None:
         hint = 'keyValueMaps with key "k", or `k:` in YAML'
@@ -103,6 +123,16 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
         yield warning("R013", message, place)
     elif gate.type in DYNAMIC:
         yield from _dynamic(tree, gate, uses)
+
+
+def _empty(gate: Gate) -> Iterator[Problem]:
+    """Refuse a gate of nothing; of a port of an EDDI the reader has said it (X017)."""
+    if not gate.is_port:
+        message = f"gate {gate.name!r} has no input: a gate of nothing never occurs"
+        hint = "list its inputs, or take it out"
+        if gate.place.path is None:
+            hint = "list its inputs in `of:`, take it out, or write an event with `p: 0` instead"
+        yield error("R005", message, gate.place, hint)
 
 
 def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:

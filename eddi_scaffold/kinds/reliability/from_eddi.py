@@ -210,7 +210,8 @@ class _Reader:
                 gates[ids[cause]] = self._gate(cause, ids)
             elif is_port:
                 self._empty(cause)
-                gates[ids[cause]] = Gate(ids[cause], "OR", (), place=self._place(cause))
+                place = self._place(cause)
+                gates[ids[cause]] = Gate(ids[cause], "OR", (), place=place, is_port=True)
             else:
                 events[ids[cause]] = event = self._event(cause, ids[cause])
                 if event.law is not None and event.law.model:
@@ -234,7 +235,8 @@ class _Reader:
     def _gate(self, cause: Element, ids: dict[Element, str]) -> Gate:
         given = (self.document.attribute(cause, _GATE_TYPE) or "OR").strip()
         kind = given.upper()
-        if kind in ("INPUTEVENT", "OUTPUTEVENT"):
+        is_port = kind in ("INPUTEVENT", "OUTPUTEVENT")
+        if is_port:
             kind = "OR"
         if kind not in GATES:
             what = self.document.describe(cause)
@@ -247,10 +249,10 @@ class _Reader:
             else:
                 message = f"causes points at {self.document.describe(one)}, not at a cause"
                 self.findings.error("X009", message, cause)
-        if not below:
+        if not below and is_port:
             self._empty(cause)
         k = self._votes(cause) if kind == "VOTE" else None
-        return Gate(ids[cause], kind, tuple(below), k, self._place(cause))
+        return Gate(ids[cause], kind, tuple(below), k, self._place(cause), is_port)
 
     def _empty(self, cause: Element) -> None:
         what = self.document.describe(cause)

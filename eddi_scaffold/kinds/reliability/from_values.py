@@ -149,6 +149,9 @@ def _component(
     if kind == "series":
         entry.only(("type", "of"))
         uses = entry.texts("of", required=True)
+        if entry.value("of") == []:
+            message = f"series {name!r} has no model: it would never fail"
+            entry.error("R005", message, "of", hint="list models, or take it out")
         return {name: Component(name, kind, uses=uses, place=entry.place())}
     values = _MAKERS[kind](entry, name)
     if values is None:

@@ -57,13 +57,18 @@ class Event:
 
 @dataclass(frozen=True)
 class Gate:
-    """A gate; ``of`` are ids of events and gates, ``k`` only for VOTE (None: not given)."""
+    """A gate; ``of`` are ids of events and gates, ``k`` only for VOTE (None: not given).
+
+    Attributes:
+        is_port: it passes on what other models of an EDDI may say, or nobody.
+    """
 
     name: str
     type: str
     of: tuple[str, ...]
     k: int | None = None
     place: Place = field(default=Place(), compare=False)
+    is_port: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True)
