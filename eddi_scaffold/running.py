@@ -21,6 +21,9 @@ from eddi_scaffold.recording import Frame, Recording, frames
 _PATIENCE = 2.0
 """Seconds of work after which a person is told how far it is."""
 
+_NO_OTHER = "unknown inputs"
+"""The reason of a result that lacks inputs only: their names say more."""
+
 Play = Callable[[RuntimeMonitor], Iterator[Frame]]
 """Plays what was recorded to a monitor, one frame for each of its steps."""
 
@@ -63,25 +66,33 @@ def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
 def changes(monitor: Monitor, play: Play) -> Iterator[str]:
     """Yield a line for the first step and for each one whose output differs from the last.
 
-    A line says which inputs keep outputs from being given, and why. A new reason is a new line
-    where the kind names its reasons.
+    A line says which inputs keep outputs from being given, and why, and what else is wrong. A new
+    reason is a new line where the kind names its reasons.
     """
     running = compiled(monitor)
     last: object = None
     for frame in play(running):
         values = running.series(frame.output)
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
-        now = shown, _omission(running)[0]
+        reason = _reason(frame.output)
+        now = shown, reason
         if now != last:
-            yield f"{frame.t:10.3f}  {shown}{_blocking(running)}".rstrip()
+            beside = _beside(running, reason) + _blocking(running)
+            yield f"{frame.t:10.3f}  {shown}{beside}".rstrip()
         last = now
 
 
 def table(monitor: Monitor, play: Play) -> Iterator[str]:
-    """Yield the lines of a CSV: time, then every named value of the output in each step."""
+    """Yield the lines of a CSV: time, then every named value of the output in each step.
+
+    Kinds whose results tell why they are not to be relied on have columns for it at the end:
+    ``reason``, and ``unknown`` with the ids of inputs, blanks between them.
+    """
     running = compiled(monitor)
     for number, frame in enumerate(play(running)):
-        values = running.series(frame.output)
+        values = dict(running.series(frame.output))
+        for name, fact in _facts(frame.output).items():
+            values.setdefault(name, fact)
         if number == 0:
             yield _csv_line(["t", *values])
         yield _csv_line([repr(frame.t), *(_cell(value) for value in values.values())])
@@ -105,10 +116,32 @@ def compiled(monitor: Monitor) -> RuntimeMonitor:
     return build(parse_model(monitor.model_json, monitor.model.name, files))
 
 
-def _omission(running: RuntimeMonitor) -> tuple[str, str]:
-    """Return why there is no verdict, in a word and in words for people, where a kind says it."""
+def _omission(running: RuntimeMonitor) -> str:
+    """Return why there is no verdict, in words for people, where a kind says it."""
     say = getattr(running, "omission", None)
-    return ("", "") if say is None else say()
+    return "" if say is None else str(say()[1])
+
+
+def _reason(output: object) -> str:
+    """Return why an output is not to be relied on, in a word; empty when it is, or says nothing."""
+    return str(getattr(output, "reason", ""))
+
+
+def _facts(output: object) -> dict[str, Value]:
+    """Return what an output says of itself beside its values."""
+    found: dict[str, Value] = {}
+    if hasattr(output, "reason"):
+        found["reason"] = _reason(output)
+    if hasattr(output, "unknown"):
+        found["unknown"] = " ".join(output.unknown)
+    return found
+
+
+def _beside(running: RuntimeMonitor, reason: str) -> str:
+    """Return the reason for people where no input that is waited for has it beside its name."""
+    if not reason or hasattr(running, "omission") or reason == _NO_OTHER:
+        return ""
+    return f"  not valid: {reason}"
 
 
 def _is_list(value: object) -> bool:
@@ -140,7 +173,7 @@ def _shown(value: Value) -> str:
 
 def _blocking(running: RuntimeMonitor) -> str:
     blocked, faults = running.blocked(), running.faults()
-    why = _omission(running)[1]
+    why = _omission(running)
     reasons = {name: faults.get(name) or why for name in blocked}
     texts = [f"{name} ({reason})" if reason else name for name, reason in reasons.items()]
     return f"  waits for {', '.join(texts)}" if texts else ""

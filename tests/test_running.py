@@ -56,6 +56,52 @@ def test_a_value_that_cannot_be_used_is_said_beside_the_input(tmp_path: Path) ->
     assert done.stdout.splitlines()[1].endswith("waits for m (expected AUTO, HAND, got 'MANUAL')")
 
 
+SMALL = """
+models: {r: {type: markov, initial: ok, fail: dead, arcs: [{from: ok, to: dead, rate: 1 1/h}],
+  observe: {ok: ok, dead: not ok}}}
+"""
+
+
+@pytest.mark.parametrize("words", [["c.yml"], ["-c", "c.yml"], ["small.yml", "-c", "c.yml"]])
+def test_a_configuration_that_names_its_model_is_enough(tmp_path: Path, words: list[str]) -> None:
+    (tmp_path / "small.yml").write_text(f"horizon: 1 h{SMALL}")
+    named = (
+        "Model: {id: Small, type: Reliability, frequency: 10, parameters: [{config: small.yml}]}"
+    )
+    (tmp_path / "c.yml").write_text(f"{named}\nEDDIInputs: [{{id: ok, type: bool}}]\n")
+    (tmp_path / "r.csv").write_text("t,ok\n0,true\n")
+    done = run(*words, "--inputs", "r.csv", "--csv", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[1].startswith("0.0,0.632")
+
+
+def test_the_reason_of_a_result_that_is_not_valid_is_told(tmp_path: Path) -> None:
+    (tmp_path / "small.yml").write_text(f"max_gap: 2 s{SMALL}")
+    (tmp_path / "r.csv").write_text("t,ok\n0,true\n1,true\n5,true\n6,true\n7,nan\n10,nan\n")
+    done = run("small.yml", "--inputs", "r.csv", folder=tmp_path)
+    ends = [line.partition("valid ")[2].split("  ", 1) for line in done.stdout.splitlines()]
+    assert [part[-1].strip() for part in ends] == [
+        "active",
+        "not valid: gap",
+        "active",
+        "waits for ok",
+        "not valid: gap  waits for ok",
+    ]
+    table = run("small.yml", "--inputs", "r.csv", "--csv", folder=tmp_path).stdout.splitlines()
+    assert table[0].endswith(",valid,reason,unknown")
+    assert [",".join(line.split(",")[-2:]) for line in table[1:]] == [
+        ",", ",", "gap,", ",", "unknown inputs,ok", "gap,ok",
+    ]  # fmt: skip
+
+
+def test_a_configuration_without_its_model_says_what_to_do() -> None:
+    done = run("consert_a_config.yml", "--inputs", "recording.csv")
+    assert done.returncode == 2
+    assert "not a model, and it names none [F008]" in done.stderr
+    assert "hint: run MODEL -c consert_a_config.yml, or name it" in done.stderr
+    assert "say of what: run MODEL" in run("--inputs", "recording.csv").stderr
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
 
 
 def run(
-    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    model: Annotated[
+        Path | None,
+        typer.Argument(
+            help="EDDI XML, a model file of a kind, or a configuration that names its model."
+        ),
+    ] = None,
     inputs: Annotated[
         Path | None,
         typer.Option("-i", "--inputs", help="CSV with a column t and one per input."),
@@ -55,6 +60,7 @@ def run(
         raise EddiError(error("G016", "--json and --csv exclude each other"))
     if (inputs is None) == (bag is None):
         raise EddiError(error("G020", "give either --inputs FILE.csv or --bag FILE.bag"))
+    model, config = _model_and_config(model, config)
     configs = [config] if config is not None else []
     monitors, problems = monitors_of(model, configs, name, default_guarantee or ())
     if len(monitors) != 1:
@@ -76,6 +82,31 @@ def run(
     if plot is not None:
         drawn = FileState(picture(monitor, play).encode())
         write(plot.parent, {plot.name: drawn})
+
+
+def _model_and_config(model: Path | None, config: Path | None) -> tuple[Path | None, Path | None]:
+    """Tell model and configuration apart; a configuration may stand in place of its model."""
+    from eddi_scaffold.config import named_model_path, read_config
+    from eddi_scaffold.models import is_config
+    from eddi_scaffold.problems import EddiError, Place, error
+    from eddi_scaffold.source import read_source
+
+    if model is None and config is None:
+        message = "say of what: run MODEL, or run CONFIG that names its model"
+        raise EddiError(error("G015", message))
+    if model is None or config is not None:
+        return model, config
+    source = read_source(model)
+    if not is_config(source):
+        return model, None
+    parsed, problems = read_config(source)
+    if parsed is None:
+        raise EddiError(*problems)
+    if named_model_path(parsed) is None:
+        message = "this is an eddi_config.yml, not a model, and it names none"
+        hint = f"run MODEL -c {model}, or name it: `parameters: [{{model: FILE}}]`"
+        raise EddiError(error("F008", message, Place(source.name), hint))
+    return None, model
 
 
 def _from_csv(monitor: Monitor, path: Path | None) -> tuple[Play | None, Sequence[Problem]]:
