@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Name, in_a_folder
+from eddi_scaffold.cli.options import DefaultGuarantees, Name, for_pictures
 
 
 def diagram(
@@ -17,7 +17,7 @@ def diagram(
         typer.Option(
             "-o",
             "--output",
-            callback=in_a_folder,
+            callback=for_pictures,
             help="SVG file, or a folder for one picture per model.",
         ),
     ] = None,

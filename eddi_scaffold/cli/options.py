@@ -30,6 +30,28 @@ def in_a_folder(path: Path | None) -> Path | None:
     raise EddiError(error("F002", message, Place(str(path)), hint))
 
 
+_OTHER_PICTURES = frozenset(
+    [".png", ".pdf", ".jpg", ".jpeg", ".gif", ".bmp", ".webp", ".tif", ".tiff", ".eps", ".ps"]
+)
+
+
+def for_pictures(path: Path | None) -> Path | None:
+    """Refuse the same, and a name of a picture of another format.
+
+    Raises:
+        EddiError: there is no such folder (F002), or the name is not that of an SVG (G022).
+    """
+    if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
+        from eddi_scaffold.problems import EddiError, Place, error
+
+        message = f"pictures are SVG files, not {path.suffix}"
+        hint = (
+            f"name it {path.with_suffix('.svg')}; browsers, Inkscape and rsvg-convert make others"
+        )
+        raise EddiError(error("G022", message, Place(str(path)), hint))
+    return in_a_folder(path)
+
+
 ModelFile = Annotated[
     Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")
 ]

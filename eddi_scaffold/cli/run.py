@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, in_a_folder
+from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, for_pictures
 
 if TYPE_CHECKING:
     from eddi_scaffold.binding import Monitor
@@ -41,7 +41,7 @@ def run(
     ] = False,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", callback=in_a_folder, help="SVG to draw inputs and outputs into."),
+        typer.Option("--plot", callback=for_pictures, help="SVG to draw inputs and outputs into."),
     ] = None,
 ) -> None:
     """Run a monitor on a recording; print what changes, or every step as JSON or CSV.

@@ -17,6 +17,8 @@ RULE = 6.0
 _PADDING_X, _PADDING_Y = 12.0, 8.0
 _GAP_X, _GAP_Y = 26.0, 44.0
 _BEND = 10.0
+_APART = 9.0
+"""How far each of two opposite edges keeps from the middle between them."""
 _LONGEST = 28
 """Letters of a line of a label."""
 _ROUND = {"ellipse": 1.25, "hexagon": 1.2, "and": 1.1, "or": 1.2, "not": 1.3}
@@ -37,10 +39,11 @@ class Box:
 
 @dataclass(frozen=True)
 class Line:
-    """Where an edge runs: points from its source to its target."""
+    """Where an edge runs: points from its source to its target, and the middle of its label."""
 
     edge: DiagramEdge
     points: tuple[tuple[float, float], ...]
+    label: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,13 @@ def laid_out(diagram: Diagram) -> Layout:
     labels = [label_of(node) for node in nodes]
     sizes = [_size(node, label) for node, label in zip(nodes, labels, strict=True)]
     widths = {node: sizes[node][0] if node < len(nodes) else _BEND for row in rows for node in row}
+    opposite = _opposite(ends)
+    for edge, chain, (a, b) in zip(edges, layers.chains, ends, strict=True):
+        for bend in chain[1:-1]:
+            widths[bend] = max(widths[bend], _label_width(edge))
+        if (a, b) in opposite:
+            wide = 2 * (_APART + _label_width(edge) + _BEND)
+            widths[a], widths[b] = max(widths[a], wide), max(widths[b], wide)
     middle = placed(rows, widths, layers.links(), _GAP_X)
     heights = [
         max((sizes[node][1] for node in row if node < len(nodes)), default=0.0) for row in rows
@@ -75,11 +85,33 @@ def laid_out(diagram: Diagram) -> Layout:
         Box(node, *at[index], *sizes[index], labels[index]) for index, node in enumerate(nodes)
     )
     lines = tuple(
-        Line(edge, _points(boxes[a], boxes[b], _bends([at[bend] for bend in chain[1:-1]], half)))
+        _line(
+            edge,
+            _points(boxes[a], boxes[b], _bends([at[bend] for bend in chain[1:-1]], half)),
+            side=opposite.get((a, b), 0) if len(chain) == 2 else 0,
+        )
         for edge, (a, b), chain in zip(edges, ends, layers.chains, strict=True)
     )
-    width = max((box.x + box.width / 2 for box in boxes), default=0.0)
+    width = max((middle[node] + widths[node] / 2 for node in widths), default=0.0)
     return Layout(boxes, lines, max(width, *(x for x, _ in at.values()), 0.0), total)
+
+
+def _opposite(ends: Sequence[tuple[int, int]]) -> dict[tuple[int, int], int]:
+    """Return each edge that has an opposite one, and on which side of it it runs."""
+    every = set(ends)
+    return {(a, b): 1 if a < b else -1 for a, b in every if a != b and (b, a) in every}
+
+
+def _label_width(edge: DiagramEdge) -> float:
+    return len(edge.label) * LETTER
+
+
+def _line(edge: DiagramEdge, points: tuple[tuple[float, float], ...], side: int) -> Line:
+    """Return a line with its label; opposite ones run beside each other, labels outside."""
+    points = tuple((x + side * _APART, y) for x, y in points)
+    (x, y), (u, v) = points[len(points) // 2 - 1], points[len(points) // 2]
+    outside = side * (_label_width(edge) / 2 + 4)
+    return Line(edge, points, ((x + u) / 2 + outside, (y + v) / 2))
 
 
 def label_of(node: DiagramNode) -> tuple[str, ...]:

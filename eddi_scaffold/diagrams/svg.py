@@ -73,9 +73,7 @@ def _edge(line: Line) -> str:
     drawn = f'<path class="edge" d="{"".join(path)}"{arrow}/>'
     if not line.edge.label:
         return drawn
-    middle = line.points[len(line.points) // 2]
-    start = line.points[len(line.points) // 2 - 1]
-    x, y = (start[0] + middle[0]) / 2, (start[1] + middle[1]) / 2
+    x, y = line.label
     text = escape(_printable(line.edge.label))
     wide = len(line.edge.label) * LETTER
     plate = f'<rect x="{_n(x - wide / 2)}" y="{_n(y - 8)}" width="{_n(wide)}" height="15" '

@@ -108,6 +108,27 @@ def test_forty_nodes_stand_apart_inside_the_picture() -> None:
     assert layout.width < 3000
 
 
+def test_labels_of_opposite_edges_stand_apart_inside_the_picture() -> None:
+    nodes = tuple(DiagramNode(name, (name,), "rounded") for name in "abc")
+    edges = (
+        DiagramEdge("a", "b", "0.001/h"),
+        DiagramEdge("b", "a", "0.5/h"),
+        DiagramEdge("b", "c", "0.25/h"),
+        DiagramEdge("a", "c", "1e-06/h"),
+        DiagramEdge("c", "a", "2.5e-06/h"),
+    )
+    layout = laid_out(Diagram("Chain", nodes, edges, "up"))
+    spans = []
+    for line in layout.lines:
+        half = len(line.edge.label) * 6.7 / 2
+        spans.append((line.label[0] - half, line.label[0] + half, line.label[1]))
+        assert spans[-1][0] >= 0
+        assert spans[-1][1] <= layout.width
+    for a, b in combinations(spans, 2):
+        assert a[1] <= b[0] or b[1] <= a[0] or abs(a[2] - b[2]) >= 15
+    assert layout.lines[0].points != layout.lines[1].points[::-1]
+
+
 texts = st.text(max_size=60)
 
 
