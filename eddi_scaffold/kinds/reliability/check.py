@@ -94,8 +94,8 @@ def _tree(component: Component, tree: FaultTree) -> list[Problem]:
             problems += _gate(tree, tree.gates[key], uses)
         elif tree.events[key].law is None:
             message = f"event {tree.events[key].name!r} has no probability"
-            hint = "give it a rate, a distribution, a model, or `p` (see events: in the docs)"
-            problems.append(error("R006", message, tree.events[key].place, hint))
+            place = tree.events[key].place
+            problems.append(error("R006", message, place, _ways(in_eddi=place.path is not None)))
     unused = [key for key in (*tree.gates, *tree.events) if key not in set(names)]
     if unused:
         shown = ", ".join(unused[:8]) + (", ..." if len(unused) > 8 else "")
@@ -104,6 +104,14 @@ def _tree(component: Component, tree: FaultTree) -> list[Problem]:
     if has_errors(problems):
         return problems
     return problems + _diagram(component, tree)
+
+
+def _ways(*, in_eddi: bool) -> str:
+    if in_eddi:
+        ways = "give its failure a failureRate or a failureProbDistribution, or make it a failState"
+        return f'{ways} (docs/reliability.md, "From an EDDI")'
+    ways = "give it a rate, a scale and shape, `p`, or a model"
+    return f'{ways} (docs/reliability.md, "`reliability_config.yml`, written by hand")'
 
 
 def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:

@@ -27,6 +27,10 @@ def check_chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
         message = f"chain {name!r} has no fail state"
         yield error("R007", message, place, "mark a state: isFailState, or `fail:` in YAML")
         broken = True
+    failed = next((state for state in chain.initial if state in chain.fail), None)
+    if failed is not None and len(chain.initial) == 1:
+        yield error("R007", starts_failed(failed), place)
+        broken = True
     if len(chain.states) > MAX_STATES:
         message = f"chain {name!r} has {len(chain.states)} states, the limit is {MAX_STATES}"
         yield error("R002", message, place)
@@ -41,6 +45,11 @@ def check_chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
             broken = True
     if not broken:
         yield from _reach(name, chain, place)
+
+
+def starts_failed(state: str) -> str:
+    """Return what is wrong with a chain that begins in a fail state."""
+    return f"the initial state {state!r} is a fail state: p_fail is 1 from the start"
 
 
 def _reach(name: str, chain: Chain, place: Place) -> Iterator[Problem]:

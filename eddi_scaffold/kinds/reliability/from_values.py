@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from eddi_runtime.reliability.result import ReliabilityResult
 from eddi_runtime.reliability.structures import CONFIGURATIONS, motors_of
 
 from eddi_scaffold.kinds.reliability import quantities
@@ -20,11 +21,17 @@ from eddi_scaffold.kinds.reliability.model import (
     Threshold,
 )
 from eddi_scaffold.kinds.reliability.values import Values
-from eddi_scaffold.problems import Problem
+from eddi_scaffold.problems import Problem, did_you_mean
 
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 _TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
+_ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_RESULTS = (
+    *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs"),
+    *ReliabilityResult._fields,
+)
+"""Names of what is published and recorded beside the thresholds."""
 _Make = Callable[[Values, str], Mapping[str, Any] | None]
 
 
@@ -56,7 +63,7 @@ def read_system(
     top = values.text("top") or (base.top if base else _top(components, values))
     horizon, moving = _horizon(values, base)
     worst = values.choice("on_unknown", ("inactive", "worst_case"))
-    gap = values.quantity("max_gap", quantities.duration)
+    gap = values.quantity("max_gap", quantities.duration, needs_unit=True, positive=True)
     system = System(
         components,
         top,
@@ -87,7 +94,7 @@ def _top(components: dict[str, Component], values: Values) -> str:
 
 
 def _horizon(values: Values, base: System | None) -> tuple[float, bool]:
-    longest = values.quantity("mission_time", quantities.duration)
+    longest = values.quantity("mission_time", quantities.duration, positive=True)
     if values.text("horizon") == "mission_end":
         if longest is None:
             values.error(
@@ -97,7 +104,7 @@ def _horizon(values: Values, base: System | None) -> tuple[float, bool]:
                 hint="add `mission_time: 2 h`",
             )
         return longest or 1.0, True
-    given = values.quantity("horizon", quantities.duration)
+    given = values.quantity("horizon", quantities.duration, positive=True)
     if given is None:
         return (base.horizon, base.mission_end) if base else (1.0, False)
     return given, False
@@ -110,13 +117,14 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         name = entry.text("id", required=True)
         activate = entry.number("activate", 0.0, 1.0, required=True)
         release = entry.number("release", 0.0, 1.0)
-        hold = entry.quantity("hold", quantities.duration)
+        hold = entry.quantity("hold", quantities.duration, needs_unit=True)
         topic = entry.text("topic")
         if topic is not None and _TOPIC.fullmatch(topic) is None:
             expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
             entry.error("R002", f"topic: {expected}", "topic")
         if name is None or activate is None:
             continue
+        _check_id(entry, name)
         if any(one.id == name for one in found):
             entry.error("R015", f"two thresholds are called {name!r}", "id")
         other = next((one.id for one in found if topic and one.topic == topic), None)
@@ -130,6 +138,15 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         seconds = 3600.0 * (hold or 0.0)
         found.append(Threshold(name, activate, release, seconds, topic, entry.place()))
     return tuple(found)
+
+
+def _check_id(entry: Values, name: str) -> None:
+    if _ID.fullmatch(name) is None:
+        hint = "write letters, digits and `_`, such as RtE_continue"
+        entry.error("R015", f"{name!r} is no id of a threshold", "id", hint=hint)
+    elif name in _RESULTS:
+        message = f"a threshold cannot be called {name!r}: the result has that already"
+        entry.error("R015", message, "id", hint=f"reserved: {', '.join(_RESULTS)}")
 
 
 def _component(
@@ -199,7 +216,8 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
         return None
     motors = motors_of(configuration)
     if motors is None:
-        entry.unknown("configuration", configuration, "configuration", CONFIGURATIONS)
+        message = f"there is no configuration {configuration!r}"
+        entry.error("R001", message, "configuration", hint=_layouts(configuration))
         return None
     rates = entry.quantities("rates", quantities.rate)
     one = entry.quantity("rate", quantities.rate)
@@ -226,6 +244,16 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
         "status": entry.choice("status", ("motors", "list")) or "motors",
         "repair": entry.boolean("repair"),
     }
+
+
+def _layouts(given: str) -> str:
+    """Return which frames there are with as many motors, or what was meant."""
+    if set(given) <= {"P", "N"}:
+        fitting = [name for name, motors in CONFIGURATIONS.items() if motors == len(given)]
+        if fitting:
+            return f"layouts with {len(given)} motors: {', '.join(fitting)}, P and N exchanged too"
+        return f"none has {len(given)} motors; there are: {', '.join(CONFIGURATIONS)}"
+    return did_you_mean(given, CONFIGURATIONS) or f"there are: {', '.join(CONFIGURATIONS)}"
 
 
 _HEAT = ("t_ref", "t_max", "activation_energy")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from eddi_scaffold.kinds.reliability.check_chain import starts_failed
 from eddi_scaffold.kinds.reliability.model import (
     GATES,
     Arc,
@@ -28,6 +29,8 @@ _TREE_KEYS = (
     "approximation",
     "age",
 )
+_WORDS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
+"""What an input of ``observe`` cannot be called: it was meant otherwise."""
 _CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", "age")
 
 
@@ -66,6 +69,8 @@ def _chain(entry: Values) -> Chain:
         for state in names:
             if state not in states:
                 entry.unknown(key, state, "state", states)
+    if len(initial) == 1 and initial[0] in fail:
+        entry.error("R007", starts_failed(initial[0]), "initial")
     return Chain(states, initial, fail, tuple(arcs))
 
 
@@ -81,7 +86,8 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
         elif text is not None:
             words = text.split()
             negated = len(words) == 2 and words[0].casefold() == "not"
-            if len(words) != 1 and not negated:
+            is_one = len(words) == 1 or negated
+            if not is_one or words[-1].casefold() in _WORDS:
                 hint = "write the id of an input, or `not` and the id"
                 observe.error("R002", f"{text!r} is no input", state, hint=hint)
             else:

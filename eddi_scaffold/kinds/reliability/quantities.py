@@ -61,7 +61,7 @@ def rate(given: object, unit: str | None = None) -> Quantity:
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(given)
+    number, written = _split(given, form="write a rate such as `1e-5 1/h` or `100 FIT`")
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
@@ -78,7 +78,7 @@ def duration(given: object, unit: str | None = None) -> Quantity:
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(given)
+    number, written = _split(given, form="write a duration such as `2 h` or `30 min`")
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
@@ -95,7 +95,7 @@ def temperature(given: object) -> float:
     Raises:
         QuantityError: it is none, has no unit, or lies below absolute zero.
     """
-    number, written = _split(given, signed=True)
+    number, written = _split(given, signed=True, form="write a temperature such as `51 degC`")
     if written not in ("degC", "K"):
         raise QuantityError("R004", f"{given!r} has no unit of temperature", "write degC or K")
     value = number - 273.15 if written == "K" else number
@@ -143,12 +143,14 @@ def _time_unit(text: str) -> str:
     return _ODE.get(folded, folded if len(folded) > 2 else word)
 
 
-def _split(given: object, *, signed: bool = False) -> tuple[float, str | None]:
+def _split(
+    given: object, *, signed: bool = False, form: str | None = None
+) -> tuple[float, str | None]:
     if isinstance(given, bool) or not isinstance(given, int | float | str):
-        raise QuantityError("R002", f"{_shown(given)} is no number")
+        raise QuantityError("R002", f"{_shown(given)} is no number", form)
     match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     if isinstance(given, str) and match is None:
-        hint = "write a point, not a comma" if _COMMA.fullmatch(given) else None
+        hint = "write a point, not a comma" if _COMMA.fullmatch(given) else form
         raise QuantityError("R002", f"{_shown(given)} is no number", hint)
     try:
         value = float(match[1]) if match else float(given)
@@ -156,12 +158,12 @@ def _split(given: object, *, signed: bool = False) -> tuple[float, str | None]:
         value = math.inf
     if value < 0 and not signed:
         raise QuantityError("R002", f"{_shown(given)} is negative")
-    return _finite(value, given), match[2] if match else None
+    return _finite(value, given, form), match[2] if match else None
 
 
-def _finite(value: float, given: object) -> float:
+def _finite(value: float, given: object, form: str | None = None) -> float:
     if not math.isfinite(value):
-        raise QuantityError("R002", f"{_shown(given)} is not finite")
+        raise QuantityError("R002", f"{_shown(given)} is not finite", form)
     return value
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from eddi_runtime.reliability.cut_sets import minimal_cut_sets
 from eddi_runtime.reliability.diagram import NODE_LIMIT, build
@@ -13,6 +14,13 @@ from eddi_scaffold.kinds.reliability.runtime_model import gates_of, runtime_mode
 from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
 
 _SHOWN = 20
+_UNITS = {
+    **dict.fromkeys(("rate", "rates", "failure_rate", "alpha", "beta", "degradation"), "1/h"),
+    **dict.fromkeys(("mttf_ref", "age"), "h"),
+    **dict.fromkeys(("t_ref", "t_max"), "degC"),
+    "activation_energy": "eV",
+}
+"""Units of the numbers of ready-made models, as they are kept."""
 
 
 def counts(system: System) -> Mapping[str, int]:
@@ -30,7 +38,8 @@ def counts(system: System) -> Mapping[str, int]:
 
 def outline(system: System) -> list[str]:
     """Return lines with two blanks per level."""
-    lines: list[str] = []
+    until = "mission_end, at most " if system.mission_end else ""
+    lines = [f"horizon {until}{system.horizon:g} h"]
     for component in system.components.values():
         mark = " (top)" if component.name == system.top else ""
         lines.append(f"{component.type} {component.name}{mark}")
@@ -38,6 +47,7 @@ def outline(system: System) -> list[str]:
     for one in system.thresholds:
         on = f", on {one.topic}" if one.topic else ""
         limits = f"p_fail <= {one.activate:g}, gone above {one.release:g}"
+        limits += f", after {one.hold:g} s" if one.hold else ""
         lines.append(f"threshold {one.id}: {limits}{on}")
     return lines
 
@@ -61,7 +71,20 @@ def _content(component: Component) -> Iterator[str]:
         yield ", ".join(component.uses)
     else:
         for key, value in component.values.items():
-            yield f"{key}: {value}"
+            if value is not None:
+                yield f"{key}: {_quantity(key, value)}"
+
+
+def _quantity(key: str, value: Any) -> str:
+    """Return a value of a ready-made model with its unit; equal rates once."""
+    if isinstance(value, tuple | list):
+        each = [_quantity(key, one) for one in value]
+        same = len(set(each)) == 1 and key == "rates"
+        return f"{each[0]} for each of {len(each)}" if same else ", ".join(each)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    shown = f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{shown} {_UNITS[key]}" if key in _UNITS else shown
 
 
 def _tree(tree: FaultTree) -> Iterator[str]:

@@ -121,10 +121,11 @@ def _start(system: System) -> dict[str, Any]:
             found[input_id(name, "status")] = [True] * count
         elif component.type == "battery":
             found[input_id(name, "level")] = 100.0
-            found[input_id(name, "temperature")] = values.get("t_ref")
+            if "t_ref" in values:
+                found[input_id(name, "temperature")] = min(values["t_ref"], values["t_max"])
         elif component.type == "processor":
-            found[input_id(name, "temperature")] = values["t_ref"]
-            found[input_id(name, "utilisation")] = 1.0
+            found[input_id(name, "temperature")] = min(values["t_ref"], values["t_max"])
+            found[input_id(name, "utilisation")] = min(1.0, values["u_max"])
         elif component.type == "k_out_of_n":
             found[input_id(name, "available")] = values["max"] or values["k"]
     return found

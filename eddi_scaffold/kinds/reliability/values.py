@@ -140,14 +140,29 @@ class Values:
             self.error("R002", f"{key}: true or false is expected", key)
         return found is True
 
-    def quantity(self, key: str, read: _Read, *, required: bool = False) -> float | None:
-        """Return a rate or a duration in 1/h or h; a missing unit is a warning (R003)."""
+    def quantity(
+        self,
+        key: str,
+        read: _Read,
+        *,
+        required: bool = False,
+        needs_unit: bool = False,
+        positive: bool = False,
+    ) -> float | None:
+        """Return a rate or a duration in 1/h or h.
+
+        A missing unit is a warning (R003), or, of durations of the clock, an error (R004).
+        """
         found = self._data.get(key)
         if found is None:
             if required:
                 self.error("R001", f"the key {key!r} is missing")
             return None
-        return self._quantity(found, read, key)
+        value = self._quantity(found, read, key, needs_unit=needs_unit)
+        if positive and value is not None and value <= 0.0:
+            self.error("R002", f"{key}: it must be positive", key)
+            return None
+        return value
 
     def quantities(self, key: str, read: _Read) -> list[float] | None:
         """Return a list of them."""
@@ -160,17 +175,24 @@ class Values:
         values = [self._quantity(one, read, key, i) for i, one in enumerate(found)]
         return [value for value in values if value is not None]
 
-    def _quantity(self, given: object, read: _Read, *keys: str | int) -> float | None:
+    def _quantity(
+        self, given: object, read: _Read, *keys: str | int, needs_unit: bool = False
+    ) -> float | None:
         try:
             found = read(given)
         except QuantityError as problem:
             self.error(problem.code, f"{keys[0]}: {problem}", *keys, hint=problem.hint)
             return None
-        if not found.has_unit:
-            unit = "h" if read.__name__ == "duration" else "1/h"
-            message = f"{keys[0]} has {found.value!r} without a unit; {unit} is assumed"
-            hint = f"write `{given} {unit}`"
-            self.problems.append(warning("R003", message, self.place(*keys), hint))
+        if found.has_unit or (needs_unit and found.value == 0.0):
+            return found.value
+        if needs_unit:
+            hint = f"write `{given} s`"
+            self.error("R004", f"{keys[0]}: {given!r} has no unit of time", *keys, hint=hint)
+            return None
+        unit, also = ("h", "") if read.__name__ == "duration" else ("1/h", f" or `{given} FIT`")
+        message = f"{keys[0]} has {found.value!r} without a unit; {unit} is assumed"
+        hint = f"write `{given} {unit}`{also}"
+        self.problems.append(warning("R003", message, self.place(*keys), hint))
         return found.value
 
     def temperature(self, key: str) -> float | None:
