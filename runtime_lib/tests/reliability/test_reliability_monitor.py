@@ -178,11 +178,41 @@ def test_the_end_of_the_mission_is_an_input():
     model = [chain([[0, 1, 0.5]], 2, [1])]
     one = monitor(model, ["mission_end"], mission_end=True, horizon=2.0)
     assert step(one, mission_end=3600.0).p_fail == pytest.approx(-math.expm1(-0.5), rel=1e-12)
-    assert step(one, mission_end=-5.0).p_fail == 0.0
+    past = step(one, mission_end=-5.0)
+    assert (past.p_fail, past.horizon, past.valid) == (0.0, 0.0, True)
     longest = step(one)
     assert (longest.valid, longest.horizon) == (False, 2.0)
     assert longest.p_fail == pytest.approx(-math.expm1(-1.0), rel=1e-12)
-    assert step(one, mission_end=1e9).horizon == 2.0
+    assert longest.p_fail_low == 0.0
+    assert step(one, mission_end=7200.0).p_fail == longest.p_fail
+
+
+@pytest.mark.parametrize("rule", ["inactive", "worst_case"])
+def test_a_mission_that_is_longer_than_the_longest_is_unknown(rule):
+    thresholds = [{"id": "go", "activate": 1.0, "release": 1.0, "hold": 0.0}]
+    more = {"mission_end": True, "horizon": 2.0, "on_unknown": rule, "thresholds": thresholds}
+    one = monitor([chain([[0, 1, 0.5]], 2, [1])], ["mission_end"], **more)
+    assert step(one, mission_end=7200.0).evidence == {"go": True}
+    for left in (7201.0, 1e9, 1e11):
+        beyond = step(one, mission_end=left)
+        assert (beyond.valid, beyond.horizon, beyond.unknown) == (False, 2.0, ("mission_end",))
+        assert beyond.reason == "mission_end is above mission_time"
+        assert beyond.evidence == {"go": False}
+        assert beyond.p_fail == pytest.approx(-math.expm1(-1.0), rel=1e-12)
+        assert "is above mission_time (7200 s)" in one.faults()["mission_end"]
+    assert one.fault_counts() == {"mission_end": 3}
+
+
+def test_the_longest_mission_is_not_the_worst_of_a_tree_with_not():
+    events = [event("exponential", 0.5)]
+    one = monitor(
+        [tree(events, [{"type": "NOT", "of": [0]}])],
+        ["mission_end"],
+        mission_end=True,
+        horizon=2.0,
+    )
+    assert step(one, mission_end=0.0).p_fail == 1.0
+    assert (step(one).p_fail_low, step(one).p_fail_high, step(one).reliability) == (0.0, 1.0, 0.0)
 
 
 def test_battery_processor_units_and_series():

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from .limit import Limit
+
 BOLTZMANN = 8.617333262e-5
 """eV/K."""
 _KELVIN = 273.15
@@ -35,3 +37,7 @@ class Arrhenius(NamedTuple):
     def worst(self) -> float:
         """The factor at the hottest temperature."""
         return self.factor(self.hottest)
+
+    def limit(self, name: str) -> Limit:
+        """Return the range of a temperature input."""
+        return Limit(name, self.hottest, f"t_max ({self.hottest:g} degC)")

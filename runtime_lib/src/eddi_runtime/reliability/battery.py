@@ -56,9 +56,9 @@ class Battery(Component):
         temperature: str = "",
     ) -> None:
         self._level, self._repair = level, repair
-        self._heat, self._temperature = heat, temperature
-        self._worst = 1.0 if heat is None else heat.worst
-        self._ahead = FreeHorizon(spec.states, spec.arcs, spec.fail, horizon * self._worst)
+        self._heat, self._hot = heat, None if heat is None else heat.limit(temperature)
+        worst = 1.0 if heat is None else heat.worst
+        self._ahead = FreeHorizon(spec.states, spec.arcs, spec.fail, horizon * worst)
         self._now = [0.0] * EMPTY + [1.0, 1.0]
         self._tau = mean_times(generator(spec.states, spec.arcs, spec.fail), spec.fail).tolist()
         self._band = 4
@@ -67,13 +67,13 @@ class Battery(Component):
         """Take level and temperature; unknown ones are bounded by the worst."""
         del known
         level = values[self._level]
-        factor, colder = self._worst, False
-        if self._heat is not None:
-            hot = values[self._temperature]
-            if hot is not None:
-                factor = self._heat.factor(hot)
-            else:  # it may be so cold that nothing ages
-                colder = True
+        factor, colder = 1.0, False
+        if self._heat is not None and self._hot is not None:
+            hot, fault = self._hot.take(values[self._hot.name])
+            if fault:
+                self._say(self._hot.name, fault)
+            colder = hot is None  # it may be so cold that nothing ages
+            factor = self._heat.factor(self._hot.worst if hot is None else hot)
         if level is not None:
             self._see(4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1)
         first = _BANDS.get(self._band, EMPTY)
@@ -81,11 +81,14 @@ class Battery(Component):
         if level is not None and not colder:
             p, alive = ahead[first]
             return Estimate(p, p, alive, self._aged(self._tau[first], factor))
-        possible = slice(first, _STATES if level is None else first + 1)
+        if level is None:  # with repair it may have been charged
+            possible = slice(0 if self._repair else first, _STATES)
+        else:
+            possible = slice(first, first + 1)
         failed, working = zip(*ahead[possible])
         low = min(self._now[possible] if colder else failed)
         missing = [self._level] if level is None else []
-        missing += [self._temperature] if colder else []
+        missing += [self._hot.name] if colder and self._hot is not None else []
         life = self._aged(min(self._tau[possible]), factor)
         return Estimate(low, max(failed), min(working), life, tuple(missing))
 
@@ -96,6 +99,7 @@ class Battery(Component):
     def _see(self, band: int) -> None:
         if band > self._band and not self._repair:
             self.latched += 1
+            self._say(self._level, "it rises to a higher band; ignored, for want of `repair: true`")
         else:
             self._band = band
 
@@ -103,3 +107,5 @@ class Battery(Component):
         """Return to a full battery."""
         super().reset()
         self._band = 4
+        if self._hot is not None:
+            self._hot.reset()

@@ -55,6 +55,8 @@ class Seen(NamedTuple):
         powers: one quantum with the mask behind it, and its powers by 2, 4, 8, ...
         block: from a belief to its looks ahead now and in the steps of one quantum that follow,
             and to the belief at the end; None: each step by itself.
+        fatal: nothing but failure is consistent.
+        alive: failure is not consistent, something else is.
     """
 
     mask: Optional[np.ndarray]
@@ -63,6 +65,8 @@ class Seen(NamedTuple):
     worst: int
     powers: List[np.ndarray]
     block: Optional[np.ndarray]
+    fatal: bool = False
+    alive: bool = False
 
 
 class Chain:
@@ -138,7 +142,9 @@ class Chain:
         columns = (ahead.min(axis=1), ahead.max(axis=1), self._alive[:, inside].min(axis=1))
         bounds = list(zip(*(column.tolist() for column in columns), least))
         worst = int(inside[int(np.argmax(self._ahead[-1][inside]))])
-        return Seen(mask, unknown, bounds, worst, powers, block)
+        failed = int(mask[sorted(self.fail)].sum())
+        fatal, alive = failed == len(inside), failed == 0
+        return Seen(mask, unknown, bounds, worst, powers, block, fatal, alive)
 
     def sure(self, at: int) -> List[Estimate]:
         """Return for each state what lies ahead when the chain is known to be in it.

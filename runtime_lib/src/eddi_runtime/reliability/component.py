@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Mapping
 
 from .chain import Horizons
@@ -10,12 +11,26 @@ from .estimate import Estimate, Moment, Values
 Known = Mapping[str, Estimate]
 """Model -> what it said in this step."""
 
+NOTHING: Mapping[str, str] = MappingProxyType({})
+AGAIN = "it says that what failed works again; ignored, for want of `repair: true`"
+
 
 class Component:
     """One model of a monitor; it is asked once a step, behind those that it uses."""
 
     latched: int = 0
     """How often a claim was ignored that something failed works again."""
+
+    said: Mapping[str, str] = NOTHING
+    """Input id -> what is wrong with its value, since the monitor took this over."""
+
+    @property
+    def grows(self) -> bool:
+        """Tell whether what lies ahead never gets less probable with the horizon."""
+        return True
+
+    def _say(self, name: str, text: str) -> None:
+        self.said = {**self.said, name: text}
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Let time pass, take the observations, look ahead."""
@@ -28,4 +43,4 @@ class Component:
 
     def reset(self) -> None:
         """Return to the start of the mission."""
-        self.latched = 0
+        self.latched, self.said = 0, NOTHING

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 from operator import itemgetter
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .arrhenius import Arrhenius
-from .chain import Chain, ChainSpec, Horizons, Seen
-from .component import Component, Known
+from .chain import INCONSISTENT, Chain, ChainSpec, Horizons, Seen
+from .component import AGAIN, Component, Known
 from .estimate import Estimate, Moment, Values
+from .estimate import known as sure
+from .limit import Limit
 from .structures import Rotors
 from .weibull import hazard
 
 _NAN = float("nan")
 
 
+_LARGEST_STRESS = 1e300
 _KEPT = 64
 """How many different observations of a chain are kept."""
+_ALL_VALUES = 10
+"""Unknown inputs of a chain of which all values are tried."""
 
 
 def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
@@ -39,6 +45,7 @@ class MarkovChain(Component):
         quantum: hours.
         horizons: where to look ahead.
         age: hours that it had run, unobserved, before the start of the mission.
+        repair: after it was seen to have failed it may work again.
     """
 
     def __init__(
@@ -48,9 +55,12 @@ class MarkovChain(Component):
         quantum: float,
         horizons: Horizons,
         age: float = 0.0,
+        *,
+        repair: bool = False,
     ) -> None:
         self.chain = Chain(spec, quantum, horizons, age)
-        self._observe = observe
+        self._observe, self._repair = observe, repair
+        self._lost = False  # it was seen that it has failed
         names = tuple(dict.fromkeys(name for _, name, _ in observe))
         self._names, self._verdicts = names, reader(names)
         self._seen: Dict[Tuple[Any, ...], Seen] = {(): self.chain.everything}
@@ -62,7 +72,27 @@ class MarkovChain(Component):
         seen = self._seen.get(verdicts)
         if seen is None:
             seen = self._see(verdicts)
+        if self._lost:
+            return self._again(moment, seen, verdicts)
+        self._lost = seen.fatal
         return self.chain.step(moment, seen)
+
+    def _again(self, moment: Moment, seen: Seen, verdicts: Tuple[Any, ...]) -> Estimate:
+        """Take what is seen after a failure."""
+        if self._repair:
+            found = self.chain.step(moment, seen)
+            if not seen.alive:
+                return found
+            self._lost = False  # without weight, but no contradiction: it was repaired
+            return found._replace(reason="")
+        if not seen.alive:
+            return sure(1.0, 0.0, 0.0)
+        self.latched += 1
+        given = dict(zip(self._names, verdicts))
+        for state, name, negated in self._observe:
+            if state in self.chain.fail and given[name] is negated:
+                self._say(name, AGAIN)
+        return sure(1.0, 0.0, 0.0, INCONSISTENT)
 
     def _see(self, verdicts: Tuple[Any, ...]) -> Seen:
         mask = np.ones(self.chain.states)
@@ -73,8 +103,22 @@ class MarkovChain(Component):
         unknown = tuple(name for name in self._names if given[name] is None)
         if len(self._seen) >= _KEPT:
             self._seen.clear()
-        seen = self._seen[verdicts] = self.chain.seen(mask, unknown)
+        seen = self.chain.seen(mask, unknown)
+        if seen.alive and unknown and self._may_exclude_all(given, unknown):
+            seen = seen._replace(bounds=[(low, 1.0, 0.0, 0.0) for low, _, _, _ in seen.bounds])
+        self._seen[verdicts] = seen
         return seen
+
+    def _may_exclude_all(self, given: Dict[str, Any], unknown: Tuple[str, ...]) -> bool:
+        """Tell whether no state is left for some values of unknown inputs: that is a failure."""
+        if len(unknown) > _ALL_VALUES:
+            return True
+        for values in product((False, True), repeat=len(unknown)):
+            whole = {**given, **dict(zip(unknown, values))}
+            excluded = {state for state, name, negated in self._observe if whole[name] is negated}
+            if len(excluded) == self.chain.states:
+                return True
+        return False
 
     def prepare(self, horizons: Horizons) -> None:
         """Prepare other horizons."""
@@ -85,6 +129,7 @@ class MarkovChain(Component):
     def reset(self) -> None:
         """Return to the start of the mission."""
         super().reset()
+        self._lost = False
         self.chain.reset()
 
 
@@ -178,7 +223,9 @@ class Propulsion(Component):
 
     def _status(self, motor: int, value: Optional[bool]) -> Optional[bool]:
         if self._failed[motor] and value is not False and not self._repair:
-            self.latched += value is True
+            if value is True:
+                self.latched += 1
+                self._say(self._inputs[motor][0], AGAIN)
             return False
         self._failed[motor] = value is False
         return value
@@ -217,31 +264,39 @@ class Processor(Component):
         self._shape = values["shape"]
         self._mean = values["mttf_ref"]
         self._scale = self._mean / math.gamma(1.0 + 1.0 / self._shape)
-        self._heat = heat
-        self._worst = values["u_max"] * heat.worst
-        self._temperature, self._utilisation = temperature, utilisation
+        self._heat, self._hot = heat, heat.limit(temperature)
+        most = values["u_max"]
+        self._load = None if utilisation is None else Limit(utilisation, most, f"u_max ({most:g})")
         self._age = values["age"]
         self._exposure = self._age
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Add the exposure since the last step; unknown conditions count as the worst ones."""
         del known
-        heat = values[self._temperature]
-        load = 1.0 if self._utilisation is None else values[self._utilisation]
-        unknown: Tuple[str, ...] = ()
-        if heat is None or load is None:
-            names = {self._temperature: heat, self._utilisation or "": load}
-            unknown = tuple(name for name, value in names.items() if value is None)
-            stress = self._worst
-        else:
-            stress = load * self._heat.factor(heat)
-        self._exposure += stress * moment.hours
+        unknown: List[str] = []
+        hot = self._value(values, self._hot, unknown)
+        load = 1.0 if self._load is None else self._value(values, self._load, unknown)
+        stress = min(load * self._heat.factor(hot), _LARGEST_STRESS)
+        # what gets better with time, shape < 1, is worst when it has not aged
+        if not unknown or self._shape >= 1.0:
+            self._exposure += stress * moment.hours
         if self._shape == 1.0:  # a difference of large numbers would cancel
             ahead = stress * moment.horizon / self._scale
         else:
             ahead = hazard(self._exposure, stress * moment.horizon, self._scale, self._shape)
         p = -math.expm1(-ahead)
-        return Estimate(0.0 if unknown else p, p, math.exp(-ahead), self._life(stress), unknown)
+        low = 0.0 if unknown else p
+        return Estimate(low, p, math.exp(-ahead), self._life(stress), tuple(unknown))
+
+    def _value(self, values: Values, limit: Limit, unknown: List[str]) -> float:
+        """Return what an input says, or the worst that it may be."""
+        value, fault = limit.take(values[limit.name])
+        if value is not None:
+            return value
+        unknown.append(limit.name)
+        if fault:
+            self._say(limit.name, fault)
+        return limit.worst
 
     def _life(self, stress: float) -> float:
         if stress == 0.0:
@@ -252,6 +307,9 @@ class Processor(Component):
         """Return to the start of the mission."""
         super().reset()
         self._exposure = self._age
+        self._hot.reset()
+        if self._load is not None:
+            self._load.reset()
 
 
 class KOutOfN(Component):
@@ -311,4 +369,4 @@ class Series(Component):
 def _series(failures: List[float]) -> float:
     if any(p >= 1.0 for p in failures):
         return 1.0
-    return -math.expm1(math.fsum(math.log1p(-p) for p in failures))
+    return -math.expm1(math.fsum(math.log1p(-p) for p in failures)) + 0.0  # never -0.0

@@ -154,7 +154,8 @@ class _Reader:
             (_index(state, states, where), self._named(str(name), rules.BOOL), negated is True)
             for state, name, negated in _triples(item, "observe", where)
         )
-        return MarkovChain(spec, observe, self._quantum, self._horizons, _age(item, where))
+        age, repair = _age(item, where), item.get("repair") is True
+        return MarkovChain(spec, observe, self._quantum, self._horizons, age, repair=repair)
 
     def _propulsion(self, item: Any, where: str) -> Component:
         configuration = take(item, "configuration", str, where)

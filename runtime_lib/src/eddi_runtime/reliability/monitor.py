@@ -11,6 +11,7 @@ from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
 from . import result as out
 from .chain import Horizons
+from .component import NOTHING
 from .estimate import Estimate, Moment
 from .evidence import Evidence
 from .model import GRID, MISSION_END, Plan, read_plan
@@ -20,6 +21,7 @@ from .values import Rule, Taken, take
 
 _HOUR_NS = 3.6e12
 _NAN = float("nan")
+_ROUNDED = 1.0 + 1e-9
 
 
 def build(
@@ -65,7 +67,9 @@ class ReliabilityMonitor:
             for rule in (self._plan.rules.get(spec.id),)
             if rule is not None
         ]
+        self._components = tuple(self._plan.components.values())
         self._steps = [(name, one.step) for name, one in self._plan.components.items()]
+        self._grows = all(one.grows for one in self._components)
         self._evidence = [Evidence(one) for one in self._plan.thresholds]
         self._quantum = self._plan.quantum_ns / _HOUR_NS
         self.reset()
@@ -108,15 +112,22 @@ class ReliabilityMonitor:
         """
         now = time.monotonic_ns() if t_ns is None else t_ns
         values = self._values(eddi_input)
+        beyond = self._limit_mission(values) if self._plan.moving else ""
         quanta, reason = self._pass(now)
         moment = self._moment(values, quanta)
         known: Dict[str, Estimate] = {}
         for name, step in self._steps:
             known[name] = step(values, moment, known)
+        for component in self._components:
+            if component.said:
+                self._found_faults(component.said)
+                component.said = NOTHING
         low, high, alive, mttf, unknown, why = known[self._plan.top]
         if self._plan.moving and values[MISSION_END] is None:
-            unknown = (*unknown, MISSION_END)
-        reason = reason or why
+            unknown, low = (*unknown, MISSION_END), 0.0
+            if not self._grows:  # the longest horizon need not be the worst
+                high, alive = 1.0, 0.0
+        reason = reason or beyond or why
         valid = not unknown and not reason
         usable = valid or (self._plan.worst_case and not reason)
         # loops, not comprehensions: those cost a call each before Python 3.12
@@ -154,10 +165,14 @@ class ReliabilityMonitor:
             if factor is not None and isinstance(value, float):
                 value, fault = take(rule, value * factor[0] / factor[1])
             if fault:
-                self._faults[name] = fault
-                self._counts[name] = self._counts.get(name, 0) + 1
+                self._found_faults({name: fault})
             values[name] = value
         return values
+
+    def _found_faults(self, faults: Mapping[str, str]) -> None:
+        for name, fault in faults.items():
+            self._faults[name] = fault
+            self._counts[name] = self._counts.get(name, 0) + 1
 
     def _pass(self, now: int) -> Tuple[int, str]:
         """Return how many quanta to propagate, and what is wrong with the clock."""
@@ -174,6 +189,16 @@ class ReliabilityMonitor:
         due = self._base - (self._start - now) // size  # rounded up: never behind the clock
         quanta, self._quanta = due - self._quanta, due
         return quanta, "gap" if gap > self._plan.max_gap_ns else ""
+
+    def _limit_mission(self, values: Dict[str, Taken]) -> str:
+        """Let a mission that is too long be unknown; return why no number bounds it."""
+        left, longest = values[MISSION_END], self._plan.horizon * 3600.0
+        if not isinstance(left, float) or left <= longest * _ROUNDED:
+            return ""
+        values[MISSION_END] = None
+        shown = f"{left:g} s is above mission_time ({longest:g} s); it counts as unknown"
+        self._found_faults({MISSION_END: shown})
+        return "mission_end is above mission_time"
 
     def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
         plan, size = self._plan, self._quantum

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import diagram as bdd
 from .chain import Chain, ChainSpec, Horizons
-from .component import Component, Known
+from .component import AGAIN, Component, Known
 from .cut_sets import CutSet, CutSetBounds, minimal_cut_sets
 from .estimate import Estimate, Moment, Values
 from .estimate import known as sure
@@ -119,6 +119,11 @@ class FaultTree(Component):
         self._low: List[float] = []
         self._high: List[float] = []
 
+    @property
+    def grows(self) -> bool:
+        """Tell whether the tree is coherent."""
+        return self._bounded is not None or self._diagram.coherent
+
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Find the probabilities of all events and of the top event."""
         low = self._static.at(moment.age, moment.horizon)
@@ -171,7 +176,10 @@ class FaultTree(Component):
 
     def _status(self, i: int, value: Optional[bool]) -> Optional[bool]:
         if self._failed[i] and value is not True and not self._repair:
-            self.latched += value is False
+            name = self.events[i].input
+            if value is False and name is not None:
+                self.latched += 1
+                self._say(name, AGAIN)
             return True
         self._failed[i] = value is True
         return value

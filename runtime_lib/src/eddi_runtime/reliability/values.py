@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Any, List, NamedTuple, Optional, Tuple, Union
 
 from ..plain_values import plain, show
@@ -30,8 +31,9 @@ class Rule(NamedTuple):
 
 BOOL = Rule("bool")
 LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
-TEMPERATURE = Rule("float", -200.0, 1000.0)
-LOAD = Rule("float", 0.0, 1e6)
+FINITE = sys.float_info.max
+TEMPERATURE = Rule("float", -200.0, FINITE)
+LOAD = Rule("float", 0.0, FINITE)
 SECONDS = Rule("float", -1e12, 1e12)
 
 
@@ -61,7 +63,9 @@ def _number(rule: Rule, value: Any, raw: object) -> Tuple[Taken, str]:
     if isinstance(value, float) and math.isnan(value):
         return None, ""
     if not rule.low - rule.slack <= value <= rule.high + rule.slack:
-        return None, _wrong(f"a number from {rule.low:g} to {rule.high:g}", raw)
+        wide = f"a finite number of at least {rule.low:g}"
+        usual = f"a number from {rule.low:g} to {rule.high:g}"
+        return None, _wrong(wide if rule.high == FINITE else usual, raw)
     if rule.type == "int" and value != int(value):
         return None, _wrong("a whole number", raw)
     return min(max(float(value), rule.low), rule.high), ""
