@@ -56,7 +56,8 @@ def test_motors() -> None:
 def test_batteries() -> None:
     for case in oracle()["battery"]:
         model = sound(
-            f"horizon: {case['t'] or 1} h\nmodels: {{b: {{type: battery, failure_rate: {case['L']} 1/h, "
+            f"horizon: {case['t'] or 1} h\n"
+            f"models: {{b: {{type: battery, failure_rate: {case['L']} 1/h, "
             f"alpha: {case['a']} 1/h, beta: {case['b']} 1/h, degradation: {case['d']} 1/h}}}}\n"
         )
         # a configuration must look ahead; the numbers hold for no time at all, too
