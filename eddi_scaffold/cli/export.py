@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Name, in_a_folder
+from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Name, in_a_folder
 
 
 def export(
@@ -19,12 +19,16 @@ def export(
         str | None, typer.Option("--kind", help="Only models of this kind, such as consert.")
     ] = None,
     name: Name = None,
+    config: ConfigFiles = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
     """Write each model as a file of its own: ConSerts as YAML, networks as XDSL and XMLBIF.
 
+    With configurations, the models that these are about, with what they add.
+
     Example: eddi-scaffold export example.xml -o models
     """
+    from eddi_scaffold.assembly import monitors_of
     from eddi_scaffold.console import console
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.models import checked_models, select
@@ -34,10 +38,15 @@ def export(
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
         raise EddiError(error("G009", f"there is no kind {kind!r}", hint=hint))
-    reading = checked_models(model, default_guarantee or ())
-    chosen = select(reading.models, name, kinds()[kind] if kind else None)
+    wanted = kinds()[kind] if kind else None
+    if config:
+        monitors, found = monitors_of(model, config, name, default_guarantee or ())
+        chosen = select([monitor.model for monitor in monitors], None, wanted)
+    else:
+        reading = checked_models(model, default_guarantee or ())
+        chosen, found = select(reading.models, name, wanted), list(reading.problems)
     seen = [problem for item in chosen for problem in kinds()[item.kind].check(item)]
-    console.problems(in_order([*reading.problems, *seen]))
+    console.problems(in_order([*found, *seen]))
     files: dict[str, FileState] = {}
     for item in chosen:
         for file, text in kinds()[item.kind].export(item).items():

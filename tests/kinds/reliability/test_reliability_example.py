@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -61,6 +62,37 @@ def test_export_reads_back_as_the_same_system() -> None:
         assert again.data == model.data
         assert to_yaml(again.data) == text
         assert KIND.export(model) == {f"{model.name}.yml": text}
+
+
+def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
+    words = ["drone.xml", "-o", tmp_path, "-c", "reliability_config.yml"]
+    done = run("export", *words, cwd=EXAMPLE)
+    assert (done.status, done.out) == (0, f"{tmp_path / 'MissionLoss.yml'}\n"), done.err
+    configured = monitors_of(EXAMPLE / "drone.xml", [EXAMPLE / "reliability_config.yml"])[0][0]
+    written, problems = read_text((tmp_path / "MissionLoss.yml").read_text())
+    assert problems == []
+    assert written is not None
+    assert written.data == replace(configured.model.data, quantum=written.data.quantum)
+    assert written.data.thresholds[0].id == "RtE_continue"
+    assert [one.id for one in KIND.inputs(written)] == ["rotors_ok", "MissionLoss_Link"]
+    assert run("export", *words, "--kind", "consert", cwd=EXAMPLE).status == 2
+
+
+def test_the_numbers_of_ready_made_models_are_shown_with_units() -> None:
+    shown = run("show", "airframe.yml", cwd=EXAMPLE).out.splitlines()
+    assert shown[1] == "  horizon 0.5 h"
+    expected = [
+        "rates: 1e-05 1/h for each of 6",
+        "failure_rate: 0.0001 1/h",
+        "t_max: 60 degC",
+        "activation_energy: 0.5 eV",
+        "repair: no",
+        "mttf_ref: 40000 h",
+        "u_max: 1",
+        "k: 4",
+    ]
+    assert [line for line in expected if f"    {line}" not in shown] == []
+    assert shown[-1] == "  threshold go_on: p_fail <= 0.001, gone above 0.002, after 2 s"
 
 
 def test_pictures_and_outlines() -> None:
