@@ -71,7 +71,7 @@ def read_system(
         moving,
         _thresholds(values) if values.has("thresholds") else base.thresholds if base else (),
         worst == "worst_case" if worst else bool(base and base.worst_case),
-        gap * 3600.0 if gap is not None else base.max_gap if base else 1.0,
+        gap * 3600.0 if gap is not None else base.max_gap if base else None,
         place=base.place if base else values.place(),
     )
     if not values.failed and top not in components:

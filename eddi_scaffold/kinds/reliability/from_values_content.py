@@ -31,15 +31,17 @@ _TREE_KEYS = (
 )
 _WORDS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
 """What an input of ``observe`` cannot be called: it was meant otherwise."""
-_CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", "age")
+_CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", "repair", "age")
 
 
 def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
-    """Read a chain; ``before`` is that of the EDDI, of which ``observe`` and ``age`` may change."""
+    """Read a chain; ``before`` is that of the EDDI, of which the last three keys may change."""
     entry.only(_CHAIN_KEYS)
     chain = before if before is not None else _chain(entry)
     if entry.has("observe"):
         chain = replace(chain, observe=_observe(name, entry, chain))
+    if entry.has("repair"):
+        chain = replace(chain, repair=entry.boolean("repair"))
     age = entry.quantity("age", duration)
     return chain if age is None else replace(chain, age=age)
 

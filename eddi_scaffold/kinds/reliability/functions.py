@@ -109,12 +109,23 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     problems += [one for one in check_system(system) if one.level == "error" or one not in before]
     if has_errors(problems):
         return None, problems
-    problems += _never(system)
+    problems += [*_never(system), *_always_late(system)]
     return replace(model, data=system, name=options.id or model.name), problems
 
 
 def _broken(system: System) -> bool:
     return has_errors(check_system(system))
+
+
+def _always_late(system: System) -> list[Problem]:
+    """Return a warning when every step comes later than is usual (R014)."""
+    if system.max_gap is None or system.max_gap >= system.quantum:
+        return []
+    message = (
+        f"no step is ever valid: max_gap is {system.max_gap:g} s, and a step comes each "
+        f"{system.quantum:g} s"
+    )
+    return [warning("R014", message, system.place, "leave out `max_gap`")]
 
 
 def _never(system: System) -> list[Problem]:

@@ -116,6 +116,7 @@ class Chain:
 
     Attributes:
         age: hours that it had run, unobserved, before the mission.
+        repair: after it was seen to have failed it may work again.
     """
 
     states: tuple[str, ...]
@@ -124,6 +125,7 @@ class Chain:
     arcs: tuple[Arc, ...]
     observe: tuple[Observation, ...] = ()
     age: float = 0.0
+    repair: bool = False
 
 
 @dataclass(frozen=True)
@@ -182,7 +184,7 @@ class System:
         mission_end: the mission's end is an input.
         thresholds: evidence.
         worst_case: evidence follows the worst case of unknown inputs instead of going away.
-        max_gap: seconds between two steps that are still usual.
+        max_gap: seconds between two steps that are still usual; None: as ``usual_gap`` says.
         quantum: seconds of one step of the chains.
     """
 
@@ -192,6 +194,11 @@ class System:
     mission_end: bool = False
     thresholds: tuple[Threshold, ...] = ()
     worst_case: bool = False
-    max_gap: float = 1.0
+    max_gap: float | None = None
     quantum: float = 0.1
     place: Place = field(default=Place(), compare=False)
+
+    @property
+    def usual_gap(self) -> float:
+        """Seconds between two steps that are still usual: at least a step that is left out."""
+        return max(1.0, 2.5 * self.quantum) if self.max_gap is None else self.max_gap

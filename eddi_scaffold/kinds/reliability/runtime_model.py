@@ -37,7 +37,7 @@ def runtime_model(system: System) -> dict[str, Any]:
             for t in system.thresholds
         ],
         "on_unknown": "worst_case" if system.worst_case else "inactive",
-        "max_gap": system.max_gap,
+        "max_gap": system.usual_gap,
     }
 
 
@@ -71,6 +71,7 @@ def _chain(chain: Chain) -> dict[str, Any]:
         "fail": [number[state] for state in chain.fail],
         "arcs": [[number[a.source], number[a.target], a.rate] for a in chain.arcs],
         "observe": [[number[o.state], o.input, o.negated] for o in chain.observe],
+        **({"repair": True} if chain.repair else {}),
         **_age(chain.age),
     }
 

@@ -25,7 +25,8 @@ def to_yaml(system: System) -> str:
             for t in system.thresholds
         ]
     data["on_unknown"] = "worst_case" if system.worst_case else "inactive"
-    data["max_gap"] = f"{system.max_gap!r} s"
+    if system.max_gap is not None:
+        data["max_gap"] = f"{system.max_gap!r} s"
     return dump_plain(data)
 
 
@@ -75,6 +76,8 @@ def _chain(chain: Chain) -> dict[str, Any]:
         found["observe"] = {
             o.state: f"not {o.input}" if o.negated else o.input for o in chain.observe
         }
+    if chain.repair:
+        found["repair"] = True
     if chain.age:
         found["age"] = _hours(chain.age)
     return found
