@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import BinaryIO
 
 from eddi_scaffold.problems import Place, Problem, error, warning
+from eddi_scaffold.readers.classes import unknown_classes
 from eddi_scaffold.readers.references import References, Token, parse_token
 from eddi_scaffold.readers.spelling import (
     ClassName,
@@ -192,7 +193,7 @@ def read_stream(
     if tree is None:
         return None, problems
     document = EddiDocument(tree, name, limits)
-    return document, problems + _root_misprints(document)
+    return document, [*problems, *_root_misprints(document), *unknown_classes(document)]
 
 
 def nothing_found(document: EddiDocument, wanted: str) -> Problem:

@@ -24,9 +24,11 @@ from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
 
 _CANDIDATES = (
-    'descendant-or-self::*[@*[local-name() = "type" and '
-    '(contains(., "FaultTree") or contains(., "MarkovChain"))]]'
+    'descendant-or-self::*[@*[local-name() = "type" and ('
+    'contains(translate(., "FAULTRE", "faultre"), "faulttree") or '
+    'contains(translate(., "MARKOVCHIN", "markovchin"), "markovchain"))]]'
 )
+"""Classes are compared without case."""
 _NAME = Spelling("name")
 _FAILURES = Spelling("failures", ("failure",))
 _FAILURE, _FAIL_STATE = Spelling("failure"), Spelling("failState")
