@@ -47,6 +47,7 @@ class ModelInput:
             all values since the last step, not the latest one.
         attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
             made of the id.
+        sample: a value that it has while all is in order, for the example of a package.
     """
 
     id: str
@@ -59,6 +60,7 @@ class ModelInput:
     is_good: Callable[[object], bool] | None = None
     every_message: bool = False
     attribute: str | None = None
+    sample: JsonValue = None
 
 
 @dataclass(frozen=True)

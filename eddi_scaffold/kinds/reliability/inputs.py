@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.kinds.reliability.model import Chain, Component, FaultTree, System
@@ -19,7 +20,10 @@ def inputs_of(system: System) -> list[ModelInput]:
             found.setdefault(one.id, one)
     if system.mission_end:
         text = "Seconds from now to the end of the mission"
-        found[MISSION_END] = ModelInput(MISSION_END, "float", unit="s", description=text)
+        left = system.horizon * 3600.0
+        found[MISSION_END] = ModelInput(
+            MISSION_END, "float", unit="s", description=text, sample=left
+        )
     return list(found.values())
 
 
@@ -29,50 +33,69 @@ def input_id(model: str, rest: str) -> str:
 
 
 def _inputs(component: Component) -> Iterator[ModelInput]:
-    name, content = component.name, component.content
+    name, content, values = component.name, component.content, component.values
     if isinstance(content, Chain):
         for one in content.observe:
             text = f"{'False' if not one.negated else 'True'}: {name} is not in state {one.state}"
-            yield ModelInput(one.input, "bool", description=_line(text))
+            start = (one.state in content.initial) is not one.negated
+            yield _truth(one.input, text, start)
     elif isinstance(content, FaultTree):
         for key, event in content.events.items():
             if event.observed:
-                text = _line(f"Has the event {event.name} happened?")
-                yield ModelInput(
-                    input_id(name, key), "bool", description=text, is_good=lambda v: v is False
-                )
+                found = _truth(input_id(name, key), f"Has the event {event.name} happened?", False)
+                yield replace(found, is_good=lambda v: v is False)
     elif component.type == "propulsion":
         yield from _motors(component)
     elif component.type == "battery":
         text = "State of charge in percent"
-        yield ModelInput(input_id(name, "level"), "float", unit="%", description=text)
-        if "t_ref" in component.values:
-            text = "Temperature of the battery"
-            yield ModelInput(input_id(name, "temperature"), "float", unit="degC", description=text)
+        yield _number(name, "level", text, 100.0, "above 25", unit="%")
+        if "t_ref" in values:
+            yield _temperature(component, "Temperature of the battery")
     elif component.type == "processor":
-        text = "Temperature of the processor"
-        yield ModelInput(input_id(name, "temperature"), "float", unit="degC", description=text)
-        text = "Load of the processor, 1 for full"
-        yield ModelInput(input_id(name, "utilisation"), "float", description=text)
+        yield _temperature(component, "Temperature of the processor")
+        text, most = "Load of the processor, 1 for full", values["u_max"]
+        yield _number(name, "utilisation", text, min(1.0, most), f"0 to {most:g}")
     elif component.type == "k_out_of_n":
-        text = f"How many units are available, {component.values['k']} are needed"
-        yield ModelInput(input_id(name, "available"), "int", description=text)
+        text = f"How many units are available, {values['k']} are needed"
+        units, good = values["max"] or values["k"], f"at least {values['k']}"
+        yield replace(_number(name, "available", text, units, good), type="int")
 
 
 def _motors(component: Component) -> Iterator[ModelInput]:
     count = len(component.values["rates"])
     if component.values["status"] == "list":
-        text = f"Does each of the {count} motors work?"
-        yield ModelInput(input_id(component.name, "status"), "bool[]", description=text)
+        yield ModelInput(
+            input_id(component.name, "status"),
+            "bool[]",
+            description=f"Does each of the {count} motors work?",
+            covered="each true",
+            sample=[True] * count,
+        )
         return
     for i in range(count):
-        text = f"Does motor {i} work?"
-        yield ModelInput(
-            input_id(component.name, f"motor_{i}"),
-            "bool",
-            description=text,
-            is_good=lambda v: v is True,
-        )
+        found = _truth(input_id(component.name, f"motor_{i}"), f"Does motor {i} work?", True)
+        yield replace(found, is_good=lambda v: v is True)
+
+
+def _truth(name: str, text: str, start: bool) -> ModelInput:
+    return ModelInput(
+        name, "bool", description=_line(text), covered="true" if start else "false", sample=start
+    )
+
+
+def _temperature(component: Component, text: str) -> ModelInput:
+    usual, most = component.values["t_ref"], component.values["t_max"]
+    return _number(
+        component.name, "temperature", text, min(usual, most), f"at most {most:g}", unit="degC"
+    )
+
+
+def _number(
+    model: str, rest: str, text: str, sample: float, covered: str, unit: str | None = None
+) -> ModelInput:
+    return ModelInput(
+        input_id(model, rest), "float", unit=unit, description=text, covered=covered, sample=sample
+    )
 
 
 def _line(text: str) -> str:

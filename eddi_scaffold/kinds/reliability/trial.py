@@ -13,7 +13,7 @@ from eddi_runtime.model_file import ModelFile
 from eddi_runtime.reliability.monitor import ReliabilityMonitor
 from eddi_runtime.reliability.result import ReliabilityResult
 
-from eddi_scaffold.kinds.reliability.inputs import input_id, inputs_of
+from eddi_scaffold.kinds.reliability.inputs import inputs_of
 from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, System
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 
@@ -106,26 +106,4 @@ def _no_data(_: str) -> bytes:
 
 def _start(system: System) -> dict[str, Any]:
     """Return inputs that say that all is in order."""
-    found: dict[str, Any] = {}
-    for component in used(system).components.values():
-        name, values = component.name, component.values
-        if isinstance(component.content, Chain):
-            own = component.content
-            for one in own.observe:
-                found[one.input] = (one.state in own.initial) is not one.negated
-        elif isinstance(component.content, FaultTree):
-            found.update({input_id(name, key): False for key in component.content.events})
-        elif component.type == "propulsion":
-            count = len(values["rates"])
-            found.update({input_id(name, f"motor_{i}"): True for i in range(count)})
-            found[input_id(name, "status")] = [True] * count
-        elif component.type == "battery":
-            found[input_id(name, "level")] = 100.0
-            if "t_ref" in values:
-                found[input_id(name, "temperature")] = min(values["t_ref"], values["t_max"])
-        elif component.type == "processor":
-            found[input_id(name, "temperature")] = min(values["t_ref"], values["t_max"])
-            found[input_id(name, "utilisation")] = min(1.0, values["u_max"])
-        elif component.type == "k_out_of_n":
-            found[input_id(name, "available")] = values["max"] or values["k"]
-    return found
+    return {one.id: one.sample for one in inputs_of(used(system))}

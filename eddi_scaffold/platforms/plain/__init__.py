@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from eddi_scaffold.answers import shared_answers
-from eddi_scaffold.binding import Monitor
+from eddi_scaffold.binding import InputBinding, Monitor
 from eddi_scaffold.config import Config
 from eddi_scaffold.identifiers import RESERVED
 from eddi_scaffold.platforms import PackageAnswers, Platform
@@ -22,9 +22,16 @@ def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
+    answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
     files = dict(monitor.kind.data_files(monitor.model))
     answers["package_data"] = ["model.json", *sorted(files)]
     return PackageAnswers(monitor.package, answers, files), []
+
+
+def _sample(binding: InputBinding) -> str:
+    """Return an input with a value as the README's example sets it; None is unknown."""
+    value = binding.model.sample if binding.factor is None else None
+    return f"{binding.attribute}={value!a}"
 
 
 def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:

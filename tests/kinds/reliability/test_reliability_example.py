@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from eddi_scaffold.assembly import monitors_of
 from eddi_scaffold.checking import check_files
 from eddi_scaffold.kinds.reliability import KIND
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.platforms.plain import PLATFORM
 from eddi_scaffold.recording import frames, read_recording
 from eddi_scaffold.running import compiled
 from eddi_scaffold.source import read_source
@@ -93,6 +95,35 @@ def test_the_numbers_of_ready_made_models_are_shown_with_units() -> None:
     ]
     assert [line for line in expected if f"    {line}" not in shown] == []
     assert shown[-1] == "  threshold go_on: p_fail <= 0.001, gone above 0.002, after 2 s"
+
+
+EVERY_INPUT = """
+horizon: mission_end
+mission_time: 1 h
+top: all
+models:
+  lift: {type: propulsion, configuration: PNPN, rate: 1.0e-5 1/h, status: list}
+  drive: {type: markov, initial: ok, fail: dead, arcs: [{from: ok, to: dead, rate: 1.0e-6 1/h}],
+    observe: {ok: drive_ok, dead: not drive_ok}}
+  tree: {type: fault_tree, gates: {g: {type: OR, of: [e]}},
+    events: {e: {rate: 1.0e-5 1/h, observed: true}}}
+  all: {type: series, of: [lift, drive, tree]}
+"""
+
+
+@pytest.mark.parametrize("text", [None, EVERY_INPUT])
+def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: str | None) -> None:
+    path = EXAMPLE / "airframe.yml" if text is None else tmp_path / "small.yml"
+    if text is not None:
+        path.write_text(text)
+    (monitor,), _ = monitors_of(path, [])
+    answers = PLATFORM.monitor(monitor)[0].answers
+    given = dict(one.split("=", 1) for one in answers["sample_inputs"])
+    now = SimpleNamespace(**{name: ast.literal_eval(value) for name, value in given.items()})
+    result = compiled(monitor).execute_step(now, 0)
+    assert (result.valid, result.unknown) == (True, ())
+    assert result.p_fail < 1e-3
+    assert all(one["covered"] != "-" for one in answers["inputs"] if one["id"] != "'mission_end'")
 
 
 def test_pictures_and_outlines() -> None:
