@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import time
 from typing import (
     Any,
     Dict,
@@ -18,6 +17,7 @@ from typing import (
     Union,
 )
 
+from ..clock import step_time
 from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
@@ -33,6 +33,7 @@ from .width import TooWideError
 
 Output = List[BayesianNetworkOutput]
 _ACTOR = 0
+_NO_TIME = math.nan  # neither before nor behind any time
 _UNKNOWN: Posteriors = []
 _NO_ANSWER = Answer()
 
@@ -110,15 +111,17 @@ class BayesianNetworkMonitor(Monitor):
 
         Args:
             eddi_input: holds one attribute per input; ``data`` of what the methods get.
-            t_ns: time in nanoseconds, for ``missing: hold``.
+            t_ns: time in nanoseconds, for ``missing: hold``; what is no whole number is no time,
+                and nothing is held then.
 
         Returns:
             One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
             list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
         """
-        now = 0
+        now: float = 0
         if self._timed:
-            now = time.monotonic_ns() if t_ns is None else t_ns
+            time = step_time(t_ns)
+            now = _NO_TIME if time is None else time
         answer = _NO_ANSWER
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)

@@ -31,10 +31,10 @@ class Reader(Protocol):
 
     timed: bool
 
-    def read(self, raw: object, now: int) -> Reading:
+    def read(self, raw: object, now: float) -> Reading:
         """Return the evidence in a value at a time in nanoseconds; may raise for hostile ones."""
 
-    def absent(self, now: int) -> Reading:
+    def absent(self, now: float) -> Reading:
         """Return the evidence when there is no value."""
 
     def fault(self, raw: object) -> Optional[str]:
@@ -51,18 +51,18 @@ class _Remembering:
         self._missing = missing
         self._default = default if policy == "default" else missing
         self._hold_ns = hold_ns if policy == "hold" else -1
-        self._last: Tuple[int, int] = (missing, 0)
+        self._last: Tuple[int, float] = (missing, 0)
 
-    def seen(self, state: int, now: int) -> int:
+    def seen(self, state: int, now: float) -> int:
         if self._hold_ns >= 0:
             self._last = (state, now)
         return state
 
-    def absent(self, now: int) -> int:
+    def absent(self, now: float) -> int:
         if self._hold_ns < 0:
             return self._default
         state, then = self._last
-        return state if now - then <= self._hold_ns else self._missing
+        return state if 0 <= now - then <= self._hold_ns else self._missing
 
     def reset(self) -> None:
         self._last = (self._missing, 0)
@@ -99,7 +99,7 @@ class Discretiser:
         self.timed = one.policy == "hold"
         self._plain = _plain_bins(one)
 
-    def read(self, raw: object, now: int) -> int:
+    def read(self, raw: object, now: float) -> int:
         """Return the state of a value; see ``Reader``."""
         if type(raw) is float and self._plain is not None:
             state = self._plain(raw)
@@ -110,7 +110,7 @@ class Discretiser:
             return self._memory.absent(now)
         return self._memory.seen(state, now)
 
-    def absent(self, now: int) -> int:
+    def absent(self, now: float) -> int:
         """Return the state when there is no value; see ``Reader``."""
         self._previous = _ABSENT
         return self._memory.absent(now)
@@ -211,7 +211,7 @@ class DirectReader:
         self._number = {state: k for k, state in enumerate(states)}
         self._virtual = virtual
 
-    def read(self, raw: object, now: int) -> Reading:
+    def read(self, raw: object, now: float) -> Reading:
         """Return the state or likelihoods of a value; see ``Reader``."""
         state = self._number.get(raw) if type(raw) is str else None
         if state is not None:
@@ -222,7 +222,7 @@ class DirectReader:
             found = None
         return len(self._states) if found is None else found
 
-    def absent(self, now: int) -> Reading:
+    def absent(self, now: float) -> Reading:
         """Return "not observed"; see ``Reader``."""
         return len(self._states)
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
+from ..clock import step_time
 from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile, take
 from ..monitor import Tree
@@ -62,7 +62,8 @@ class EventMonitor:
         if any(form.nodes[output.node].type != BOOL for output in form.outputs):
             raise ModelError("", "an event is no truth value")
         self._output_faults: Tuple[str, ...] = ()
-        self._verdicts: Tuple[Union[float, int], ...] = ()
+        self._unknown: Tuple[Union[float, int], ...] = tuple(1 for _ in self._outputs)
+        self._verdicts = self._unknown
         self._raw: List[Any] = []
         self._forget()
 
@@ -74,18 +75,20 @@ class EventMonitor:
 
         Args:
             eddi_input: holds one attribute per input; its ``states`` tell how old each is.
-            t_ns: time in nanoseconds; None: the machine's monotonic clock.
+            t_ns: time in nanoseconds; None: the machine's monotonic clock. What is no whole number
+                is no time: all events are UNKNOWN in this step, which the windows do not see.
 
         Returns:
             A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
             ``verdict`` is True, False, or None for UNKNOWN.
         """
-        t = time.monotonic_ns() if t_ns is None else t_ns
+        t = step_time(t_ns)
         raw = self._raw = [_read(eddi_input, spec) for spec in self._sources]
-        stamps = (
-            [_stamp(eddi_input, spec.id, t) for spec in self._sources] if self._stamped else None
-        )
-        before, now = self._verdicts, self.engine.step(t, raw, stamps)
+        before, now = self._verdicts, self._unknown
+        if t is not None:
+            stamped = self._sources if self._stamped else None
+            stamps = None if stamped is None else [_stamp(eddi_input, s.id, t) for s in stamped]
+            now = self.engine.step(t, raw, stamps)
         self._verdicts = now
         return [
             {
@@ -156,7 +159,7 @@ class EventMonitor:
         self._forget()
 
     def _forget(self) -> None:
-        self._verdicts = tuple(1 for _ in self._outputs)
+        self._verdicts = self._unknown
         self._raw = [None] * len(self._sources)
 
 

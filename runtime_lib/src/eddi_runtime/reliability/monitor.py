@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
+from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
@@ -108,9 +108,10 @@ class ReliabilityMonitor:
 
         Args:
             eddi_input: one attribute per input; None, NaN and what is of another kind: unknown.
-            t_ns: time of the step in nanoseconds; None: the machine's monotonic clock.
+            t_ns: time of the step in nanoseconds; None: the machine's monotonic clock. What is no
+                whole number is no time: the step is not valid.
         """
-        now = time.monotonic_ns() if t_ns is None else t_ns
+        now = step_time(t_ns)
         values = self._values(eddi_input)
         beyond = self._limit_mission(values) if self._plan.moving else ""
         quanta, reason = self._pass(now)
@@ -136,7 +137,7 @@ class ReliabilityMonitor:
             contributions[name] = found[1]
         evidence: Dict[str, bool] = {}
         for one in self._evidence:
-            evidence[one.id] = one.step(now, high, usable=usable)
+            evidence[one.id] = one.step(self._last, high, usable=usable)
         self._result = ReliabilityResult(
             valid,
             high,
@@ -174,8 +175,10 @@ class ReliabilityMonitor:
             self._faults[name] = fault
             self._counts[name] = self._counts.get(name, 0) + 1
 
-    def _pass(self, now: int) -> Tuple[int, str]:
+    def _pass(self, now: Optional[int]) -> Tuple[int, str]:
         """Return how many quanta to propagate, and what is wrong with the clock."""
+        if now is None:  # the next time that is one makes up for it
+            return 0, NO_TIME
         if self._start is None:
             self._start = self._last = now
             return 0, ""

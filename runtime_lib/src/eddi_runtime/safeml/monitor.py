@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
+from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec, Messages
 from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
@@ -81,7 +81,7 @@ class SafeMLMonitor:
         self._accepted_ns: Optional[int] = None
         self._violation = self._judged = False
         self._statistics: Optional[Array] = None
-        self._fault = ""
+        self._fault, self._timeless = "", False
         self._last = self._omitted(FILLING)
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> SafeMLResult:
@@ -91,9 +91,15 @@ class SafeMLMonitor:
             eddi_input: its attribute holds the messages since the last step (``Messages``, as
                 EDDIInput makes it), or one message: (d,) or (r, d) numbers. None: nothing is
                 known of the source.
-            t_ns: time in nanoseconds, only for ``max_age``.
+            t_ns: time in nanoseconds, only for ``max_age``; what is no whole number is no time, and
+                the step is omitted then.
         """
-        now = t_ns if isinstance(t_ns, int) else time.monotonic_ns()
+        time = step_time(t_ns)
+        self._timeless = time is None and self._model.max_age is not None
+        if self._timeless:
+            self._last = self._omitted(STALE)
+            return self._last
+        now = time or 0
         try:
             value = getattr(eddi_input, self.inputs[0].attribute, None)
         except Exception:  # noqa: BLE001 - a property may raise anything
@@ -189,7 +195,7 @@ class SafeMLMonitor:
             words = f"the window has {self._window.filled} of {model.window_size} samples"
         elif reason == STALE:
             limit = "its limit" if model.max_age is None else f"{model.max_age:g} s"
-            words = f"the last sample is older than {limit}"
+            words = NO_TIME if self._timeless else f"the last sample is older than {limit}"
         return reason, words if reason else ""
 
     def explain(self) -> Tuple[OneTest, ...]:

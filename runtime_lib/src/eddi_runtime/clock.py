@@ -1,0 +1,29 @@
+"""When a step is: what a caller gives as its time, judged before anything is computed of it."""
+
+from __future__ import annotations
+
+import time
+from typing import Optional
+
+from .plain_values import plain
+
+NO_TIME = "the time of the step is no whole number of nanoseconds"
+_LARGEST = 2**63
+
+
+def step_time(given: object) -> Optional[int]:
+    """Return the time of a step in nanoseconds; None: what was given is no time. Never raises.
+
+    Args:
+        given: a whole number of 64 bits; None: the machine's monotonic clock.
+    """
+    if given is None:
+        return time.monotonic_ns()
+    if type(given) is not int:
+        try:
+            given = plain(given)
+        except Exception:  # noqa: BLE001 - a hostile object
+            return None
+        if type(given) is not int:
+            return None
+    return given if -_LARGEST <= given < _LARGEST else None
