@@ -18,10 +18,13 @@ if TYPE_CHECKING:
     from eddi_scaffold.source import Source
 
 _SUFFIXES = (".yml", ".yaml")
-_MODELS = re.compile(rb"(?m)^[\"']?models[\"']?\s*:")
-_TYPE = re.compile(
-    rb"\btype[\"']?\s*:\s*[\"']?"
-    rb"(?:propulsion|battery|processor|k_out_of_n|series|fault_tree|markov)\b"
+_OWN_KEY = re.compile(
+    rb"""(?m)^(?:\{\s*)?["']?(?:horizon|mission_time|models|thresholds|on_unknown|max_gap)"""
+    rb"""["']?\s*:"""
+)
+_TYPE = re.compile(rb"\btype[\"']?\s*:\s*[\"']?(?:propulsion|k_out_of_n|fault_tree|markov)\b")
+_CONFIG = re.compile(
+    rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 
@@ -38,7 +41,9 @@ def _later(name: str) -> Callable[..., Any]:
 def _sniff(source: Source) -> bool:
     if not source.name.lower().endswith(_SUFFIXES):
         return False
-    return _MODELS.search(source.data) is not None and _TYPE.search(source.data) is not None
+    data = source.data
+    is_own = _OWN_KEY.search(data) is not None or _TYPE.search(data) is not None
+    return is_own and _CONFIG.search(data) is None
 
 
 KIND = Kind(

@@ -27,6 +27,7 @@ KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", 
 _TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_TYPES = ", ".join(TYPES)
 _RESULTS = (
     *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs"),
     *ReliabilityResult._fields,
@@ -156,8 +157,10 @@ def _component(
     kind = given or (before.type if before else None)
     if kind not in TYPES:
         if kind is None:
-            message = f"model {name!r} has no type"
-            entry.error("R001", message, hint=f"types: {', '.join(TYPES)}")
+            system = library.get(entry.text("model") or "")
+            known = system.components[system.top].type if system else None
+            hint = f"write `type: {known}`" if known else f"write `type:` and one of {_TYPES}"
+            entry.error("R001", f"model {name!r} has no type", hint=hint)
         else:
             entry.unknown("type", kind, "type", TYPES)
         return {}
