@@ -317,6 +317,10 @@ def test_messages_and_json():
 BAD = {
     "there is no component 'nobody'": {"top": "nobody"},
     "'horizon' of the model is -1.0, below 0 or not finite": {"horizon": -1.0},
+    "'horizon' of the model is 0.0, below 1e-12 or not finite": {
+        "horizon": 0.0,
+        "mission_end": True,
+    },
 }
 
 

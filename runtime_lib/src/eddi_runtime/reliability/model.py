@@ -60,8 +60,8 @@ def read_plan(model: Mapping[str, Any]) -> Plan:
         ModelError: something is missing or wrong; the reason says what.
     """
     where = "the model"
-    horizon = _number(model, "horizon", where)
     moving = take(model, MISSION_END, bool, where)
+    horizon = _number(model, "horizon", where, least=1e-12 if moving else 0.0)
     quantum = _number(model, "quantum", where, least=1e-6)
     horizons = Horizons(horizon / GRID, GRID) if moving else Horizons(horizon)
     reader = _Reader(quantum / 3600.0, horizons)

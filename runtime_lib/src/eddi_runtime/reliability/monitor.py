@@ -14,6 +14,7 @@ from .chain import Horizons
 from .component import NOTHING
 from .estimate import Estimate, Moment
 from .evidence import Evidence
+from .explain import Explanation
 from .model import GRID, MISSION_END, Plan, read_plan
 from .result import ReliabilityResult
 from .tree import FaultTree, Importance
@@ -82,6 +83,7 @@ class ReliabilityMonitor:
         self._base = 0
         self._faults: Dict[str, str] = {}
         self._counts: Dict[str, int] = {}
+        self._taken: Mapping[str, Taken] = {}
         self._result = ReliabilityResult(
             valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=_NAN,
             horizon=self._plan.horizon, evidence={}, unknown=(), reason="not started",
@@ -114,6 +116,7 @@ class ReliabilityMonitor:
         now = step_time(t_ns)
         values = self._values(eddi_input)
         beyond = self._limit_mission(values) if self._plan.moving else ""
+        self._taken = values
         quanta, reason = self._pass(now)
         moment = self._moment(values, quanta)
         known: Dict[str, Estimate] = {}
@@ -218,6 +221,20 @@ class ReliabilityMonitor:
         """Return how much each event of the top fault tree matters now; empty for other models."""
         top = self._plan.components[self._plan.top]
         return top.importances() if isinstance(top, FaultTree) else ()
+
+    def explain(self) -> Explanation:
+        """Explain the last result: what is known, what is not, and what matters most."""
+        faults, result = self._faults, self._result
+        shares = sorted(result.contributions.items(), key=lambda one: (-one[1], one[0]))
+        return Explanation(
+            result,
+            {k: v for k, v in self._taken.items() if v is not None and k not in result.unknown},
+            {name: faults.get(name, "") for name in result.unknown},
+            dict(faults),
+            tuple(one for one in shares if one[0] != self._plan.top or len(shares) == 1),
+            self.importances() if result.contributions else (),
+            self.latched(),
+        )
 
     def latched(self) -> Dict[str, int]:
         """Return model -> how often a claim was ignored that something failed works again."""

@@ -1,0 +1,61 @@
+"""What stands behind a result: what is known, what is not, and what matters most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, List, Mapping, Tuple
+
+from .result import ReliabilityResult
+from .tree import Importance
+
+_SHOWN = 5
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What stands behind the result of one step.
+
+    Attributes:
+        result: of the step.
+        known: input -> its value.
+        unknown: input -> why it is not known; empty where nothing came.
+        faults: input -> what is wrong with its value, also where the value is known.
+        contributions: (model, its p_fail_high), the most probable failure first.
+        importances: events of the top fault tree, those that decide most often first.
+        ignored: model -> how often a claim was ignored that something failed works again.
+    """
+
+    result: ReliabilityResult
+    known: Mapping[str, Any]
+    unknown: Mapping[str, str]
+    faults: Mapping[str, str]
+    contributions: Tuple[Tuple[str, float], ...]
+    importances: Tuple[Importance, ...]
+    ignored: Mapping[str, int]
+
+    def text(self) -> str:
+        """Return the explanation as lines for people, without a line end behind the last."""
+        return "\n".join(self._lines())
+
+    def _lines(self) -> List[str]:
+        one = self.result
+        bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
+        shown = bounds if one.p_fail_low != one.p_fail_high else ""
+        why = "valid" if one.valid else f"not valid: {one.reason}"
+        lines = [f"p_fail {one.p_fail:.3g}{shown} within {one.horizon:g} h, {why}"]
+        lines += [f"  {name} is {'' if on else 'not '}active" for name, on in one.evidence.items()]
+        lines += [f"  {name} is unknown{_because(why)}" for name, why in self.unknown.items()]
+        lines += [f"  {name}: {why}" for name, why in self.faults.items() if name in self.known]
+        for name, p in self.contributions[:_SHOWN]:
+            lines.append(f"  model {name}: p_fail {p:.3g}")
+        for event in self.importances[:_SHOWN]:
+            decides = f"decides {event.criticality:.3g} of p_fail"
+            lines.append(f"  event {event.event}: p {event.probability:.3g}, {decides}")
+        for name, count in self.ignored.items():
+            times = "once" if count == 1 else f"{count} times"
+            lines.append(f"  model {name}: ignored {times} that something failed works again")
+        return lines
+
+
+def _because(reason: str) -> str:
+    return f": {reason}" if reason else ""

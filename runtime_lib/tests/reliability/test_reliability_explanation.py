@@ -1,0 +1,81 @@
+"""What stands behind a result, for programs and for people."""
+
+import pytest
+
+np = pytest.importorskip("numpy", reason="reliability needs numpy")
+
+from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
+    event,
+    monitor,
+    quad,
+    tree,
+)
+from runtime_lib.tests.reliability.test_reliability_monitor import (  # noqa: E402 - as above
+    WORKING,
+    step,
+)
+from runtime_lib.tests.reliability.test_unknown_inputs import CPU  # noqa: E402 - as above
+
+GO = [{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.0}]
+
+
+def drone():
+    events = [
+        event("model", model="rotors"),
+        event("model", model="cpu"),
+        {**event("exponential", 1e-3, input="lost"), "name": "link"},
+    ]
+    parts = [quad(0.001), CPU, tree(events, [{"type": "OR", "of": [0, 1, 2]}])]
+    return monitor(parts, [*WORKING, "t", "u", "lost"], thresholds=GO)
+
+
+def test_all_is_known():
+    one = drone()
+    given = {**WORKING, "t": 50.0, "u": 0.5, "lost": False}
+    result = step(one, **given)
+    found = one.explain()
+    assert found.result == result
+    assert (found.known, found.unknown, found.faults, found.ignored) == (given, {}, {}, {})
+    assert [name for name, _ in found.contributions] == ["rotors", "cpu"]
+    assert [one.event for one in found.importances] == ["model", "model", "link"]
+    assert found.text() == (
+        "p_fail 0.00619 within 1 h, valid\n"
+        "  go is active\n"
+        "  model rotors: p_fail 0.00399\n"
+        "  model cpu: p_fail 0.00121\n"
+        "  event model: p 0.00399, decides 0.643 of p_fail\n"
+        "  event model: p 0.00121, decides 0.194 of p_fail\n"
+        "  event link: p 0.001, decides 0.161 of p_fail"
+    )
+
+
+def test_what_is_lost_ignored_or_beyond_its_range_is_said():
+    one = drone()
+    step(one, **{**WORKING, "t": 50.0, "u": 0.5, "lost": True})
+    step(one, 0.1, **{**WORKING, "t": 120.0, "lost": False})
+    found = one.explain()
+    assert set(found.known) == {*WORKING, "lost"}
+    assert found.ignored == {"tree": 1}
+    lines = found.text().split("\n")
+    assert lines[:6] == [
+        "p_fail 1 within 1 h, not valid: unknown inputs",
+        "  go is not active",
+        "  t is unknown: 120 is above t_max (85 degC); it counts as unknown",
+        "  u is unknown",
+        "  lost: it says that what failed works again; ignored, for want of `repair: true`",
+        "  model cpu: p_fail 0.0163",
+    ]
+    assert lines[-1] == "  model tree: ignored once that something failed works again"
+
+
+def test_before_the_first_step_and_of_one_model_alone():
+    one = monitor([quad(0.001)], WORKING)
+    first = "p_fail 1 (0 to 1) within 1 h, not valid: not started"
+    assert one.explain().text() == first
+    assert one.explain().known == {}
+    step(one, **{**WORKING, "m1": None})
+    assert one.explain().text() == (
+        "p_fail 1 (0.00399 to 1) within 1 h, not valid: unknown inputs\n"
+        "  m1 is unknown\n"
+        "  model rotors: p_fail 1"
+    )
