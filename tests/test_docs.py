@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import subprocess
@@ -9,19 +10,28 @@ import sys
 from pathlib import Path
 
 import pytest
+from eddi_runtime.monitor import kinds
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(
-    r"(?P<shown><!-- shown only: [^\n]+ -->\n)?```console\n(?P<text>.*?)```", re.DOTALL
+    r"(?P<shown><!-- shown only: [^\n]+ -->\n)?```console\n(?P<text>.*?)```"
+    r"|<!-- file: (?P<file>[\w.]+) -->\n```\w+\n(?P<content>.*?)```",
+    re.DOTALL,
 )
+WRITE = "write "
 
 
 def commands(page: Path) -> list[tuple[str, str]]:
-    """Return (command, printed output) of every block that is not marked as shown only."""
+    """Return (command, printed output) of every block that is not marked as shown only.
+
+    A block that is marked as a file is the command ``write FILE`` with its content.
+    """
     found = []
     for block in BLOCK.finditer(page.read_text(encoding="utf-8")):
-        if block["shown"]:
+        if block["file"]:
+            found.append((f"{WRITE}{block['file']}", block["content"]))
+        if block["shown"] or block["file"]:
             continue
         for part in re.split(r"^\$ ", block["text"], flags=re.MULTILINE)[1:]:
             command, _, output = part.partition("\n")
@@ -47,6 +57,9 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
         if command.startswith("cd "):
             folder /= command.removeprefix("cd ")
             continue
+        if command.startswith(WRITE):
+            (folder / command.removeprefix(WRITE)).write_text(output, encoding="utf-8")
+            continue
         done = subprocess.run(
             command,
             shell=True,
@@ -59,6 +72,17 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
         assert done.returncode == 0, f"{page.name}: {command}\n{done.stderr}"
         if output:
             assert done.stdout == output, command
+
+
+@pytest.mark.parametrize("kind", kinds())
+def test_the_methods_of_each_kind_of_monitor_are_listed(kind: str) -> None:
+    module = importlib.import_module(f"eddi_runtime.{kind}.monitor")
+    (monitor,) = (one for one in vars(module).values() if getattr(one, "kind", None) == kind)
+    there = {name for name in vars(monitor) if not name.startswith("_") and name != "kind"}
+    text = (ROOT / "docs" / "runtime.md").read_text(encoding="utf-8")
+    rows = re.findall(r"(?m)^\| `(\w+)\([^|]*\)` \| ([^|]+) \|", text)
+    told = {name for name, kinds_of in rows if kinds_of == "all" or f"`{kind}`" in kinds_of}
+    assert told == {name for name in there if callable(getattr(monitor, name))}
 
 
 def test_every_link_points_somewhere() -> None:
