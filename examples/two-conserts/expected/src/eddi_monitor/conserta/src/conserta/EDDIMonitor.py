@@ -4,7 +4,7 @@ from eddi_runtime.places import find_model
 
 
 class EDDIMonitor:
-    """Runs the model; `monitor` offers what goes beyond a step (explain, faults, status)."""
+    """Runs the model; `monitor` offers more than a step: faults() and, of most kinds, explain()."""
 
     def __init__(self, model=None):
         """Load the model from the given path, by default from the package's config folder."""
@@ -13,6 +13,6 @@ class EDDIMonitor:
     def execute_step(self, eddi_input, t_ns=None):
         """Evaluate the model once with the attributes of `eddi_input`; never raises.
 
-        `t_ns` is the time of the step in nanoseconds, by default that of the monotonic clock.
+        `t_ns`: int, nanoseconds: the time of the step, by default that of the monotonic clock.
         """
         return self.monitor.execute_step(eddi_input, t_ns)
