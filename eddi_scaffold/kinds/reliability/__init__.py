@@ -64,6 +64,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="ReliabilityOutput",
     options=_KEYS,
+    inputs_of_model=False,  # `observe` and `observed` of a configuration make inputs
     configure=_later("configure"),
     requirements=("numpy",),
     readme=_later("readme"),

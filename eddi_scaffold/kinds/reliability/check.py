@@ -65,7 +65,7 @@ def _references(system: System) -> Iterator[Problem]:
             if below not in system.components:
                 message = f"model {component.name!r} uses {below!r}, which is not there"
                 hint = did_you_mean(below, names) or f"there are: {', '.join(names)}"
-                yield error("R001", message, component.place, hint)
+                yield error("R001", message, _place_of_use(component, below), hint)
     below_all = {name: one.below for name, one in system.components.items()}
     for name in names:
         cycle = order(name, below_all)[1]
@@ -73,6 +73,15 @@ def _references(system: System) -> Iterator[Problem]:
             place = system.components[cycle[0]].place
             yield error("R012", f"models use each other in a cycle: {_shown(cycle)}", place)
             return
+
+
+def _place_of_use(component: Component, model: str) -> Place:
+    """Return where a model names another one."""
+    if isinstance(component.content, FaultTree):
+        for event in component.content.events.values():
+            if event.law is not None and event.law.model == model:
+                return event.place
+    return component.place
 
 
 def _shown(cycle: tuple[str, ...]) -> str:
@@ -176,7 +185,7 @@ def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
     if tree.approximate:
         ours = part.get("cut_sets")
         if ours is None:
-            return [_no_bounds(component, coherent=coherent)]
+            return [_no_bounds(component, tree)]
     else:
         limit = tree.node_limit or NODE_LIMIT
         try:
@@ -206,14 +215,17 @@ def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
     return [warning("R016", message, component.place)]
 
 
-def _no_bounds(component: Component, *, coherent: bool) -> Problem:
+def _no_bounds(component: Component, tree: FaultTree) -> Problem:
     name = component.name
-    if not coherent:
-        message = f"tree {name!r} has NOT or XOR, so that cut sets do not bound it"
-        return error("R010", message, component.place, "leave out `approximation`")
+    names, _ = order(tree.top, {key: gate.of for key, gate in tree.gates.items()})
+    gates = [tree.gates[key] for key in names if key in tree.gates]
+    odd = next((gate for gate in gates if gate.type in ("NOT", "XOR")), None)
+    if odd is not None:
+        message = f"gate {odd.name!r} of tree {name!r} is {odd.type}, so that cut sets do not bound"
+        return error("R010", f"{message} it", odd.place, "leave out `approximation`")
     message = f"tree {name!r} has more than {LIMIT:,} minimal cut sets"
     hint = "leave out `approximation`, raise node_limit, or make parts share fewer events"
-    return error("R010", message, component.place, hint)
+    return error("R010", message, tree.bounds_place, hint)
 
 
 def _sets(sets: frozenset[frozenset[str]]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,14 +20,13 @@ from eddi_scaffold.kinds.reliability.model import (
     System,
     Threshold,
 )
-from eddi_scaffold.kinds.reliability.values import Values
+from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.problems import Problem, did_you_mean
 
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 _TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_TYPES = ", ".join(TYPES)
 _RESULTS = (
     *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs"),
     *ReliabilityResult._fields,
@@ -55,9 +54,10 @@ def read_system(
         assert models is not None
         entry = models.map(name)
         if _NAME.fullmatch(name) is None:
-            models.error("R001", f"{name!r} is no name of a model", name)
+            models.error("R001", f"{name!r} is no name of a model", name, KEY)
         elif entry is not None:
-            components.update(_component(name, entry, library, components.get(name)))
+            known = tuple(base.components) if base else ()
+            components.update(_component(name, entry, library, components.get(name), known))
     values.only((*KEYS, "file", "parameters"))
     if values.failed:
         return None, values.problems
@@ -151,15 +151,19 @@ def _check_id(entry: Values, name: str) -> None:
 
 
 def _component(
-    name: str, entry: Values, library: Mapping[str, System], before: Component | None
+    name: str,
+    entry: Values,
+    library: Mapping[str, System],
+    before: Component | None,
+    known: Sequence[str] = (),
 ) -> Mapping[str, Component]:
     given = entry.text("type")
     kind = given or (before.type if before else None)
     if kind not in TYPES:
         if kind is None:
-            system = library.get(entry.text("model") or "")
-            known = system.components[system.top].type if system else None
-            hint = f"write `type: {known}`" if known else f"write `type:` and one of {_TYPES}"
+            hint = _type_of(entry.text("model"), library)
+            if known:
+                hint = did_you_mean(name, known) or f"the model has {', '.join(known)}; {hint}"
             entry.error("R001", f"model {name!r} has no type", hint=hint)
         else:
             entry.unknown("type", kind, "type", TYPES)
@@ -177,6 +181,13 @@ def _component(
     if values is None:
         return {}
     return {name: Component(name, kind, values=values, place=entry.place())}
+
+
+def _type_of(wanted: str | None, library: Mapping[str, System]) -> str:
+    system = library.get(wanted or "")
+    if system is not None:
+        return f"write `type: {system.components[system.top].type}`"
+    return f"write `type:` and one of {', '.join(TYPES)}"
 
 
 def _content(

@@ -16,7 +16,7 @@ from eddi_scaffold.kinds.reliability.model import (
     Observation,
 )
 from eddi_scaffold.kinds.reliability.quantities import duration, rate
-from eddi_scaffold.kinds.reliability.values import Values
+from eddi_scaffold.kinds.reliability.values import KEY, Values
 
 _TREE_KEYS = (
     "type",
@@ -36,9 +36,11 @@ _CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", 
 
 def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
     """Read a chain; ``before`` is that of the EDDI, of which the last three keys may change."""
+    errors = entry.errors
     entry.only(_CHAIN_KEYS)
-    chain = before if before is not None else _chain(entry)
-    if entry.has("observe"):
+    chain = before if before is not None else _chain(entry, errors)
+    # the names of states are only known where what makes them could be read
+    if entry.has("observe") and (entry.errors == errors or entry.has("states") or before):
         chain = replace(chain, observe=_observe(name, entry, chain))
     if entry.has("repair"):
         chain = replace(chain, repair=entry.boolean("repair"))
@@ -46,7 +48,8 @@ def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
     return chain if age is None else replace(chain, age=age)
 
 
-def _chain(entry: Values) -> Chain:
+def _chain(entry: Values, errors: int) -> Chain:
+    """Read a chain of an entry that had so many errors before anything of it was looked at."""
     arcs: list[Arc] = []
     for one in entry.maps("arcs"):
         one.only(("from", "to", "rate"))
@@ -65,7 +68,7 @@ def _chain(entry: Values) -> Chain:
             if state not in states:
                 entry.error("R001", f"{key}: there is no state {state!r}", "arcs", i, key)
     initial, fail = entry.texts("initial"), entry.texts("fail")
-    if entry.failed:
+    if entry.errors > errors and not entry.has("states"):
         return Chain(states, initial, fail, tuple(arcs))
     for key, names in (("initial", initial), ("fail", fail)):
         for state in names:
@@ -84,7 +87,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
     for state in observe.names():
         text = observe.text(state)
         if state not in chain.states:
-            observe.unknown(state, state, f"state of {name!r}", chain.states)
+            observe.unknown(state, state, f"state of {name!r}", chain.states, is_key=True)
         elif text is not None:
             words = text.split()
             negated = len(words) == 2 and words[0].casefold() == "not"
@@ -99,19 +102,23 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
 
 def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
     """Read a tree; ``before`` is that of the EDDI, of which events may change."""
+    errors = entry.errors
     entry.only(_TREE_KEYS)
+    is_whole = entry.errors == errors
     gates = dict(before.gates) if before else _gates(entry)
     events = dict(before.events) if before else {}
     given = entry.map("events")
     for one in given.names() if given else ():
         assert given is not None
         if before and one not in before.events:
-            given.unknown(one, one, f"event of {name!r}", before.events)
+            given.unknown(one, one, f"event of {name!r}", before.events, is_key=True)
             continue
         event = given.map(one)
         if event is not None:
             events[one] = _event(one, event, events.get(one))
     top = before.top if before else entry.text("top")
+    if not is_whole:
+        return before  # gates or events may be missing only because their key is misspelt
     if top is None:
         top = _only_top(name, entry, gates)
     if top is None:
@@ -128,6 +135,7 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
         repair=entry.boolean("repair") if entry.has("repair") else tree.repair,
         node_limit=tree.node_limit if limit is None else limit,
         approximate=tree.approximate or approximation is not None,
+        bounds_place=tree.bounds_place if approximation is None else entry.place("approximation"),
         age=tree.age if age is None else age,
     )
 
@@ -171,7 +179,7 @@ def _declare(entry: Values, gates: dict[str, Gate], events: dict[str, Event], to
                     "R001", f"there is no gate or event {below!r}", "gates", gate.name, "of", i
                 )
     for both in sorted(set(gates) & set(events)):
-        entry.error("R001", f"{both!r} is a gate and an event", "events", both)
+        entry.error("R001", f"{both!r} is a gate and an event", "events", both, KEY)
 
 
 def _event(name: str, entry: Values, before: Event | None) -> Event:

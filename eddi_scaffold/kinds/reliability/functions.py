@@ -18,7 +18,7 @@ from eddi_scaffold.kinds.reliability.picture import picture
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import at_start
-from eddi_scaffold.kinds.reliability.values import Values
+from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -59,10 +59,12 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
 def _finder(root: Node) -> Callable[..., Place]:
     def find(*path: str | int) -> Place:
         node = root
-        for step in path:
+        for i, step in enumerate(path):
             below: Node | None = None
             if isinstance(node, Map):
                 below = node.get(str(step))
+                if path[i + 1 :] == (KEY,):
+                    return next((k.place for k, _ in node.entries if k.text == step), node.place)
             elif isinstance(node, Items) and isinstance(step, int) and step < len(node.items):
                 below = node.items[step]
             if below is None:

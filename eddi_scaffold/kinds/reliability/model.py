@@ -79,6 +79,7 @@ class FaultTree:
         cut_sets: minimal cut sets that the file states, names of events; None: none stated.
         age: hours that its events had run before the mission.
         approximate: bounds by minimal cut sets in place of the diagram.
+        bounds_place: where that is asked for.
     """
 
     top: str
@@ -89,6 +90,7 @@ class FaultTree:
     cut_sets: frozenset[frozenset[str]] | None = None
     age: float = 0.0
     approximate: bool = False
+    bounds_place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)

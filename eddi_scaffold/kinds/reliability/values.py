@@ -13,6 +13,8 @@ from eddi_scaffold.kinds.reliability.quantities import (
 )
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
 
+KEY = -1
+"""Last part of a path that asks where a key stands, not its value."""
 _Read = Callable[[object], Quantity]
 
 
@@ -21,7 +23,7 @@ class Values:
 
     Args:
         data: the plain values.
-        find: path of keys and positions -> where it stands.
+        find: path of keys and positions -> where it stands; ``KEY`` behind it: where its key does.
         path: of this map.
         problems: where findings go.
     """
@@ -40,6 +42,11 @@ class Values:
     def failed(self) -> bool:
         """Whether an error was found, in this map or another one."""
         return has_errors(self.problems)
+
+    @property
+    def errors(self) -> int:
+        """How many errors were found so far: tells a caller whether its part has one."""
+        return sum(one.level == "error" for one in self.problems)
 
     def place(self, *keys: str | int) -> Place:
         """Return where something in this map stands."""
@@ -62,18 +69,21 @@ class Values:
         """Report an error at a key of this map, or at the map itself."""
         self.problems.append(error(code, message, self.place(*keys), hint))
 
-    def unknown(self, key: str, given: str, what: str, known: Iterable[str]) -> None:
-        """Report that a value is none of those that are known (R001)."""
+    def unknown(
+        self, key: str, given: str, what: str, known: Iterable[str], *, is_key: bool = False
+    ) -> None:
+        """Report that a value, or a key, is none of those that are known (R001)."""
         names = list(known)
         hint = did_you_mean(given, names) or f"there are: {', '.join(names) or 'none'}"
-        self.error("R001", f"there is no {what} {given!r}", key, hint=hint)
+        path = (key, KEY) if is_key else (key,)
+        self.error("R001", f"there is no {what} {given!r}", *path, hint=hint)
 
     def only(self, known: Sequence[str]) -> None:
         """Report the keys that are not known (R001)."""
         for key in self.names():
             if key not in known:
                 hint = did_you_mean(key, known) or f"known keys: {', '.join(known)}"
-                self.error("R001", f"unknown key {key!r}", key, hint=hint)
+                self.error("R001", f"unknown key {key!r}", key, KEY, hint=hint)
 
     def map(self, key: str) -> Values | None:
         """Return the map below a key, None where there is none."""
