@@ -107,11 +107,12 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
         return None, problems
     system = used(with_rate(system, options.frequency)) if not _broken(system) else system
     # what stood in the file already is said by check
-    before = set(check_system(system_of(model)))
+    before = set(check(model))
     problems += [one for one in check_system(system) if one.level == "error" or one not in before]
     if has_errors(problems):
         return None, problems
-    problems += [*_never(system), *_always_late(system)]
+    problems += [one for one in _never(system) if one not in before]
+    problems += _always_late(system)
     return replace(model, data=system, name=options.id or model.name), problems
 
 
@@ -131,22 +132,27 @@ def _always_late(system: System) -> list[Problem]:
 
 
 def _never(system: System) -> list[Problem]:
-    """Return a warning for each threshold that decides nothing at the start (R014)."""
+    """Return a warning for each threshold that decides nothing at the start (R014).
+
+    Where the mission's end is an input, the best is that it comes at once.
+    """
     if not system.thresholds:
         return []
-    best, worst = at_start(system), at_start(system, known=False)
+    best = at_start(system, seconds_left=0.0 if system.mission_end else None)
+    worst = at_start(system, known=False)
+    when = "at mission start" + (", however near the end is" if system.mission_end else "")
     found = []
     for one in system.thresholds:
         if best.p_fail > one.activate:
             message = (
-                f"threshold {one.id!r} cannot be met at mission start: p_fail is "
+                f"threshold {one.id!r} cannot be met {when}: p_fail is "
                 f"{best.p_fail:.3g}, above {one.activate:g}"
             )
             found.append(warning("R014", message, one.place))
         elif worst.p_fail_high <= one.activate and inputs_of(system):
             message = (
-                f"threshold {one.id!r} is always met at mission start: p_fail is at most "
-                f"{worst.p_fail_high:.3g}"
+                f"threshold {one.id!r} is always met at mission start: with nothing known "
+                f"p_fail is at most {worst.p_fail_high:.3g}"
             )
             found.append(warning("R014", message, one.place))
     return found
@@ -154,7 +160,9 @@ def _never(system: System) -> list[Problem]:
 
 def check(model: Model) -> Sequence[Problem]:
     """Return what is wrong with the models, whatever the configuration says."""
-    return check_system(system_of(model))
+    system = system_of(model)
+    problems = check_system(system)
+    return problems if has_errors(problems) else [*problems, *_never(system)]
 
 
 def inputs(model: Model) -> Sequence[ModelInput]:

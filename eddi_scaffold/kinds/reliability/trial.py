@@ -13,7 +13,7 @@ from eddi_runtime.model_file import ModelFile
 from eddi_runtime.reliability.monitor import ReliabilityMonitor
 from eddi_runtime.reliability.result import ReliabilityResult
 
-from eddi_scaffold.kinds.reliability.inputs import inputs_of
+from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
 from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, System
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 
@@ -21,10 +21,21 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _TOO_MANY = 300
 
 
-def at_start(system: System, *, known: bool = True) -> ReliabilityResult:
-    """Return the first result with everything in order, or with nothing known."""
+def at_start(
+    system: System, *, known: bool = True, seconds_left: float | None = None
+) -> ReliabilityResult:
+    """Return the first result with everything in order, or with nothing known.
+
+    Args:
+        system: the models.
+        known: everything is in order.
+        seconds_left: to the end of the mission, where that is an input; None: the longest.
+    """
     monitor = ReliabilityMonitor(_model_file(system))
-    return monitor.execute_step(SimpleNamespace(**_start(system) if known else {}), 0)
+    values = _start(system) if known else {}
+    if seconds_left is not None:
+        values[MISSION_END] = seconds_left
+    return monitor.execute_step(SimpleNamespace(**values), 0)
 
 
 def mean_life(system: System) -> float | None:
