@@ -126,7 +126,7 @@ def monitor_of(
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
-    bindings, found = _bind(kind.inputs(model), config, _with_declared(known_messages, config))
+    bindings, found = _bind(model, kind, config, _with_declared(known_messages, config))
     problems = [*problems, *found]
     if config is not None:
         problems += _check_model_section(model, kind, config)
@@ -183,8 +183,9 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
 
 
 def _bind(
-    inputs: Sequence[ModelInput], config: ConfigFile | None, known: FieldsOf
+    model: Model, kind: Kind, config: ConfigFile | None, known: FieldsOf
 ) -> tuple[list[InputBinding], list[Problem]]:
+    inputs = kind.inputs(model)
     if config is None:
         return [_unconfigured(item) for item in inputs], []
     problems: list[Problem] = []
@@ -195,7 +196,7 @@ def _bind(
         item = left.pop(entry.id, None)
         if item is None:
             names = [other.id for other in inputs]
-            hint = did_you_mean(entry.id, names) or f"the inputs are: {', '.join(names)}"
+            hint = did_you_mean(entry.id, names) or f"the inputs are: {', '.join(names) or 'none'}"
             place = config.place("EDDIInputs", index, "id")
             problems.append(error("K013", f"the model has no input {entry.id!r}", place, hint))
             continue
@@ -204,8 +205,8 @@ def _bind(
         problems += found
     for item in left.values():
         message = (
-            f"no entry of EDDIInputs provides {item.id!r}: it stays unknown, and no guarantee "
-            "that needs it becomes active"
+            f"no entry of EDDIInputs provides {item.id!r}: it stays unknown, and "
+            f"{kind.without_input}"
         )
         hint = f"add `- id: {item.id}` with `requires:`"
         problems.append(warning("K014", message, config.place("EDDIInputs"), hint))

@@ -14,6 +14,7 @@ from eddi_scaffold.source import Source, read_source
 from eddi_scaffold.yaml_nodes import Map, read_map
 
 _YAML_SUFFIXES = (".yml", ".yaml")
+_HEAD = 4096
 _CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
 
 
@@ -40,6 +41,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     for kind in kinds().values():
         if kind.sniff(source):
             return kind.read_file(source, default_guarantees)
+    with source.open() as stream:
+        head = stream.read(_HEAD)
+    if len(head) < _HEAD and not head.strip():
+        return Reading((), (error("F003", "this file is empty", Place(source.name)),))
     if is_xml(source):
         document, problems = read_document(source)
         models: list[Model] = []
@@ -62,8 +67,19 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         # damaged beyond recognition: this kind says best what such a file should look like
         return kinds()["consert"].read_file(source, default_guarantees)
     known = ", ".join(kind.title for kind in kinds().values())
+    if b"\0" in head or not _is_utf8(source.data):
+        message = f"this is no text, so it is no model ({known})"
+        return Reading((), (error("F003", message, Place(source.name)),))
     message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
     return Reading((), (error("F003", message, Place(source.name)),))
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Reading:

@@ -282,6 +282,7 @@ class Kind:
         configure: takes what the configuration says into the model; comes before ``inputs``,
             ``runtime_model`` and all below.
         inputs_of_model: the inputs stand in the model, not in the configuration.
+        without_input: what becomes of an output while an input that it needs is not known.
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
         aliases: generated modules with the names of SESAME D7.2.
@@ -313,6 +314,7 @@ class Kind:
     options: tuple[str, ...] = ()
     configure: Callable[[Model, Options], tuple[Model | None, list[Problem]]] = _as_it_is
     inputs_of_model: bool = True
+    without_input: str = "nothing that needs it becomes known"
     settings: Callable[[Model], dict[str, JsonValue]] = _nothing
     modules: Callable[[Model], Sequence[EditableModule]] = _none
     aliases: tuple[Alias, ...] = ()

@@ -101,6 +101,7 @@ KIND = Kind(
     status_message="ConSertStatus",
     options=KEYS,
     configure=configure,
+    without_input="no guarantee that needs it becomes active",
     settings=settings,
     diagram=lambda model: diagram(_consert(model)),
 )

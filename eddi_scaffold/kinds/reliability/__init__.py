@@ -64,6 +64,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="ReliabilityOutput",
     options=_KEYS,
+    without_input="p_fail is the worst case of it, and not valid",
     inputs_of_model=False,  # `observe` and `observed` of a configuration make inputs
     configure=_later("configure"),
     requirements=("numpy",),
