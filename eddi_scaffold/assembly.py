@@ -22,7 +22,7 @@ from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import checked_models, select
-from eddi_scaffold.neighbours import check_neighbours
+from eddi_scaffold.neighbours import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors
 from eddi_scaffold.source import read_source
@@ -74,6 +74,7 @@ def monitors_of(
         _join(model, config, default_guarantees, monitors, problems)
     for model in () if config_files else models:
         _join(model, None, default_guarantees, monitors, problems)
+    problems += check_ids(monitors)
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors, problems

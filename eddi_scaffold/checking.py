@@ -11,7 +11,7 @@ from eddi_scaffold.identifiers import is_package_name, package_name
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import is_config, read_models
-from eddi_scaffold.neighbours import check_neighbours
+from eddi_scaffold.neighbours import check_ids, check_neighbours
 from eddi_scaffold.problems import EddiError, Problem, error
 from eddi_scaffold.source import Source, read_source
 
@@ -34,12 +34,13 @@ def check_files(
         models += read
         configs += [config] if config is not None else []
     problems += check_neighbours(configs)
+    monitors: list[Monitor] = []
     for config in configs:
         named, found = _named(config, models, default_guarantees)
         problems += found
         if named:
-            problems += _check_pair(config, named)
-    return problems
+            problems += _check_pair(config, named, monitors)
+    return [*problems, *check_ids(monitors)]
 
 
 def kinds_of(config: ConfigFile) -> Sequence[Kind]:
@@ -113,13 +114,19 @@ def _check_one(
     return problems, reading.models, None
 
 
-def _check_pair(config: ConfigFile, models: Sequence[Model]) -> list[Problem]:
+def _check_pair(
+    config: ConfigFile, models: Sequence[Model], monitors: list[Monitor]
+) -> list[Problem]:
+    """Return what is wrong with a configuration and its model; a sound monitor is added."""
     try:
         model, kind = model_for(config, models)
     except EddiError as failure:
         return list(failure.problems)
     monitor, problems = monitor_of(model, kind, config, known_messages(kinds().values()))
-    return [*problems, *(no_package_name(monitor) if monitor is not None else ())]
+    if monitor is None:
+        return problems
+    monitors.append(monitor)
+    return [*problems, *no_package_name(monitor)]
 
 
 def no_package_name(monitor: Monitor) -> Iterator[Problem]:

@@ -292,6 +292,7 @@ class Kind:
             tool before a package is written.
         readme: lines of Markdown for the package's README.
         diagram: the picture of a model.
+        ids: list of the output message -> the ids of its elements, as far as they are known.
         named_by_config: its files hold one model without a name; the configuration's id is one.
     """
 
@@ -325,6 +326,7 @@ class Kind:
     diagram: Callable[[Model], Diagram] | None = None
     parts: Callable[[Model], Sequence[str]] = _none
     outputs: Callable[[Model], Sequence[ModelOutput]] = _none
+    ids: Callable[[Model], Mapping[str, Sequence[str]]] = _nothing
     named_by_config: bool = False
 
 

@@ -104,5 +104,6 @@ KIND = Kind(
     without_input="no guarantee that needs it becomes active",
     settings=settings,
     diagram=lambda model: diagram(_consert(model)),
+    ids=lambda model: {"guarantees": [one.id for one in _consert(model).guarantees]},
 )
 """What the generator knows of ConSerts."""

@@ -70,5 +70,6 @@ KIND = Kind(
     requirements=("numpy",),
     readme=_later("readme"),
     diagram=_later("diagram"),
+    ids=_later("ids"),
 )
 """What the generator knows of reliability."""

@@ -179,6 +179,11 @@ def outputs(model: Model) -> Sequence[ModelOutput]:
     ]
 
 
+def ids(model: Model) -> Mapping[str, Sequence[str]]:
+    """Return the thresholds that the message tells of."""
+    return {"evidence": [one.id for one in system_of(model).thresholds]}
+
+
 def model_part(model: Model) -> dict[str, Any]:
     """Return the ``model`` part of ``config/model.json``."""
     return runtime_model(system_of(model))

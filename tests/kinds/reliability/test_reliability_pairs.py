@@ -49,3 +49,18 @@ def test_an_input_that_nobody_provides_in_words_of_this_kind(tmp_path: Path) -> 
     (one,) = said(tmp_path, entry, "")
     assert "K014 no entry of EDDIInputs provides 'MissionLoss_Link': it stays unknown, and " in one
     assert "p_fail is the worst case of it, and not valid" in one
+
+
+def test_a_consert_takes_thresholds_that_are_there(tmp_path: Path) -> None:
+    names = ("drone.xml", "reliability_config.yml")
+    text = (EXAMPLE / "mission_config.yml").read_text("utf-8")
+    config = tmp_path / "mission.yml"
+    config.write_text(text.replace("[RtE_continue]", "[RtE_continu]"), "utf-8")
+    problems = check_files([*(EXAMPLE / name for name in names), config])
+    assert [(one.code, one.message, one.hint) for one in problems] == [
+        (
+            "K047",
+            "'evidence[RtE_continu].active': MissionLoss gives no 'RtE_continu'",
+            "did you mean 'RtE_continue'?",
+        )
+    ]
