@@ -69,11 +69,9 @@ class Battery(Component):
         level = values[self._level]
         factor, colder = 1.0, False
         if self._heat is not None and self._hot is not None:
-            hot, fault = self._hot.take(values[self._hot.name])
-            if fault:
-                self._say(self._hot.name, fault)
-            colder = hot is None  # it may be so cold that nothing ages
-            factor = self._heat.factor(self._hot.worst if hot is None else hot)
+            hot, is_known = self._most(values, self._hot)
+            colder = not is_known  # it may be so cold that nothing ages
+            factor = self._heat.factor(hot)
         if level is not None:
             self._see(4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1)
         first = _BANDS.get(self._band, EMPTY)

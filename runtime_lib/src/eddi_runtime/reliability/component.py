@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import Mapping
+from typing import Mapping, Tuple
 
 from .chain import Horizons
 from .estimate import Estimate, Moment, Values
+from .limit import Limit
 
 Known = Mapping[str, Estimate]
 """Model -> what it said in this step."""
@@ -31,6 +32,15 @@ class Component:
 
     def _say(self, name: str, text: str) -> None:
         self.said = {**self.said, name: text}
+
+    def _most(self, values: Values, limit: Limit) -> Tuple[float, bool]:
+        """Return the value of an input, or the worst that it may be, and whether it is known."""
+        value, fault = limit.take(values[limit.name])
+        if value is not None:
+            return value, True
+        if fault:
+            self._say(limit.name, fault)
+        return limit.worst, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Let time pass, take the observations, look ahead."""

@@ -19,8 +19,6 @@ from .structures import Rotors
 from .weibull import hazard
 
 _NAN = float("nan")
-
-
 _LARGEST_STRESS = 1e300
 _KEPT = 64
 """How many different observations of a chain are kept."""
@@ -274,8 +272,14 @@ class Processor(Component):
         """Add the exposure since the last step; unknown conditions count as the worst ones."""
         del known
         unknown: List[str] = []
-        hot = self._value(values, self._hot, unknown)
-        load = 1.0 if self._load is None else self._value(values, self._load, unknown)
+        hot, known_hot = self._most(values, self._hot)
+        if not known_hot:
+            unknown.append(self._hot.name)
+        load = 1.0
+        if self._load is not None:
+            load, known_load = self._most(values, self._load)
+            if not known_load:
+                unknown.append(self._load.name)
         stress = min(load * self._heat.factor(hot), _LARGEST_STRESS)
         # what gets better with time, shape < 1, is worst when it has not aged
         if not unknown or self._shape >= 1.0:
@@ -287,16 +291,6 @@ class Processor(Component):
         p = -math.expm1(-ahead)
         low = 0.0 if unknown else p
         return Estimate(low, p, math.exp(-ahead), self._life(stress), tuple(unknown))
-
-    def _value(self, values: Values, limit: Limit, unknown: List[str]) -> float:
-        """Return what an input says, or the worst that it may be."""
-        value, fault = limit.take(values[limit.name])
-        if value is not None:
-            return value
-        unknown.append(limit.name)
-        if fault:
-            self._say(limit.name, fault)
-        return limit.worst
 
     def _life(self, stress: float) -> float:
         if stress == 0.0:
