@@ -110,6 +110,8 @@ class Engine:
         self.width: Width = width(network.shape, plans)
         if self.width.too_large:
             raise TooWideError(self.width)
+        self._positions = {node: k for k, node in enumerate(self.observable)}
+        self._places = {node: k for k, node in enumerate(self.outputs)}
         self.lookup_only = True
         self._parts: List[_Part] = []
         self._when_observed: List[_Part] = []
@@ -158,9 +160,7 @@ class Engine:
 
     def _compiled(self, plans: Sequence[Plan], *, tables: bool) -> List[_Part]:
         """Return the parts that can matter: others have no outputs and are always possible."""
-        network, cards = self.network, self.network.shape.cards
-        positions = {node: k for k, node in enumerate(self.observable)}
-        places = {node: k for k, node in enumerate(self.outputs)}
+        network, positions = self.network, self._positions
         parts = []
         for plan in plans:
             if not plan.part.outputs and _positive(network, plan):
@@ -178,7 +178,7 @@ class Engine:
                 self.lookup_only = False
                 compiled = Schedule(network, plan.part, plan.tree, plan.program, positions)
             slots = [
-                _Slot(places[node], positions.get(node, -1), cards[node])
+                _Slot(self._places[node], positions.get(node, -1), network.shape.cards[node])
                 for node in plan.part.outputs
             ]
             mine = frozenset(positions[node] for node in plan.part.inputs)

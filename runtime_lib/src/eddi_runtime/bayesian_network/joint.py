@@ -198,13 +198,8 @@ class JointTables:
             return _Factor(axes, list(network.tables[node]))
         if leaf.kind != EVIDENCE:
             return _Factor((node,), [1.0] * card)
-        prior = self._priors[self._positions[node]]
-        values = [
-            float(case == state and (prior is None or prior[state] > 0.0))
-            for case in range(card)
-            for state in range(card)
-        ]
-        return _Factor((node + self._count, node), values + (prior or [1.0] * card))
+        rows = self._rows[self._positions[node]]
+        return _Factor((node + self._count, node), [value for row in rows for value in row])
 
     def _product(self, one: _Factor, other: _Factor, mask: int, inputs: int) -> _Factor:
         """Multiply two factors and sum over all nodes outside ``mask``; cases of inputs stay."""
