@@ -71,7 +71,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]
     wanted = package_name(section.id)
     found = [model for model in fitting if package_name(model.name) == wanted]
     if not found and (name := named_model(config)) is not None:
-        named = (Path(config.name).parent / name).resolve()
+        named = config.beside(name).resolve()
         found = [model for model in fitting if Path(model.source.name).resolve() == named]
     if not found and len(fitting) == 1 and len(models) == 1:
         found = (

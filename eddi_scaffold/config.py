@@ -291,9 +291,13 @@ class ConfigFile:
             document[_EVENT_FILES] = dict(self.event_files)
         return json.dumps(document, sort_keys=True)
 
+    def beside(self, name: str) -> Path:
+        """Return where a file is that is named relative to this configuration."""
+        return Path(self.name).parent / name
+
     def path(self, name: str) -> str:
         """Return the path of a file that is named relative to this configuration, for places."""
-        return name if self.remembered else str(Path(self.name).parent / name)
+        return name if self.remembered else str(self.beside(name))
 
     def read(self, name: str) -> Source:
         """Open a file that is named relative to this configuration.
@@ -304,7 +308,7 @@ class ConfigFile:
         if self.remembered:
             message = f"{name!r} cannot be read: the configuration is remembered, not given"
             raise EddiError(error("K033", message, hint="name the configuration with -c"))
-        return read_source(Path(self.name).parent / name)
+        return read_source(self.beside(name))
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""
@@ -467,7 +471,7 @@ def named_model_path(file: ConfigFile) -> Path | None:
     if found is None:
         return None
     name, where = found
-    path = Path(file.name).parent / name
+    path = file.beside(name)
     try:
         path.stat()
     except (OSError, ValueError):
