@@ -32,6 +32,7 @@ from eddi_runtime.model_file import check_document, digest_of  # noqa: E402
 
 from benchmarks import bayesian_network_peers as peers  # noqa: E402
 from benchmarks.bayesian_network_peers import Evidence, Net  # noqa: E402
+from benchmarks.timing import per_call  # noqa: E402
 
 CRITICAL = [0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.5, 0.5, 0.25, 0.75, 0.1, 0.9]
 CRITICAL += [0.7, 0.3, 0.4, 0.6, 0.2, 0.8, 0.9, 0.1, 0.65, 0.35, 0.45, 0.55]
@@ -241,20 +242,6 @@ def endless(step: Callable[[Any], object], given: Sequence[Any]) -> Callable[[],
     """Return a function that takes the next of the given things in each call."""
     values = itertools.cycle(given)
     return lambda: step(next(values))
-
-
-def per_call(call: Callable[[], object], seconds: float) -> float:
-    """Return the seconds of one call, of a loop that takes about ``seconds``."""
-    number, spent = 1, 0.0
-    while True:
-        repeat = itertools.repeat(None, number)
-        start = time.process_time()  # of this process: others on the machine do not count
-        for _ in repeat:
-            call()
-        spent = time.process_time() - start
-        if spent >= seconds:
-            return spent / number
-        number = max(2 * number, int(number * seconds / max(spent, 1e-6)))
 
 
 def percentile_99(monitor: BayesianNetworkMonitor, sources: Sequence[Any], steps: int) -> float:

@@ -20,7 +20,6 @@ import os
 import random
 import statistics
 import sys
-import time
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
@@ -41,6 +40,8 @@ from eddi_runtime.reliability.chain import Chain, ChainSpec, Horizons  # noqa: E
 from eddi_runtime.reliability.estimate import Moment  # noqa: E402
 from eddi_runtime.reliability.markov import generator  # noqa: E402
 from eddi_runtime.reliability.structures import Rotors  # noqa: E402
+
+from benchmarks.timing import per_call  # noqa: E402
 
 STATES = (5, 50, 500)
 EVENTS = (10, 100, 300)
@@ -232,28 +233,14 @@ def paired(
     """Return the medians of runs in turn."""
     mine, theirs = [], []
     for _ in range(runs):
-        mine.append(once(ours, seconds))
+        mine.append(per_call(ours, seconds))
         if peer is not None:
-            theirs.append(once(peer, seconds))
+            theirs.append(per_call(peer, seconds))
     row: dict[str, Any] = {"case": case, "ours_s": statistics.median(mine), "peer": name}
     if peer is None:
         return row | {"peer_s": None, "ratio": None, "reason": why}
     ratios = [b / a for a, b in zip(mine, theirs, strict=True)]
     return row | {"peer_s": statistics.median(theirs), "ratio": statistics.median(ratios)}
-
-
-def once(action: Action, seconds: float) -> float:
-    """Return CPU seconds of one call, by batches of calls that last long enough to be timed."""
-    action()
-    count = 1
-    while True:
-        begin = time.process_time()
-        for _ in range(count):
-            action()
-        spent = time.process_time() - begin
-        if spent >= seconds:
-            return spent / count
-        count = max(2 * count, int(1.2 * count * seconds / max(spent, 1e-6)))
 
 
 if __name__ == "__main__":

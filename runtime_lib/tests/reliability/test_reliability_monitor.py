@@ -20,6 +20,15 @@ from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - n
 )
 
 WORKING = {f"m{i}": True for i in range(4)}
+BATTERY = {
+    "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
+    "degradation": 6.4e-3, "level": "level", "repair": False,
+}  # fmt: skip
+PROCESSOR = {
+    "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 90.0,
+    "u_max": 2.0, "activation_energy": 0.3, "shape": 2.0, "temperature": "t",
+    "utilisation": "u",
+}  # fmt: skip
 
 
 def step(one, at=0.0, **values):
@@ -216,20 +225,11 @@ def test_the_longest_mission_is_not_the_worst_of_a_tree_with_not():
 
 
 def test_battery_processor_units_and_series():
-    battery = {
-        "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
-        "degradation": 6.4e-3, "level": "level", "repair": False,
-    }  # fmt: skip
-    processor = {
-        "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 90.0,
-        "u_max": 2.0, "activation_energy": 0.3, "shape": 2.0, "temperature": "t",
-        "utilisation": "u",
-    }  # fmt: skip
     units = {
         "name": "units", "type": "k_out_of_n", "k": 2, "rate": 1e-3, "max": 4, "available": "n",
     }  # fmt: skip
     series = {"name": "all", "type": "series", "of": ["battery", "cpu", "units"]}
-    one = monitor([battery, processor, units, series], ["level", "t", "u", "n"])
+    one = monitor([BATTERY, PROCESSOR, units, series], ["level", "t", "u", "n"])
     good = {"level": 80, "t": 60.0, "u": 1.0, "n": 4}
     result = step(one, **good)
     parts = [result.contributions[name] for name in ("battery", "cpu", "units")]
@@ -251,15 +251,7 @@ def test_battery_processor_units_and_series():
 
 def everything(horizon):
     """Return a monitor with every type of component, and inputs that say that all is in order."""
-    battery = {
-        "name": "battery", "type": "battery", "failure_rate": 1e-3, "alpha": 8e-3, "beta": 7e-3,
-        "degradation": 6.4e-3, "level": "level", "repair": False,
-    }  # fmt: skip
-    processor = {
-        "name": "cpu", "type": "processor", "mttf_ref": 400.0, "t_ref": 51.0, "t_max": 90.0,
-        "u_max": 2.0, "activation_energy": 0.3, "shape": 2.0, "temperature": "t",
-        "utilisation": None,
-    }  # fmt: skip
+    processor = {**PROCESSOR, "utilisation": None}
     units = {"name": "units", "type": "k_out_of_n", "k": 2, "rate": 1e-3, "available": "n"}
     worn = chain([[0, 1, 0.1], [1, 2, 0.2]], 3, [2], observe=[[0, "new", False]])
     names = ("battery", "cpu", "units", "rotors", "chain")
@@ -268,7 +260,7 @@ def everything(horizon):
     events += [event("PAND", 0.1, 0.2)]
     top = tree(events, [{"type": "OR", "of": list(range(len(events)))}])
     values = {**WORKING, "level": 80.0, "t": 60.0, "n": 4, "new": True, "w": False}
-    parts = [battery, processor, units, quad(0.01), worn, top]
+    parts = [BATTERY, processor, units, quad(0.01), worn, top]
     return monitor(parts, values, horizon=horizon), values
 
 
