@@ -26,6 +26,7 @@ from pydantic import (
     ValidationError,
 )
 
+from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds import DeclaredInput, InputType, Options, kinds
 from eddi_scaffold.message_types import FieldsOf, used
 from eddi_scaffold.problems import (
@@ -48,7 +49,6 @@ _ALIASES = {
     "EDDIOOutputs": "EDDIOutputs",
     "SimulatorOutput": "SimulatorOutputs",
 }
-_TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
 _TEXTS = {
     "bool_type": "true or false is expected",
@@ -73,7 +73,7 @@ _TYPES: dict[str, InputType] = {
 
 
 def _topic(text: str) -> str:
-    if _TOPIC.fullmatch(text) is None:
+    if not is_ros_name(text):
         raise ValueError("a ROS name is expected: letters, digits, `_` and `/`, such as /rte/e0a")
     return text
 
@@ -431,7 +431,6 @@ def options_of(file: ConfigFile | None) -> Options:
             type=_TYPES[item.type] if item.type is not None else None,
             unit=item.unit,
             default=item.default,
-            has_expression=item.is_computed,
             place=file.place("EDDIInputs", index),
             messages=tuple(types[name] for name in item.requires),
         )

@@ -61,6 +61,7 @@ INPUT_MEMBERS = frozenset(
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_ROS_NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _PACKAGE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
@@ -91,6 +92,11 @@ def attribute(name: str) -> str:
 def is_package_name(name: str) -> bool:
     """Tell whether ``name`` has the form of REP-144 and is at least two characters long."""
     return len(name) >= 2 and _PACKAGE.fullmatch(name) is not None
+
+
+def is_ros_name(text: str) -> bool:
+    """Tell whether ``text`` is a graph resource name of ROS: of a topic, for instance."""
+    return _ROS_NAME.fullmatch(text) is not None
 
 
 def package_name(model_id: str) -> str:

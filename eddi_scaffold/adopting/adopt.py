@@ -107,8 +107,7 @@ def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path,
 def _fitting(wiring: Wiring, model: Model, kind: Kind) -> Wiring:
     """Leave out inputs that the model does not have, and defaults that would be good evidence."""
     declared = tuple(
-        DeclaredInput(one.id, None, None, one.default, has_expression=False, place=model.place)
-        for one in wiring.inputs
+        DeclaredInput(one.id, None, None, one.default, model.place) for one in wiring.inputs
     )
     configured, _ = kind.configure(model, Options(inputs=declared))
     known = {one.id: one for one in kind.inputs(configured or model)}

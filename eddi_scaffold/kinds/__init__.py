@@ -114,7 +114,6 @@ class DeclaredInput:
     """One entry of ``EDDIInputs``: for kinds whose inputs are not in the model.
 
     Attributes:
-        has_expression: the value comes from an expression, not from a message.
         messages: types of the messages it is made of (``std_msgs/Float32MultiArray``).
     """
 
@@ -122,7 +121,6 @@ class DeclaredInput:
     type: InputType | None
     unit: str | None
     default: JsonValue
-    has_expression: bool
     place: Place
     messages: tuple[str, ...] = ()
 
@@ -263,7 +261,6 @@ class Kind:
         name: module-like name, the same in the runtime (``consert``).
         title: for people (``ConSert``).
         config_types: spellings of ``Model: type:`` in a configuration, compared without case.
-        eddi_classes: class names of EDDI XML that hold models of this kind, without case.
         read_eddi: EDDI document -> models and problems.
         sniff: does this file, by its first bytes and name, hold a model of this kind by itself?
         read_file: such a file -> models and problems.
@@ -299,7 +296,6 @@ class Kind:
     name: str
     title: str
     config_types: tuple[str, ...]
-    eddi_classes: tuple[str, ...]
     read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading]
     sniff: Callable[[Source], bool]
     read_file: Callable[[Source, Sequence[str]], Reading]

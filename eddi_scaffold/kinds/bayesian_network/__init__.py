@@ -46,7 +46,6 @@ KIND = Kind(
     name="bayesian_network",
     title="Bayesian network",
     config_types=("BayesianNetwork", "Bayesian Network", "bayesian_network"),
-    eddi_classes=("BayesianNetwork",),
     read_eddi=_later("functions", "read_eddi"),
     sniff=_sniff,
     read_file=_later("functions", "read_file"),

@@ -86,7 +86,6 @@ KIND = Kind(
     name=NAME,
     title="ConSert",
     config_types=("ConSert", "ConSerts"),
-    eddi_classes=("ConSert",),
     read_eddi=_read_eddi,
     sniff=_sniff,
     read_file=_read_file,

@@ -44,7 +44,6 @@ KIND = Kind(
     name=NAME,
     title="Event",
     config_types=("Event", "Events"),
-    eddi_classes=(),
     read_eddi=_read_eddi,
     sniff=_sniff,
     read_file=read_file,

@@ -50,7 +50,6 @@ KIND = Kind(
     name="reliability",
     title="Reliability",
     config_types=("Reliability", "DynamicReliability"),
-    eddi_classes=("FaultTree", "MarkovChain"),
     read_eddi=_later("read_eddi"),
     sniff=_sniff,
     read_file=_later("read_file"),

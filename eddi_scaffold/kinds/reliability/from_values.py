@@ -10,6 +10,7 @@ from typing import Any
 from eddi_runtime.reliability.result import ReliabilityResult
 from eddi_runtime.reliability.structures import CONFIGURATIONS, motors_of
 
+from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds.reliability import quantities
 from eddi_scaffold.kinds.reliability.from_values_content import read_chain, read_tree
 from eddi_scaffold.kinds.reliability.model import (
@@ -24,7 +25,6 @@ from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.problems import Problem, did_you_mean
 
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
-_TOPIC = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _RESULTS = (
@@ -120,7 +120,7 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         release = entry.number("release", 0.0, 1.0)
         hold = entry.quantity("hold", quantities.duration, needs_unit=True)
         topic = entry.text("topic")
-        if topic is not None and _TOPIC.fullmatch(topic) is None:
+        if topic is not None and not is_ros_name(topic):
             expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
             entry.error("R002", f"topic: {expected}", "topic")
         if name is None or activate is None:
@@ -207,12 +207,11 @@ def _content(
             entry.unknown("model", wanted, kind.replace("_", " "), fitting)
             return {}
         source = system.components[system.top]
+    own = source.content if source else None
     content: FaultTree | Chain | None
     if kind == "markov":
-        own = source.content if source else None
         content = read_chain(name, entry, own if isinstance(own, Chain) else None)
     else:
-        own = source.content if source else None
         content = read_tree(name, entry, own if isinstance(own, FaultTree) else None)
     if content is None:
         return {}

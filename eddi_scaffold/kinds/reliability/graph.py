@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 
 def order(top: str, below: Mapping[str, Sequence[str]]) -> tuple[list[str], tuple[str, ...]]:
@@ -32,12 +32,3 @@ def order(top: str, below: Mapping[str, Sequence[str]]) -> tuple[list[str], tupl
             waiting.append((node, True))
             waiting += [(n, False) for n in reversed(below.get(node, ()))]
     return list(done), ()
-
-
-def order_of_all(
-    names: Iterable[str], below: Mapping[str, Sequence[str]]
-) -> tuple[list[str], tuple[str, ...]]:
-    """Return the same for several starts."""
-    root = ""
-    found, cycle = order(root, {**below, root: tuple(names)})
-    return [name for name in found if name != root], cycle

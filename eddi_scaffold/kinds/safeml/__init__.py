@@ -47,7 +47,6 @@ KIND = Kind(
     name="safeml",
     title="SafeML",
     config_types=("SafeML",),
-    eddi_classes=(),
     read_eddi=_read_eddi,
     sniff=_sniff,
     read_file=_later("read_file"),
