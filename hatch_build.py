@@ -9,12 +9,16 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+sys.path.insert(0, str(Path(__file__).parent))  # nothing of ours is installed while it is built
+
+from eddi_scaffold.regions.git import git, git_dir_of
 
 PATHS = (
     "copier.yml",
@@ -66,12 +70,12 @@ def _examples(folder: Path) -> dict[str, str]:
 
 def make_bundle(root: Path, scratch: Path, version: str) -> Path:
     """Write the bundle: one commit for each release tag, and one for what is built now."""
-    git = _Git(scratch / "templates.git")
-    git("init", "--quiet", "--bare", "--initial-branch=main", ".")
+    bundled = scratch / "templates.git"
+    _git(bundled, "init", "--quiet", "--bare", "--initial-branch=main")
     current = f"v{version}"
     for tag in _releases(root):
         if tag != current:
-            _commit_release(root, scratch / tag, tag, git)
+            _commit_release(root, scratch / tag, tag, bundled)
     work = scratch / "now"
     for path in PATHS:
         source, target = root / path, work / path
@@ -82,71 +86,47 @@ def make_bundle(root: Path, scratch: Path, version: str) -> Path:
             )
         else:
             shutil.copy(source, target)
-    _commit(work, current, git)
+    _commit(work, current, bundled)
     bundle = scratch / BUNDLE
-    git("-c", "pack.threads=1", "bundle", "create", "--quiet", str(bundle), "--all", "HEAD")
+    words = ("-c", "pack.threads=1", "bundle", "create", "--quiet", str(bundle), "--all", "HEAD")
+    _git(bundled, *words)
     return bundle
 
 
-class _Git:
-    """Git on one bare repository, the same for everybody: no user configuration, fixed dates."""
-
-    def __init__(self, repository: Path) -> None:
-        repository.mkdir(parents=True)
-        self.repository = repository
-
-    def __call__(self, *arguments: str, work: Path | None = None) -> str:
-        who = {
-            "NAME": "eddi-scaffold",
-            "EMAIL": "release@eddi-scaffold.invalid",
-            "DATE": "@946684800 +0000",
-        }
-        environment = {
-            **os.environ,
-            "GIT_CONFIG_GLOBAL": os.devnull,
-            "GIT_CONFIG_NOSYSTEM": "1",
-            **{
-                f"GIT_{role}_{key}": value
-                for role in ("AUTHOR", "COMMITTER")
-                for key, value in who.items()
-            },
-        }
-        if work is not None:
-            environment |= {"GIT_DIR": str(self.repository), "GIT_WORK_TREE": str(work)}
-        return _run(["git", *arguments], work or self.repository, environment)
+def _git(bundled: Path, *words: str, work: Path | None = None) -> None:
+    """Run git on the bundled repository, the same for everybody: no configuration, fixed dates."""
+    who = {
+        "NAME": "eddi-scaffold",
+        "EMAIL": "release@eddi-scaffold.invalid",
+        "DATE": "@946684800 +0000",
+    }
+    roles = ("AUTHOR", "COMMITTER")
+    environment = {f"GIT_{role}_{key}": value for role in roles for key, value in who.items()}
+    environment |= {"GIT_CONFIG_GLOBAL": os.devnull, "GIT_CONFIG_NOSYSTEM": "1"}
+    git(*words, repository=bundled, work_tree=work, environment=environment)
 
 
 def _releases(root: Path) -> list[str]:
     if not (root / ".git").exists():
         return []
-    tags = _run(["git", "tag", "--list", "v*", "--sort=version:refname"], root, None).split()
+    words = ("tag", "--list", "v*", "--sort=version:refname")
+    tags = git(*words, repository=git_dir_of(root)).decode().split()
     return [tag for tag in tags if re.fullmatch(r"v\d+\.\d+\.\d+", tag)]
 
 
-def _commit_release(root: Path, work: Path, tag: str, git: _Git) -> None:
+def _commit_release(root: Path, work: Path, tag: str, bundled: Path) -> None:
     work.mkdir()
-    present = _run(["git", "ls-tree", "--name-only", tag, "--", *PATHS], root, None).split()
+    released = git_dir_of(root)
+    words = ("ls-tree", "--name-only", tag, "--", *PATHS)
+    present = git(*words, repository=released).decode().split()
     archive = work.with_suffix(".tar")
-    _run(["git", "archive", "--format=tar", f"--output={archive}", tag, "--", *present], root, None)
+    archive.write_bytes(git("archive", "--format=tar", tag, "--", *present, repository=released))
     shutil.unpack_archive(archive, work)
-    _commit(work, tag, git)
+    _commit(work, tag, bundled)
 
 
-def _commit(work: Path, tag: str, git: _Git) -> None:
-    git("add", "--all", "--force", ".", work=work)
-    git(
-        "commit",
-        "--quiet",
-        "--allow-empty",
-        "--no-gpg-sign",
-        "--message",
-        f"Templates of {tag}",
-        work=work,
-    )
-    git("tag", tag, work=work)
-
-
-def _run(command: list[str], folder: Path, environment: dict[str, str] | None) -> str:
-    return subprocess.run(
-        command, cwd=folder, env=environment, check=True, capture_output=True, text=True
-    ).stdout
+def _commit(work: Path, tag: str, bundled: Path) -> None:
+    _git(bundled, "add", "--all", "--force", ".", work=work)
+    words = ("--quiet", "--allow-empty", "--no-gpg-sign", "--message", f"Templates of {tag}")
+    _git(bundled, "commit", *words, work=work)
+    _git(bundled, "tag", tag)

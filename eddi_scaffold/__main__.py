@@ -1,5 +1,5 @@
 """``python -m eddi_scaffold``."""
 
-from eddi_scaffold.cli import main
+from eddi_scaffold.cli import program
 
-main()
+program()

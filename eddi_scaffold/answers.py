@@ -8,14 +8,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import InputBinding, Monitor
 from eddi_scaffold.config import Config
+from eddi_scaffold.escaping import (
+    markdown_code,
+    markdown_text,
+    one_line,
+    python_comment,
+    python_literal,
+)
 from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
 from eddi_scaffold.regions import markers
 
+ACCESS = ("by_id", "by_key", "by_name", "joined")
+"""Functions of the runtime that generated lines of ``process_<input>`` call."""
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 
 
@@ -24,12 +33,14 @@ def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
     config = monitor.config.config if monitor.config else None
     source = monitor.model.source
     title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
+    identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)
     return {
         "template": template,
-        **identity_answers(monitor.package, f"Runtime monitor of the {title}", config),
+        **identity,
+        "description_markdown": markdown_text(identity["description"]),
         "kind": monitor.kind.name,
-        "model_id_text": comment_text(monitor.model.name),
-        "model_file": comment_text(source.file_name),
+        "model_id_text": python_comment(monitor.model.name),
+        "model_file": markdown_code(source.file_name),
         "model_sha256": source.sha256,
         "inputs": [_input_answers(binding) for binding in monitor.inputs],
         "runtime_names": _runtime_names(monitor.inputs),
@@ -92,7 +103,8 @@ def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
 def _runtime_names(inputs: Sequence[InputBinding]) -> list[str]:
     """Return what EDDIInput.py imports from the runtime."""
     text = " ".join(binding.expression or "" for binding in inputs)
-    return ["EDDIInputBase", *(name for name in ("by_id", "joined") if f"{name}(" in text)]
+    called = (name for name in ACCESS if f"{name}(" in text)
+    return ["EDDIInputBase", *called]
 
 
 def identity_answers(package: str, description: str, config: Config | None) -> dict[str, JsonValue]:
@@ -111,38 +123,26 @@ def identity_answers(package: str, description: str, config: Config | None) -> d
     }
 
 
-def one_line(text: str) -> str:
-    """Fold any text into one line of printable characters."""
-    folded = " ".join(text.split())
-    return "".join(char if char.isprintable() else "?" for char in folded)
-
-
-def comment_text(text: str) -> str:
-    """Return text that can stand in a Python comment or docstring without ending it."""
-    return one_line(text).replace("\\", "/").replace('"', "'").replace("'''", "'")
-
-
 def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
     item = binding.model
-    title = comment_text(item.id)
     region = f"input:{item.id}"
     was = [f"input:{binding.renamed_from}"] if binding.renamed_from else []
     return {
-        "id": ascii(item.id),
-        "title": title,
+        "id": python_literal(item.id),
+        "title": markdown_code(item.id),
         "attribute": binding.attribute,
         "updater": _updater(binding),
-        "type": f"{item.type} in {table_cell(binding.unit)}" if binding.unit else item.type,
-        "default": ascii(binding.default),
+        "type": markdown_text(f"{item.type} in {binding.unit}") if binding.unit else item.type,
+        "default": python_literal(binding.default),
         "arguments": list(binding.arguments),
-        "requires": tuple_literal(source.id for source in binding.requires),
+        "requires": python_literal(tuple(source.id for source in binding.requires)),
         "comments": _comments(binding),
         "region_begin": markers.begin_marker(region, was=was, sig=_signature(binding)),
         "region_end": markers.end_marker(region),
         "body": _body(binding),
-        "sources": ", ".join(f"`{one_line(s.topic or s.id)}`" for s in binding.requires)
+        "sources": ", ".join(f"`{markdown_code(s.topic or s.id)}`" for s in binding.requires)
         or "nothing",
-        "covered": table_cell(item.covered or "-"),
+        "covered": markdown_text(item.covered) if item.covered else "-",
         "age_text": "never" if binding.max_age in {None, "none"} else f"{binding.max_age} s",
     }
 
@@ -158,27 +158,27 @@ def _comments(binding: InputBinding) -> list[str]:
     item = binding.model
     lines = []
     if item.description:
-        lines.append(comment_text(item.description))
-    unit = f" in {comment_text(binding.unit)}" if binding.unit else ""
+        lines.append(python_comment(item.description))
+    unit = f" in {python_comment(binding.unit)}" if binding.unit else ""
     if binding.factor is not None:
-        unit += f" (converted to {comment_text(item.unit or 'a ratio')})"
-    good = f", good when {comment_text(item.covered)}" if item.covered else ""
+        unit += f" (converted to {python_comment(item.unit or 'a ratio')})"
+    good = f", good when {python_comment(item.covered)}" if item.covered else ""
     lines.append(f"{item.type}{unit}{good}")
     if binding.computed_text:
-        lines.append(f"computed: {comment_text(binding.computed_text)}")
+        lines.append(f"computed: {python_comment(binding.computed_text)}")
     return lines
 
 
 def _body(binding: InputBinding) -> list[str]:
     if binding.computed is not None:
-        return [f"self.{binding.attribute} = self.expression({binding.model.id!a})"]
+        return [f"self.{binding.attribute} = self.expression({python_literal(binding.model.id)})"]
     if binding.expression is not None:
         return [f"self.{binding.attribute} = {binding.expression}"]
     shown = "; ".join(
         f"{name} has {', '.join(f'.{field}' for field in of)}"
         for name, of in (binding.known_fields or {}).items()
     )
-    hint = f" ({comment_text(shown)})" if shown else ""
+    hint = f" ({python_comment(shown)})" if shown else ""
     arguments = ", ".join(binding.arguments) or "what you know"
     return [
         f"# TODO: set self.{binding.attribute} from {arguments}{hint}; None means unknown",
@@ -198,14 +198,3 @@ def _signature(binding: InputBinding) -> str:
 
 def _hash(uses: Sequence[str | None]) -> str:
     return hashlib.sha256(json.dumps(uses).encode()).hexdigest()[:8]
-
-
-def tuple_literal(texts: Iterable[str]) -> str:
-    """Return the Python literal of a tuple of texts."""
-    items = [ascii(text) for text in texts]
-    return f"({', '.join(items)}{',' if len(items) == 1 else ''})"
-
-
-def table_cell(text: str) -> str:
-    """Return text for a cell of a Markdown table."""
-    return one_line(text).replace("|", "\\|")

@@ -4,28 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.checking import kinds_of, model_for, no_package_name
-from eddi_scaffold.config import (
-    Config,
-    ConfigFile,
-    Robot,
-    from_json,
-    named_model_path,
-    read_config,
-)
-from eddi_scaffold.generation import PRIVATE_ANSWERS, existing
+from eddi_scaffold.config import Config, ConfigFile, Robot, from_json, read_config
+from eddi_scaffold.joining import join, packages_of
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.message_types import known_messages
 from eddi_scaffold.models import checked_models, select
-from eddi_scaffold.neighbours import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.problems import EddiError, Problem, error, has_errors
+from eddi_scaffold.problems import EddiError, Problem, has_errors
 from eddi_scaffold.source import read_source
+from eddi_scaffold.wiring.check import check_wiring, members_of
+from eddi_scaffold.wiring.support import remembered
+from eddi_scaffold.workspace import existing
 
 _IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
@@ -66,15 +61,10 @@ def monitors_of(
         reading = checked_models(model_file, default_guarantees)
         models = select(reading.models, name) if name is not None else reading.models
         problems += reading.problems
-    monitors: list[Monitor] = []
     configs = _configs(config_files, problems, robot)
-    problems += check_neighbours(configs)
-    for config in configs:
-        model = model_for(config, _candidates(config, models, problems))[0]
-        _join(model, config, default_guarantees, monitors, problems)
-    for model in () if config_files else models:
-        _join(model, None, default_guarantees, monitors, problems)
-    problems += check_ids(monitors)
+    read = partial(checked_models, default_guarantees=default_guarantees)
+    monitors, found = join(models, configs, read, default_guarantees)
+    problems += found
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors, problems
@@ -89,21 +79,28 @@ def assemble(
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
     """
     found = list(problems)
-    found += _name_problems(monitors, platform, root)
-    packages = []
-    for monitor in monitors:
-        if monitor.config is None and platform.needs_config:
-            message = f"the platform {platform.name} needs a configuration"
-            hint = "add `-c eddi_config.yml`, or use `--platform plain`"
-            raise EddiError(error("G001", message, hint=hint))
-        package, more = platform.monitor(_cross_checked(monitor, found))
-        packages.append(package)
-        found += more
+    found = list(dict.fromkeys([*found, *wiring_with(monitors, existing(root))]))
+    packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
+    found += more
     if has_errors(found):
         raise EddiError(*found)
     config = next((m.config.config for m in monitors if m.config is not None), None)
     names = [package.folder for package in packages]
     return Assembly([*packages, *support(platform, root, names, config)], names, found)
+
+
+def wiring_with(
+    monitors: Sequence[Monitor], present: Mapping[str, Mapping[str, Any]]
+) -> list[Problem]:
+    """Check the wiring of monitors beside packages that they do not replace.
+
+    Args:
+        monitors: the new ones.
+        present: package -> answers of those that are there.
+    """
+    new = {monitor.package for monitor in monitors}
+    found = (remembered(name, of) for name, of in present.items() if name not in new)
+    return check_wiring(members_of(monitors), [one for one in found if one is not None])
 
 
 def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
@@ -113,25 +110,6 @@ def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
     result = monitor.kind.cross_check(monitor.model, monitor.model_json)
     problems += result.problems
     return replace(monitor, cross_check=result.text)
-
-
-def _candidates(
-    config: ConfigFile, models: Sequence[Model], problems: list[Problem]
-) -> Sequence[Model]:
-    """Return the models among which a configuration chooses; reads the file that it names."""
-    kind_names = {kind.name for kind in kinds_of(config)}
-    if any(model.kind in kind_names for model in models):
-        return models
-    path = named_model_path(config)
-    if path is None:
-        if not models:
-            hint = "add `-m MODEL`, or name it: `parameters: [{model: FILE}]`"
-            place = config.place("Model")
-            raise EddiError(error("G015", "the configuration does not say of what", place, hint))
-        return models
-    reading = checked_models(path)
-    problems += reading.problems
-    return reading.models
 
 
 def support(
@@ -154,8 +132,11 @@ def support(
 
 
 def stored(folder: str, answers: Mapping[str, Any]) -> PackageAnswers:
-    """Return the answers of a package as they are, for the present version of the templates."""
-    kept = {key: value for key, value in answers.items() if key not in PRIVATE_ANSWERS}
+    """Return the answers of a package as they are, for the present version of the templates.
+
+    Keys that begin with ``_`` are Copier's own: where the templates came from.
+    """
+    kept = {key: value for key, value in answers.items() if not key.startswith("_")}
     return PackageAnswers(folder, {**kept, "generator_version": __version__})
 
 
@@ -189,40 +170,6 @@ def _configs(
     if has_errors(problems):
         raise EddiError(*problems)
     return configs
-
-
-def _join(
-    model: Model,
-    config: ConfigFile | None,
-    marks: Sequence[str],
-    monitors: list[Monitor],
-    problems: list[Problem],
-) -> None:
-    known = known_messages(kinds().values())
-    monitor, found = monitor_of(model, kinds()[model.kind], config, known, marks)
-    problems += found
-    monitors += [monitor] if monitor is not None else []
-
-
-def _name_problems(
-    monitors: Sequence[Monitor], platform: Platform, root: Path
-) -> Iterable[Problem]:
-    taken = platform.taken_names(root)
-    first: dict[str, Monitor] = {}
-    for monitor in monitors:
-        shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
-        place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
-        yield from no_package_name(monitor)
-        if monitor.package in taken:
-            message = f"a package {monitor.package!r} cannot be used: {taken[monitor.package]}"
-            yield error(
-                "G003", message, place, f"choose another Model id, for instance {shown}_monitor"
-            )
-        other = first.setdefault(monitor.package, monitor)
-        if other is not monitor:
-            both = f"{other.model.name!r} and {monitor.model.name!r}"
-            message = f"{both} give the same package {monitor.package!r}"
-            yield error("G004", message, place, "choose another Model id in one configuration")
 
 
 def _kept_identity(answers: Mapping[str, Any]) -> dict[str, Any]:

@@ -5,39 +5,21 @@ Needs the extra ``bags`` (rosbags), and no ROS.
 
 from __future__ import annotations
 
-import ast
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eddi_runtime import EDDIInputBase
-from eddi_runtime.access import by_id, joined
-
-from eddi_scaffold.binding import InputBinding, Monitor
+from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import ConfigFile, SimulatorOutput
+from eddi_scaffold.node import Node, Received
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
 from eddi_scaffold.recording import Frame
+from eddi_scaffold.regions.files import NotRegularError, open_regular
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
-
-_HELPERS: Mapping[str, Callable[..., Any]] = {"by_id": by_id, "joined": joined}
-
-
-@dataclass(frozen=True)
-class Received:
-    """One message of a bag.
-
-    Attributes:
-        t: nanoseconds since the first message of the bag, of any topic.
-        source: id of the simulator output.
-    """
-
-    t: int
-    source: str
-    message: Any
 
 
 @dataclass(frozen=True)
@@ -45,6 +27,7 @@ class Bag:
     """What a monitor's node would have received from a bag.
 
     Attributes:
+        messages: their times are nanoseconds since the first message of the bag, of any topic.
         end: nanoseconds from the first to the last message of the bag, of any topic.
     """
 
@@ -71,6 +54,7 @@ def read_bag(path: Path, config: ConfigFile, wanted: Sequence[SimulatorOutput]) 
         hint = "pip install 'eddi-scaffold[bags]'"
         raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
     place = Place(str(path))
+    _refuse_special(path, place)
     try:
         store = get_typestore(Stores.ROS1_NOETIC)
         with AnyReader([path], default_typestore=store) as reader:
@@ -91,6 +75,16 @@ def read_bag(path: Path, config: ConfigFile, wanted: Sequence[SimulatorOutput]) 
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything
         reason = " ".join(str(failed).split()) or type(failed).__name__
         raise EddiError(error("I011", f"cannot read the bag: {reason}", place)) from None
+
+
+def _refuse_special(path: Path, place: Place) -> None:
+    """Refuse what would let rosbags wait or read for ever; what else is wrong, it says itself."""
+    try:
+        open_regular(path).close()
+    except NotRegularError as special:
+        raise EddiError(error("I011", f"cannot read the bag: {special.strerror}", place)) from None
+    except OSError:
+        pass
 
 
 def _refuse(problems: Iterable[Problem]) -> None:
@@ -147,7 +141,7 @@ def frames_of(monitor: Monitor, running: RuntimeMonitor, bag: Bag) -> Iterator[F
     assert monitor.config is not None
     section = monitor.config.config.Model
     running.reset()
-    node = _Node(monitor.inputs, running)
+    node = Node(monitor.inputs, running)
     for t, messages in _instants(bag, 1e9 / section.frequency, section.mode == "on_change"):
         yield node.step(t, messages)
 
@@ -172,69 +166,3 @@ def _instants(bag: Bag, period: float, on_change: bool) -> Iterator[tuple[int, S
         yield t, bag.messages[fresh:waiting]
         step += 1
         due = t + period if on_change else step * period
-
-
-class _Node:
-    """The part of a node between its subscribers and the monitor."""
-
-    def __init__(self, bindings: Sequence[InputBinding], running: RuntimeMonitor) -> None:
-        self._running = running
-        self._eddi_input = EDDIInputBase()
-        self._eddi_input.bind(running.inputs)
-        self._bindings = bindings
-        self._process = [_process(self._eddi_input, binding) for binding in bindings]
-        self._latest: dict[str, Any] = {}
-        self._times: dict[str, int] = {}
-        for spec in running.inputs:
-            setattr(self._eddi_input, spec.attribute, spec.default)
-
-    def step(self, t: int, messages: Sequence[Received]) -> Frame:
-        """Take messages over, update every input, and evaluate."""
-        new: dict[str, list[Any]] = defaultdict(list)
-        for one in messages:
-            self._latest[one.source] = one.message
-            self._times[one.source] = one.t
-            new[one.source].append(one.message)
-        ages = {name: (t - at) / 1e9 for name, at in self._times.items()}
-        self._eddi_input.begin_step(ages, new, t)
-        for binding, process in zip(self._bindings, self._process, strict=True):
-            update = self._eddi_input.update
-            if binding.model.every_message:
-                update = self._eddi_input.update_each
-            elif binding.computed is not None:
-                update = self._eddi_input.update_expression
-            update(binding.model.id, process, self._latest, [one.id for one in binding.requires])
-        output = self._running.execute_step(self._eddi_input, t)
-        values = {one.model.id: getattr(self._eddi_input, one.attribute) for one in self._bindings}
-        return Frame(t / 1e9, values, output)
-
-
-def _process(target: EDDIInputBase, binding: InputBinding) -> Callable[..., None]:
-    """Return what ``process_<input>`` does in a package without hand-written lines."""
-    tree = ast.parse(binding.expression, mode="eval").body if binding.expression else None
-
-    if binding.computed is not None:
-        name = binding.model.id
-        return lambda *_: setattr(target, binding.attribute, target.expression(name))
-
-    def process(*messages: Any) -> None:
-        names = dict(zip(binding.arguments, messages, strict=True))
-        value = None if tree is None else _value(tree, names)
-        setattr(target, binding.attribute, value)
-
-    return process
-
-
-def _value(tree: ast.expr, names: Mapping[str, Any]) -> Any:
-    """Evaluate the few forms of which our own expressions are made."""
-    if isinstance(tree, ast.Name):
-        return names[tree.id]
-    if isinstance(tree, ast.Constant):
-        return tree.value
-    if isinstance(tree, ast.Attribute):
-        return getattr(_value(tree.value, names), tree.attr)
-    if isinstance(tree, ast.Subscript):
-        return _value(tree.value, names)[_value(tree.slice, names)]
-    if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):
-        return _HELPERS[tree.func.id](*(_value(argument, names) for argument in tree.args))
-    raise TypeError(f"no expression of ours: {ast.dump(tree)}")

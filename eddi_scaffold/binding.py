@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from eddi_scaffold import fields
+from eddi_scaffold import fields, units
 from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput, options_of
-from eddi_scaffold.expressions import InputExpression, bind_expression
+from eddi_scaffold.expression_names import KeyPaths
+from eddi_scaffold.expressions import EXPRESSION_KEYS, InputExpression, bind_expression
+from eddi_scaffold.field_types import documented_at, resolve
 from eddi_scaffold.identifiers import attribute, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.message_types import Fields, FieldsOf, declared, python_type
@@ -20,13 +22,14 @@ from eddi_scaffold.message_types.installed import installed_message
 from eddi_scaffold.model_document import model_document
 from eddi_scaffold.problems import (
     EddiError,
+    NearNames,
     Place,
     Problem,
-    did_you_mean,
     error,
     has_errors,
     warning,
 )
+from eddi_scaffold.topic_types import check_types
 
 _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "bool": bool,
@@ -59,6 +62,7 @@ class InputBinding:
         known_fields: argument -> its fields, for the messages that are known.
         computed: what ``expression:`` computes, for the runtime.
         computed_text: the same for people.
+        key_paths: simulator output -> name in ``expression:`` with keys in brackets -> its path.
     """
 
     model: ModelInput
@@ -74,6 +78,7 @@ class InputBinding:
     known_fields: Mapping[str, Sequence[str]] | None = None
     computed: Mapping[str, JsonValue] | None = None
     computed_text: str = ""
+    key_paths: KeyPaths = field(default_factory=dict)
 
     @property
     def is_given(self) -> bool:
@@ -116,7 +121,7 @@ def monitor_of(
         model: what is monitored.
         kind: the kind of the model.
         config: how it is connected, if it is.
-        known_messages: the fields of the message types that are known.
+        known_messages: the fields of the messages of packages that are wholly known.
         marks: the default guarantees that were marked when the model was read; remembered.
 
     Returns:
@@ -129,6 +134,8 @@ def monitor_of(
     bindings, found = _bind(model, kind, config, _with_declared(known_messages, config))
     problems = [*problems, *found]
     if config is not None:
+        used = {source.id for binding in bindings for source in binding.requires}
+        problems += check_types(config, known_messages, used)
         problems += _check_model_section(model, kind, config)
     problems += _repeated_attributes(bindings)
     if configured is None or has_errors(problems):
@@ -192,13 +199,13 @@ def _bind(
     left = {item.id: item for item in inputs}
     types = {item.id: item.type for item in inputs}
     bindings: list[InputBinding] = []
+    near = NearNames([item.id for item in inputs], "the inputs are")
     for index, entry in enumerate(config.config.EDDIInputs):
         item = left.pop(entry.id, None)
         if item is None:
-            names = [other.id for other in inputs]
-            hint = did_you_mean(entry.id, names) or f"the inputs are: {', '.join(names) or 'none'}"
             place = config.place("EDDIInputs", index, "id")
-            problems.append(error("K013", f"the model has no input {entry.id!r}", place, hint))
+            message = f"the model has no input {entry.id!r}"
+            problems.append(error("K013", message, place, near.hint(entry.id)))
             continue
         binding, found = _Binder(item, entry, index, config, known, types).bind()
         bindings.append(binding)
@@ -283,6 +290,7 @@ class _Binder:
             {name: tuple(of) for name, of in self.fields.items()},
             computed.document if computed is not None else None,
             computed.text if computed is not None else "",
+            computed.key_paths if computed is not None else {},
         )
         return binding, self.problems
 
@@ -302,6 +310,7 @@ class _Binder:
         )
         self.problems += problems
         if found is not None:
+            self._check_unit((found.unit,) if found.unit else (), found.text)
             self.requires = found.requires
             self.arguments = tuple(attribute(source.id) for source in self.requires)
         return found
@@ -388,24 +397,44 @@ class _Binder:
         except ValueError as problem:
             self._error("K019", str(problem), "field")
             return None
-        self._check_path(path, message)
-        return fields.expression(argument, path)
+        return fields.expression(argument, self._checked(path, message))
 
-    def _check_path(self, path: fields.FieldPath, message: str) -> None:
+    def _checked(self, path: fields.FieldPath, message: str) -> fields.FieldPath:
         """Check a path with what is known of the message, also by the ROS of this machine."""
         try:
-            of = fields.type_at(path, message, self._fields_of)
+            found = resolve(path, message, self._fields_of)
         except ValueError as problem:
             text, _, hint = str(problem).partition("; ")
             self._error("K020", text, "field", hint or None)
+            return path
+        self._check_end(found.type, message)
+        said = documented_at(found.path, message, self._fields_of)
+        if said is not None:
+            self._check_unit(said.units, f"{self.entry.field} of {message}")
+        return found.path
+
+    def _check_unit(self, given: Sequence[str], what: str) -> None:
+        """Compare the unit that a value has with the one that the input is said to have."""
+        wanted = self.entry.unit if self.entry.unit is not None else self.item.unit
+        if wanted is None or self.item.units is None or not units.contradict(given, wanted):
             return
-        if of is None and self._fields_of(message) is None:
-            text = (
-                f"the fields of {message} are not known here, so {self.entry.field!r} is unchecked"
-            )
-            hint = "give the models of the robot (--models), or declare it below MessageTypes"
-            self.problems.append(warning("K039", text, self._place("field"), hint))
-        elif of is not None and not _fits(of, self.item.type):
+        factors = [units.factor(unit, wanted) for unit in given]
+        shown = " or ".join(unit for unit in given)
+        message = f"{what} is in {shown}, {self.entry.id!r} in {wanted or 'a ratio'}"
+        key = "unit" if self.entry.unit is not None else self._given_by
+        if not any(factors):
+            self._error("K052", f"{message}: they are not of one dimension", key)
+            return
+        unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
+        times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
+        self._error("K052", message, key, f"write `unit: {unit}`, which is converted: {times}")
+
+    @property
+    def _given_by(self) -> str:
+        return next((k for k in ("field", *EXPRESSION_KEYS) if getattr(self.entry, k)), "id")
+
+    def _check_end(self, of: str | None, message: str) -> None:
+        if of is not None and not _fits(of, self.item.type):
             text = (
                 f"{self.entry.field!r} of {message} is a {of}, {self.item.id!r} a {self.item.type}"
             )

@@ -2,137 +2,147 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
-from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.config import ConfigFile, Robot, named_model, named_model_path, read_config
-from eddi_scaffold.identifiers import is_package_name, package_name
-from eddi_scaffold.kinds import Kind, Model, kinds
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.config import ConfigFile, Robot, named_model_path, read_config
+from eddi_scaffold.joining import join, packages_of, without_model
+from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.message_types import known_messages
-from eddi_scaffold.models import is_config, read_models
-from eddi_scaffold.neighbours import check_ids, check_neighbours
-from eddi_scaffold.problems import EddiError, Problem, error
+from eddi_scaffold.models import checked_models, is_config, no_model, read_models
+from eddi_scaffold.platforms import Platform, chosen
+from eddi_scaffold.problems import EddiError, Problem, has_errors, info
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.topic_types import check_types
+from eddi_scaffold.wiring.check import members_of
+from eddi_scaffold.wiring.deployment import deployment
+from eddi_scaffold.wiring.topics import absent_publishers
+
+BY_HAND = "to be written by hand: "
+"""How the message about an input begins that hand-written code must give (K050)."""
+_OF_CONFIGS = "ros1"
+"""The platform that a configuration is for, unless another one is named."""
 
 
 def check_files(
-    files: Sequence[Path], default_guarantees: Sequence[str] = (), robot: Robot | None = None
+    files: Sequence[Path],
+    default_guarantees: Sequence[str] = (),
+    robot: Robot | None = None,
+    platform: str | None = None,
 ) -> list[Problem]:
-    """Check every file by itself, then each configuration against the models among the files."""
-    problems: list[Problem] = []
+    """Check every file by itself, and all that ``generate`` would make of them together.
+
+    Args:
+        files: models and configurations.
+        default_guarantees: the marks of ``--default-guarantee``.
+        robot: what models of a robot say beside the configurations.
+        platform: where monitors are to run. By default, models with configurations are checked for
+            ROS 1, others by themselves.
+
+    Raises:
+        EddiError: there is no such platform.
+    """
+    target = chosen(platform) if platform is not None else None
+    models, configs, problems = _read_files(files, default_guarantees, robot, target)
+    alone = [] if models else [config for config in configs if not _names_its_model(config)]
+    if not has_errors(problems):  # else what is wrong may be the file with their models
+        problems += [found for config in alone for found in _alone(config, target)]
+    configs = [config for config in configs if config not in alone]
+    if target is None and configs:
+        target = chosen(_OF_CONFIGS)
+    return problems + _together(models, configs, target, default_guarantees)
+
+
+def _read_files(
+    files: Iterable[Path], marks: Sequence[str], robot: Robot | None, target: Platform | None
+) -> tuple[list[Model], list[ConfigFile], list[Problem]]:
+    """Read every file, with all that is wrong with it by itself."""
     models: list[Model] = []
     configs: list[ConfigFile] = []
+    problems: list[Problem] = []
     for path in files:
         try:
             source = read_source(path)
         except EddiError as failure:
             problems += failure.problems
             continue
-        found, read, config = _check_one(source, default_guarantees, robot)
-        problems += found
-        models += read
-        configs += [config] if config is not None else []
-    problems += check_neighbours(configs)
-    monitors: list[Monitor] = []
-    for config in configs:
-        named, found = _named(config, models, default_guarantees)
-        problems += found
-        if named:
-            problems += _check_pair(config, named, monitors)
-    return [*problems, *check_ids(monitors)]
+        if is_config(source):
+            config, found = read_config(source, robot)
+            configs += [config] if config is not None else []
+            problems += found
+        else:
+            reading = _read(source, marks, target)
+            models += reading.models
+            problems += reading.problems
+    return models, configs, problems
 
 
-def kinds_of(config: ConfigFile) -> Sequence[Kind]:
-    """Return the kinds that the ``Model: type:`` of a configuration can mean."""
-    wanted = config.config.Model.type.casefold()
-    return [
-        kind
-        for kind in kinds().values()
-        if wanted in {name.casefold() for name in kind.config_types}
-    ]
+def _read(source: Source, marks: Sequence[str], target: Platform | None) -> Reading:
+    """Read models with everything that can be said of them."""
+    reading = read_models(source, marks)
+    problems = [*reading.problems, *reading.unread, *_static(reading.models)]
+    if is_xml(source) and not reading.models and not has_errors(problems):
+        problems.append(_wanted(no_model(source), target))
+    return Reading(reading.models, tuple(problems))
 
 
-def model_for(config: ConfigFile, models: Sequence[Model]) -> tuple[Model, Kind]:
-    """Find the model that a configuration is about.
-
-    Raises:
-        EddiError: there is none of its type and id (K026).
-    """
-    section = config.config.Model
-    of_type = {kind.name: kind for kind in kinds_of(config)}
-    if not of_type:
-        known = ", ".join(kind.config_types[0] for kind in kinds().values())
-        message = f"there is no monitor kind {section.type!r}"
-        raise EddiError(
-            error("K027", message, config.place("Model", "type"), f"known types: {known}")
-        )
-    fitting = [model for model in models if model.kind in of_type]
-    wanted = package_name(section.id)
-    found = [model for model in fitting if package_name(model.name) == wanted]
-    if not found and (name := named_model(config)) is not None:
-        named = config.beside(name).resolve()
-        found = [model for model in fitting if Path(model.source.name).resolve() == named]
-    if not found and len(fitting) == 1 and len(models) == 1:
-        found = (
-            fitting  # one model, one configuration: the id of the configuration names the package
-        )
-    if not found:
-        names = ", ".join(model.name for model in fitting) or "none"
-        message = f"there is no {section.type} called {section.id!r}"
-        raise EddiError(error("K026", message, config.place("Model", "id"), f"there are: {names}"))
-    return found[0], of_type[found[0].kind]
+def _wanted(missing: Problem, target: Platform | None) -> Problem:
+    """Return an error where a monitor is asked for; files by themselves may be what they are."""
+    return missing if target is not None else replace(missing, level="warning")
 
 
-def _named(
-    config: ConfigFile, models: Sequence[Model], default_guarantees: Sequence[str]
-) -> tuple[Sequence[Model], list[Problem]]:
-    """Return the models that a configuration chooses among: those given, else what it names."""
-    fitting = {kind.name for kind in kinds_of(config)}
-    if any(model.kind in fitting for model in models):
-        return models, []
+def _alone(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
+    """Say what can be said of a configuration without its model."""
+    yield _wanted(without_model(config), target)
+    used = {name for entry in config.config.EDDIInputs for name in entry.requires}
+    yield from check_types(config, known_messages(kinds().values()), used)
+
+
+def _static(models: Iterable[Model]) -> list[Problem]:
+    return [problem for model in models for problem in kinds()[model.kind].check(model)]
+
+
+def _named(path: Path, marks: Sequence[str]) -> Reading:
+    """Read the file that a configuration names, with everything that can be said of it."""
+    reading = checked_models(path, marks)
+    return Reading(reading.models, (*reading.problems, *_static(reading.models)))
+
+
+def _names_its_model(config: ConfigFile) -> bool:
     try:
-        path = named_model_path(config)
-        if path is None:
-            return models, []
-        found, read, _ = _check_one(read_source(path), default_guarantees)
-    except EddiError as failure:
-        return (), list(failure.problems)
-    return read, found
+        return named_model_path(config) is not None
+    except EddiError:
+        return True  # joining says why
 
 
-def _check_one(
-    source: Source, default_guarantees: Sequence[str], robot: Robot | None = None
-) -> tuple[list[Problem], Sequence[Model], ConfigFile | None]:
-    if is_config(source):
-        config, problems = read_config(source, robot)
-        return problems, (), config
-    reading = read_models(source, default_guarantees)
-    problems = list(reading.problems)
-    for model in reading.models:
-        problems += kinds()[model.kind].check(model)
-    return problems, reading.models, None
-
-
-def _check_pair(
-    config: ConfigFile, models: Sequence[Model], monitors: list[Monitor]
+def _together(
+    models: Sequence[Model],
+    configs: Sequence[ConfigFile],
+    platform: Platform | None,
+    marks: Sequence[str],
 ) -> list[Problem]:
-    """Return what is wrong with a configuration and its model; a sound monitor is added."""
-    try:
-        model, kind = model_for(config, models)
-    except EddiError as failure:
-        return list(failure.problems)
-    monitor, problems = monitor_of(model, kind, config, known_messages(kinds().values()))
-    if monitor is None:
-        return problems
-    monitors.append(monitor)
-    return [*problems, *no_package_name(monitor)]
+    """Return what is wrong with models and configurations as monitors of a platform."""
+    if platform is None:
+        return []
+    monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
+    problems += packages_of(monitors, platform, None)[1]
+    problems += absent_publishers(deployment(members_of(monitors)))
+    return [*problems, *_by_hand(monitors)]
 
 
-def no_package_name(monitor: Monitor) -> Iterator[Problem]:
-    """Say that the id of a monitor gives no name of a package (G002)."""
-    if not is_package_name(monitor.package):
-        shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
-        place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
-        hint = "choose another Model id: a letter and one more letter or digit are needed"
-        yield error("G002", f"the id {shown!r} gives no package name", place, hint)
+def _by_hand(monitors: Iterable[Monitor]) -> Iterable[Problem]:
+    """Name the inputs that only hand-written code can make of their messages (K050)."""
+    for monitor in monitors:
+        if monitor.config is None:
+            continue
+        index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
+        for binding in monitor.inputs:
+            if binding.requires and not binding.is_given:
+                message = f"{BY_HAND}{binding.model.id} (input of {monitor.model.name})"
+                place = monitor.config.place("EDDIInputs", index[binding.model.id])
+                hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
+                yield info("K050", message, place, hint)

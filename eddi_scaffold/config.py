@@ -31,6 +31,7 @@ from eddi_scaffold.kinds import DeclaredInput, InputType, Options, kinds
 from eddi_scaffold.message_types import FieldsOf, used
 from eddi_scaffold.problems import (
     EddiError,
+    NearNames,
     Place,
     Problem,
     did_you_mean,
@@ -40,7 +41,7 @@ from eddi_scaffold.problems import (
     warning,
 )
 from eddi_scaffold.readers.xml_text import looks_like_xml
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.source import Source, beside, read_source
 from eddi_scaffold.yaml_inside import inside_scalar
 from eddi_scaffold.yaml_nodes import Items, Map, Node, differs_between_versions, read_map, value_11
 
@@ -70,6 +71,10 @@ _TYPES: dict[str, InputType] = {
     "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
     "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
 }  # fmt: skip
+
+
+_FREQUENCIES = (1e-6, 1e6)
+"""Least and most steps per second: periods that every clock can count."""
 
 
 def _topic(text: str) -> str:
@@ -104,8 +109,12 @@ def _max_age(value: object) -> object:
 def _frequency(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError("a number of steps per second is expected")  # noqa: TRY004 - pydantic collects ValueErrors
-    if not math.isfinite(value) or value <= 0:
-        raise ValueError("the frequency must be above 0")
+    low, high = _FREQUENCIES
+    if not low <= value <= high:  # never true of not-a-number
+        raise ValueError(
+            f"{low:f} to {high:.0f} steps per second are expected; "
+            "10 is usual, and `mode: on_change` steps at once when a message comes"
+        )
     return float(value)
 
 
@@ -116,7 +125,8 @@ def _version(text: str) -> str:
 
 
 def _maintainer(text: str) -> str:
-    if re.fullmatch(r"[^<>\n]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>", text) is None:
+    form = r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>"
+    if re.fullmatch(form, text) is None or not text.isprintable():
         raise ValueError("a name and an address are expected: Ada Lovelace <ada@example.org>")
     return text
 
@@ -291,24 +301,21 @@ class ConfigFile:
             document[_EVENT_FILES] = dict(self.event_files)
         return json.dumps(document, sort_keys=True)
 
-    def beside(self, name: str) -> Path:
-        """Return where a file is that is named relative to this configuration."""
-        return Path(self.name).parent / name
-
     def path(self, name: str) -> str:
         """Return the path of a file that is named relative to this configuration, for places."""
-        return name if self.remembered else str(self.beside(name))
+        return name if self.remembered else str(Path(self.name).parent / name)
 
     def read(self, name: str) -> Source:
         """Open a file that is named relative to this configuration.
 
         Raises:
-            EddiError: it cannot be read (F001), or the configuration is a remembered one (K033).
+            EddiError: it cannot be read (F001), it is not below the folder of the configuration
+                (F009), or the configuration is a remembered one (K033).
         """
         if self.remembered:
             message = f"{name!r} cannot be read: the configuration is remembered, not given"
             raise EddiError(error("K033", message, hint="name the configuration with -c"))
-        return read_source(self.beside(name))
+        return read_source(beside(self.name, name))
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""
@@ -396,16 +403,24 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
             texts[name] = source.data.decode("utf-8-sig")
         except EddiError as failure:
             (problem,) = failure.problems
-            folder = Path(file.path(name)).parent
-            there = [path.name for path in folder.glob("*.events")] if folder.is_dir() else []
-            hint = did_you_mean(Path(name).name, sorted(there))
             place = file.place("EDDIInputs", index, "expression_file")
-            problems.append(error(problem.code, f"{name!r}: {problem.message}", place, hint))
+            hint = problem.hint if problem.code == "F009" else _near(Path(file.path(name)))
+            problems.append(_about(replace(problem, hint=hint), name, place))
         except UnicodeDecodeError as wrong:
             line = source.data.count(b"\n", 0, wrong.start) + 1
             place = Place(source.name, line, 1)
             problems.append(error("E001", "the file is not UTF-8 text", place))
     return texts, problems
+
+
+def _near(path: Path) -> str | None:
+    there = [one.name for one in path.parent.glob("*.events")] if path.parent.is_dir() else []
+    return did_you_mean(path.name, sorted(there))
+
+
+def _about(problem: Problem, name: str, place: Place) -> Problem:
+    """Say of which file a problem is, where its name stands."""
+    return replace(problem, message=f"{name!r}: {problem.message}", place=place)
 
 
 def _with_types(config: Config, robot: Robot | None) -> Config:
@@ -447,6 +462,20 @@ def options_of(file: ConfigFile | None) -> Options:
     )
 
 
+def full_topic(name: str, namespace: str, package: str) -> str:
+    """Return the full name of a topic, as ROS resolves it for a node.
+
+    Args:
+        name: as in the configuration: absolute, relative, or private with ``~``.
+        namespace: of the robot, such as ``/robot1``; empty for none.
+        package: name of the monitor's package and node.
+    """
+    if name.startswith("/"):
+        return name
+    own = f"{package}/" if name.startswith("~") else ""
+    return f"{namespace}/{own}{name.removeprefix('~')}"
+
+
 _MODEL_KEYS = ("model", "config", "file")
 _Keys = tuple[str | int, ...]
 
@@ -464,15 +493,18 @@ def named_model_path(file: ConfigFile) -> Path | None:
     """Return where the file is that ``parameters`` names, ``None`` where it names none.
 
     Raises:
-        EddiError: there is no such file (F001); the place is that of its name.
+        EddiError: there is no such file (F001), or it is not below the folder of the configuration
+            (F009); the place is that of its name.
     """
     found = _named_model(file)
     if found is None:
         return None
     name, where = found
-    path = file.beside(name)
     try:
+        path = beside(file.name, name)
         path.stat()
+    except EddiError as failure:
+        raise EddiError(*(_about(p, name, file.place(*where)) for p in failure.problems)) from None
     except (OSError, ValueError):
         hint = "a name is relative to the folder of the configuration"
         message = f"there is no file {name!r}"
@@ -509,11 +541,11 @@ def _unknown_options(
     if not isinstance(section, Mapping):
         return
     known = {*ModelSection.model_fields, *_options_for(section)}
+    near = NearNames(sorted(known), "known keys")
     for key in section:
         if key not in known:
             place = places.get(("Model", key, _KEY), Place(file))
-            hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
-            yield error("K004", f"unknown key {key!r}", place, hint)
+            yield error("K004", f"unknown key {key!r}", place, near.hint(key))
 
 
 def _renamed(document: Map, problems: list[Problem]) -> Map:
@@ -586,8 +618,9 @@ def _translated(
             own = _TEXTS.get(found["type"]) or found["msg"].removeprefix("Value error, ")
             if len(found["loc"]) > len(path):  # one of several types that would do
                 own = "true, false, a number or a text is expected"
-            text = own.replace("Input should be", "must be")
-            yield error("K005", f"{_named_path(path) or 'the file'}: {text}", place)
+            text, _, hint = own.replace("Input should be", "must be").partition("; ")
+            message = f"{_named_path(path) or 'the file'}: {text}"
+            yield error("K005", message, place, hint or None)
 
 
 def _named_path(path: Sequence[str | int]) -> str:
@@ -629,6 +662,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                 )
             first.setdefault(entry.id, index)
     known = {entry.id for entry in config.SimulatorOutputs}
+    near = NearNames(known)
     for index, item in enumerate(config.EDDIInputs):
         for position, required in enumerate(item.requires):
             if required not in known:
@@ -636,5 +670,5 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                     "K007",
                     f"input {item.id!r} requires {required!r}, which is no simulator output",
                     file.place("EDDIInputs", index, "requires", position),
-                    did_you_mean(required, known),
+                    near.hint(required),
                 )

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error, warning
 from eddi_scaffold.source import Source
 from eddi_scaffold.yaml_nodes import quoted, read_document
 from eddi_scaffold.yaml_scalars import Map
@@ -191,11 +191,13 @@ def _notes(
 
 
 def _unmet(document: Document, ids: Sequence[str]) -> Iterable[Problem]:
+    known = set(ids)
+    near = NearNames(ids)
     for name, line in (document.required or {}).items():
-        if name not in ids:
+        if name not in known:
             message = f"an input requires {name!r}, which is no simulator output"
             place = Place(document.name, line, 1)
-            yield warning("unmet-requires", message, place, did_you_mean(name, ids))
+            yield warning("unmet-requires", message, place, near.hint(name))
 
 
 def _lines(entry: Entry, old: OldEntry | None) -> list[str]:

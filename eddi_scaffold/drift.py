@@ -12,6 +12,7 @@ from eddi_scaffold.project import ANSWERS_FILE, own_template
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.generated import changed_generated
 from eddi_scaffold.upgrading import Group, targets
+from eddi_scaffold.workspace import linked_package
 
 
 @dataclass(frozen=True)
@@ -79,8 +80,10 @@ def drift_of(group: Group, model: Path | None, configs: Sequence[Path]) -> list[
         edited = [str(path) for path in changed_generated(root)]
         regions = list_regions(root)
         states = Counter(str(region.state) for region in regions)
-        findings = [f"{r.file}: {r.id}: {'; '.join(r.notes)}" for r in regions if r.review]
+        findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
+        findings += [f"{r.file}: {r.id}: {'; '.join(r.notes)}" for r in regions if r.review]
         reports.append(
             Drift(folder, [p for p in changed if p not in edited], edited, dict(states), findings)
         )
-    return reports
+    links = (Drift(link.name, [], [], {}, [linked_package(link)]) for link in group.links)
+    return [*reports, *links]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
-from eddi_scaffold.transaction import FileState, tree_of
+from eddi_scaffold.transaction import NEW, NEW_PROGRAM, FileState
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -21,10 +22,14 @@ def names() -> list[str]:
 
 def example_files(name: str) -> dict[str, FileState]:
     """Return the files of one example: relative path -> content."""
+    folder = _folder() / name
+    found = {
+        path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()
+    }
     return {
-        path: state
-        for path, state in tree_of(_folder() / name).items()
-        if not path.startswith("expected/")
+        name: FileState(path.read_bytes(), NEW_PROGRAM if os.access(path, os.X_OK) else NEW)
+        for name, path in sorted(found.items())
+        if not name.startswith("expected/") and "__pycache__/" not in name
     }
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.problems import Problem
+from eddi_scaffold.regions.files import open_regular
 
 MAX_LINE = 1024 * 1024
 """Bytes of a longer line are not shown: nobody would find the place in it."""
@@ -34,7 +35,7 @@ def _lines(file: Path, numbers: set[int]) -> dict[int, str]:
     """Return the lines of a file with these numbers; none when it has gone or is no text."""
     found: dict[int, str] = {}
     try:
-        with file.open("rb") as stream:
+        with open_regular(file) as stream:
             for number, line in enumerate(stream, 1):
                 if number in numbers and len(line) <= MAX_LINE and b"\0" not in line:
                     text = line.decode("utf-8-sig" if number == 1 else "utf-8", "replace")

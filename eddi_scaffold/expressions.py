@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold import fields
 from eddi_scaffold.config import ConfigFile, Input, SimulatorOutput
 from eddi_scaffold.events.diagnostics import Findings, Locate, in_text
 from eddi_scaffold.events.inputs import CompiledExpression, ExpressionText, compile_input
 from eddi_scaffold.events.parser import parse
-from eddi_scaffold.events.scope import BOOL, NUMBER, Type, Variable
+from eddi_scaffold.events.scope import Variable
+from eddi_scaffold.expression_names import KeyPaths, Names
+from eddi_scaffold.field_types import FieldsOf
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import JsonValue, ModelInput
-from eddi_scaffold.message_types import Fields
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
 
-_TYPES: Mapping[str, Type | None] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": None}
-_KEYS = ("expression", "expression_file", "states")
+EXPRESSION_KEYS = ("expression", "expression_file", "states")
 """Keys of an input of which one says how it is computed."""
-FieldsOf = Callable[[str], Fields | None]
 
 
 @dataclass(frozen=True)
@@ -30,11 +28,15 @@ class InputExpression:
         requires: simulator outputs that it reads.
         document: for ``EDDIInputBase`` of the runtime: the compiled forms, and what the names are.
         text: canonical form, for comments; what stands in a file, with its name before.
+        unit: of its value, ``None`` for none.
+        key_paths: simulator output -> name with keys in brackets -> its path.
     """
 
     requires: tuple[SimulatorOutput, ...]
     document: dict[str, JsonValue]
     text: str
+    unit: str | None
+    key_paths: KeyPaths
 
 
 def bind_expression(
@@ -75,6 +77,7 @@ class _Binder:
         before = config.config.EDDIInputs[:index]
         self.inputs = {attribute(one.id): one for one in before}
         self.polarity = self.entry.polarity
+        self.names = Names(self.entry, self.sources, self.inputs, types, fields_of)
 
     def bind(self) -> tuple[InputExpression | None, list[Problem]]:
         if self.item.type not in ("bool", "float", "int", "state"):
@@ -84,6 +87,7 @@ class _Binder:
         if not texts:
             return None, self.problems
         variables = self._variables(texts)
+        self.problems += self.names.problems
         if has_errors(self.problems):
             return None, self.problems
         compiled, problems = compile_input(
@@ -99,16 +103,29 @@ class _Binder:
         self.problems += problems
         if compiled is None:
             return None, self.problems
+        self.names.check_unnamed(compiled.names, texts[0].locate)
+        if self.names.problems:
+            return None, [*self.problems, *self.names.problems]
         requires = self._requires(compiled)
         document = {**compiled.document, "names": self._names(compiled)}
+        checks: dict[str, JsonValue] = {
+            name: self.names.checks[name] for name in compiled.names if name in self.names.checks
+        }
+        if checks:
+            document["checks"] = checks
+        key_paths = self.names.key_paths(compiled.names)
+        if key_paths:
+            document["paths"] = {
+                name: list(path) for paths in key_paths.values() for name, path in paths.items()
+            }
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
-        return InputExpression(requires, document, text), self.problems
+        return InputExpression(requires, document, text, compiled.unit, key_paths), self.problems
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry
-        given = [key for key in _KEYS if getattr(entry, key) is not None]
+        given = [key for key in EXPRESSION_KEYS if getattr(entry, key) is not None]
         if len(given) != 1 or (entry.states is not None and self.item.type != "state"):
             message = (
                 "give `expression:` or `expression_file:`, or for a state `states:` with one "
@@ -177,7 +194,7 @@ class _Binder:
         )
         known = {one.name for one in declared.constants}
         known |= {literal.name for one in declared.enums for literal in one.literals}
-        typed = {one.name for one in declared.variables}
+        typed = {one.name: one.unit for one in declared.variables}
         found: dict[str, Variable] = {}
         for one in texts:
             findings = Findings(one.text, one.locate)
@@ -189,52 +206,17 @@ class _Binder:
             local = {event.name for event in file.events if not event.anonymous}
             local |= {v.name for v in file.constants}
             local |= {literal.name for enum in file.enums for literal in enum.literals}
-            local_typed = typed | {v.name for v in file.variables}
+            local_typed = typed | {v.name: v.unit for v in file.variables}
             nodes = [node for event in file.events for node in file.nodes_of(event)]
             names = {node.text: node.start for node in reversed(nodes) if node.op == "name"}
             for name, at in names.items():
                 if name in local_typed:
-                    self._source(name, one.locate, at)
+                    self.names.declared(name, local_typed[name], one.locate, at)
                 elif name not in {*known, *local, *found}:
-                    variable = self._variable(name, one.locate, at)
+                    variable = self.names.variable(name, one.locate, at)
                     if variable is not None:
                         found[name] = variable
         return found
-
-    def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
-        """Return the message that a name is a part of; ``None`` for an input, or after an error."""
-        head = _head(name)
-        if head not in self.sources and not (head in self.inputs and head == name):
-            names = [*self.sources, *self.inputs]
-            hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
-            message = f"there is no simulator output {head!r}"
-            self.problems.append(error("E008", message, locate(at), hint))
-        return self.sources.get(head)
-
-    def _variable(self, name: str, locate: Locate, at: int) -> Variable | None:
-        head = _head(name)
-        if head in self.inputs and head == name:
-            of = self.types.get(self.inputs[head].id)
-            return Variable(name, _TYPES.get(of or "", None), declared=of is not None)
-        source = self._source(name, locate, at)
-        if source is None:
-            return None
-        timeout = _nanoseconds(self.entry.max_age, source.max_age)
-        try:
-            of = fields.type_at(
-                fields.parse_field(name[len(head) :].removeprefix(".")), source.type, self.fields_of
-            )
-        except ValueError as problem:
-            text, _, hint = str(problem).partition("; ")
-            self.problems.append(error("K020", text, locate(at), hint or None))
-            return None
-        if of in ("time", "duration"):
-            of = "float"
-        if of is not None and of not in _TYPES:
-            message = f"{name} is a {of}; an expression needs a number or a boolean"
-            self.problems.append(error("K020", message, locate(at)))
-            return None
-        return Variable(name, _TYPES.get(of or ""), timeout=timeout, declared=of is not None)
 
     def _requires(self, compiled: CompiledExpression) -> tuple[SimulatorOutput, ...]:
         used = [self.sources[name] for name in compiled.requires if name in self.sources]
@@ -256,17 +238,3 @@ class _Binder:
     def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
         place = self.config.place("EDDIInputs", self.index, key)
         self.problems.append(error(code, f"input {self.entry.id!r}: {message}", place, hint))
-
-
-def _head(name: str) -> str:
-    """Return the first word of a path: the id of a message or of an input."""
-    return name.partition(".")[0].partition("[")[0]
-
-
-def _nanoseconds(*ages: float | str | None) -> int | None:
-    for age in ages:
-        if isinstance(age, float | int):
-            return round(age * 1e9)
-        if age is not None:
-            return None
-    return None

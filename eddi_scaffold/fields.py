@@ -1,20 +1,27 @@
 """Field paths of a configuration: ``data``, ``pose.position.x``, ``guarantees[G0].active``.
 
 A path is parsed here and becomes a Python expression in which only checked names and literals
-occur, so text of a configuration never becomes code.
+occur, so text of a configuration never becomes code. What the messages say of it, such as which
+field is the key of ``[G0]``, is found in ``field_types``.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.identifiers import is_identifier
-from eddi_scaffold.message_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.problems import did_you_mean
+from eddi_scaffold.escaping import python_literal
+from eddi_scaffold.identifiers import is_identifier, key_text
 
-_STEP = re.compile(r"\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)|\[(?P<key>[^\[\]\r\n]+)\]")
+_STEP = re.compile(
+    r"""\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)
+      | \[(?:(?P<field>[A-Za-z][A-Za-z0-9_.]*)=)?
+          (?:"(?P<quoted>[^"\r\n]+)"|(?P<key>[^\[\]"=\r\n]+))\]""",
+    re.VERBOSE,
+)
+_PART = re.compile(r"([0-9]{1,6})\.\.([0-9]{1,6})")
+_INDEX = re.compile(r"[0-9]{1,6}")
 
 
 @dataclass(frozen=True)
@@ -32,38 +39,75 @@ class Index:
 
 
 @dataclass(frozen=True)
-class ById:
-    """Take the element of a list whose field ``id`` equals ``id``."""
+class ByKey:
+    """Take the only element of a list whose key is ``wanted``.
 
-    id: str
+    Attributes:
+        wanted: text, or a number where the field is one.
+        field: which field is the key (``title``, ``header.frame_id``); ``None``: not said.
+    """
+
+    wanted: str | int
+    field: str | None = None
 
 
-FieldPath = tuple["Attribute | Index | ById", ...]
+@dataclass(frozen=True)
+class Beside:
+    """Take the number that stands in a list where its name stands in a list beside.
+
+    Attributes:
+        wanted: the name.
+        values: the field with the numbers.
+        names: the field with the names.
+    """
+
+    wanted: str
+    values: str
+    names: str
 
 
-def parse_field(text: str) -> FieldPath:
+@dataclass(frozen=True)
+class Every:
+    """Take all elements of a list, or those from ``part[0]`` to ``part[1]``, both included."""
+
+    part: tuple[int, int] | None = None
+
+
+Step = Attribute | Index | ByKey | Beside | Every
+FieldPath = tuple[Step, ...]
+PlainStep = str | int | list[str | int]
+"""A step as ``eddi_runtime.access.follow`` takes it."""
+
+
+def parse_field(text: str, *, lists: bool = False) -> FieldPath:
     """Parse a field path.
+
+    Args:
+        text: the path.
+        lists: ``[*]`` and ``[2..5]`` may stand in it.
 
     Raises:
         ValueError: the text is no field path; the message says where and what is expected.
     """
-    steps: list[Attribute | Index | ById] = []
+    steps: list[Step] = []
     position = 0
     while position < len(text):
         match = _STEP.match(text, position)
         dotted = text[position] == "."
         if match is None or (match["name"] is not None and dotted != bool(steps)):
-            expected = "a field name, `.name`, `[index]` or `[id]`"
+            expected = "a field name, `.name`, `[index]` or `[key]`"
             raise ValueError(f"column {position + 1} of {text!r}: {expected} is expected")
-        if match["key"] is not None:
+        name = match["name"]
+        if name is None:
             if not steps:
                 raise ValueError(f"{text!r}: a path begins with a field name")
-            key = match["key"]
-            steps.append(Index(int(key)) if re.fullmatch(r"[0-9]{1,6}", key) else ById(key))
+            steps.append(_element(match))
+            if isinstance(steps[-1], Every) and not lists:
+                hint = "reduce it in `expression:`, for example MIN(scan.ranges[*])"
+                raise ValueError(f"{text!r} is a list, `field:` takes one value; {hint}")
+        elif not is_identifier(name):
+            raise ValueError(f"{text!r}: {name!r} cannot be the name of a field")
         else:
-            name = match["name"]
-            if not is_identifier(name):
-                raise ValueError(f"{text!r}: {name!r} cannot be the name of a field")
             steps.append(Attribute(name))
         position = match.end()
     if not steps:
@@ -71,43 +115,33 @@ def parse_field(text: str) -> FieldPath:
     return tuple(steps)
 
 
-def type_at(path: FieldPath, message: str, fields_of: Callable[[str], Fields | None]) -> str | None:
-    """Return the Python type, or the message type, of the value at the end of a path.
+def _element(match: re.Match[str]) -> Index | ByKey | Every:
+    field, key = match["field"], match["key"]
+    if key is None:
+        return ByKey(match["quoted"], field)
+    part = _PART.fullmatch(key)
+    if field is None and (part or key == "*"):
+        return Every((int(part[1]), int(part[2])) if part else None)
+    if _INDEX.fullmatch(key):
+        return Index(int(key)) if field is None else ByKey(int(key), field)
+    return ByKey(key, field)
 
-    Args:
-        path: into the message.
-        message: type of the message.
-        fields_of: message type -> its fields, ``None`` when they are not known.
 
-    Returns:
-        ``None`` where a type on the way is not known.
+def path_text(path: Sequence[Step]) -> str:
+    """Return a path as a person writes it, keys in quotes where they are no words."""
+    return "".join(_step_text(step) for step in path).removeprefix(".")
 
-    Raises:
-        ValueError: the path leads nowhere; the message says where it ends and lists the fields.
-    """
-    of = message
-    for step in path:
-        inner = element(of)
-        if not isinstance(step, Attribute):
-            if inner is None:
-                raise ValueError(f"{of} is no list")
-            of = inner
-            continue
-        if inner is not None:
-            message = f"{of} is a list; one element of it is [0]"
-            raise ValueError(f"{message}, or [id] where the elements have ids")
-        if is_primitive(of):
-            raise ValueError(f"a {of} has no field {step.name!r}: the path ends before")
-        known = fields_of(of)
-        if known is None:
-            return None
-        if step.name not in known:
-            listed = ", ".join(known) or "none"
-            near = did_you_mean(step.name, known)
-            hint = f"{near} its fields: {listed}" if near else f"its fields: {listed}"
-            raise ValueError(f"{of} has no field {step.name!r}; {hint}")
-        of = known[step.name]
-    return python_type(of)
+
+def _step_text(step: Step) -> str:
+    if isinstance(step, Attribute):
+        return f".{step.name}"
+    if isinstance(step, Index):
+        return f"[{step.position}]"
+    if isinstance(step, Every):
+        return "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
+    if isinstance(step, Beside):
+        return f".{step.values}[{key_text(step.wanted)}]"
+    return f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
 
 
 def expression(variable: str, path: FieldPath) -> str:
@@ -118,6 +152,27 @@ def expression(variable: str, path: FieldPath) -> str:
             text = f"{text}.{step.name}"
         elif isinstance(step, Index):
             text = f"{text}[{step.position}]"
+        elif isinstance(step, Every):
+            raise TypeError("a list is no single value")
+        elif isinstance(step, Beside):
+            text = (
+                f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.wanted)})"
+            )
+        elif step.field in (None, "id"):
+            text = f"by_id({text}, {python_literal(step.wanted)})"
         else:
-            text = f"by_id({text}, {step.id!a})"
+            text = f"by_key({text}, {python_literal(step.field)}, {python_literal(step.wanted)})"
     return text
+
+
+def plain_step(step: Step) -> PlainStep:
+    """Return a step as plain data."""
+    if isinstance(step, Attribute):
+        return step.name
+    if isinstance(step, Index):
+        return step.position
+    if isinstance(step, Every):
+        return ["*", *(step.part or ())]
+    if isinstance(step, Beside):
+        return [step.values, step.names, step.wanted]
+    return [step.field or "id", step.wanted]

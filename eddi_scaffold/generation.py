@@ -6,33 +6,35 @@ the end, in one step, or not at all.
 
 from __future__ import annotations
 
-import ast
 import difflib
+import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold import transaction
+from eddi_scaffold.obstacles import obstacles
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.project import ANSWERS_FILE, Template, read_answers, render
 from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.files import entries
 from eddi_scaffold.regions.generated import (
     changed_generated,
     forget_generated,
     recorded_generated,
     save_generated_edits,
 )
+from eddi_scaffold.regions.git import committed_text
+from eddi_scaffold.regions.python_text import parse_python
 from eddi_scaffold.regions.store import save_orphan
-from eddi_scaffold.regions.sync import Refusal, next_base, sync_package
-from eddi_scaffold.transaction import FileState
+from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
+from eddi_scaffold.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.unpacking import unpacked
-
-PRIVATE_ANSWERS = ("_commit", "_src_path")
-"""What Copier itself writes into an answers file."""
+from eddi_scaffold.workspace import linked_package
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Outcome:
         before: path -> state before, for the changed ones that existed.
         notes: one line each: what happened to hand edits, warnings of Copier.
         attention: a person must look at hand edits.
+        left: one line each: what should have changed, but is a link or no regular file.
     """
 
     root: Path
@@ -52,6 +55,7 @@ class Outcome:
     before: Mapping[str, FileState]
     notes: Sequence[str]
     attention: bool
+    left: Sequence[str] = ()
 
     def diff(self) -> str:
         """Return the change as a unified diff, paths relative to ``root``, without our records."""
@@ -69,14 +73,8 @@ class _Work:
     changes: dict[str, FileState | None] = field(default_factory=dict)
     before: dict[str, FileState] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    left: list[str] = field(default_factory=list)
     attention: bool = False
-
-
-def existing(root: Path) -> dict[str, dict[str, Any]]:
-    """Return folder name -> answers of the generated packages directly below ``root``."""
-    folders = sorted(path for path in root.iterdir() if path.is_dir()) if root.is_dir() else []
-    found = ((folder.name, read_answers(folder)) for folder in folders)
-    return {name: answers for name, answers in found if answers is not None}
 
 
 def bring(
@@ -98,14 +96,16 @@ def bring(
 
     Raises:
         EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
-            or the destination cannot be written (F002); nothing was written.
+            or the destination (F002) or the place of the templates (T002) cannot be written;
+            nothing was written.
     """
-    if not dry_run:
-        transaction.recover(root)
     work = _Work()
+    if not dry_run:
+        work.notes += transaction.recover(root)
+        template.keep()
     with (
         tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
-        unpacked(template.location, template.ref) as source,
+        unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):
         work.notes += source.notes
         for number, package in enumerate(packages):
@@ -114,52 +114,118 @@ def bring(
             notes = render(package.answers, template, source, rendered)
             _bring_one(root, package, rendered, notes, work)
     if not dry_run:
-        _write(root, work.changes)
-    return Outcome(root, work.changes, work.before, work.notes, work.attention)
+        work.notes += _write(root, work.changes)
+    return Outcome(root, work.changes, work.before, work.notes, work.attention, work.left)
 
 
 def _bring_one(
     root: Path, package: PackageAnswers, rendered: Path, notes: list[str], work: _Work
 ) -> None:
     target = root / package.folder
-    before = transaction.tree_of(target)
+    if target.is_symlink():
+        work.left.append(linked_package(target))
+        return
+    tree = transaction.survey(target)
+    found = obstacles(package.folder, tree.others, _names(rendered))
+    stop = found.at_records(ANSWERS_FILE)
+    if stop is None:
+        if tree.files or tree.others:
+            _refuse_foreign(target)
+        before = {path: state for path, state in tree.files.items() if path not in found.skipped}
+        merged = _merged(target, package, before, rendered, found.skipped)
+        stop = found.before(merged.changes)
+    if stop is not None:
+        work.left.append(found.stop(stop))
+        return
+    work.left += found.told()
+    work.changes.update({f"{package.folder}/{p}": state for p, state in merged.changes.items()})
+    work.before.update({f"{package.folder}/{p}": before[p] for p in merged.changes if p in before})
+    work.notes += [note for note in (*notes, *merged.saved) if note not in work.notes]
+    work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in merged.report.notes]
+    work.notes += found.untouched()
+    work.attention = work.attention or bool(merged.saved) or merged.report.needs_attention
+
+
+@dataclass(frozen=True)
+class _Merged:
+    """A package with its new rendering.
+
+    Attributes:
+        changes: path -> new state, ``None`` for a removed file.
+        saved: what happened to edits of files that nobody should edit.
+        report: what happened to those of the others.
+    """
+
+    changes: Mapping[str, FileState | None]
+    saved: Sequence[str]
+    report: SyncReport
+
+
+def _merged(
+    target: Path,
+    package: PackageAnswers,
+    before: Mapping[str, FileState],
+    rendered: Path,
+    skipped: Collection[str],
+) -> _Merged:
+    """Merge a rendering with the files of a package, in the scratch folder.
+
+    Args:
+        target: where the package is, for messages.
+        package: what was rendered.
+        before: its files, empty for a new one.
+        rendered: the rendering.
+        skipped: files of the rendering that wait for what stands in their place.
+    """
     staged = rendered.with_name("staged")
+    saved: Sequence[str] = ()
     if before:
-        if read_answers(target) is None:
-            hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
-            raise EddiError(
-                error("H012", "the folder exists and was not generated", Place(str(target)), hint)
-            )
-        _refuse(broken_files(target), target)
+        _copy(before, staged)
+        _refuse(broken_files(staged), target)
         # outside edits are merged per definition, which text that is not Python does not have
         _check_python({p: s for p, s in before.items() if f".eddi/pristine/{p}" in before}, target)
-        shutil.copytree(target, staged, ignore=shutil.ignore_patterns(".git", "__pycache__"))
         saved = _keep_generated_edits(staged, rendered)
-        notes += saved
-        work.attention = work.attention or bool(saved)
-    _lay(rendered, staged)
+    _lay(rendered, staged, skipped)
     for body in package.saved:
         save_orphan(staged, body)
-    report = sync_package(staged)
+    report = sync_package(staged, partial(committed_text, target))
     _refuse(report.refused, target)
     for name, data in package.files.items():
         (staged / name).parent.mkdir(parents=True, exist_ok=True)
         (staged / name).write_bytes(data)
-    after = transaction.tree_of(staged)
-    _check_python(after, target)
-    changed = {
-        path: after.get(path) for path in {*before, *after} if before.get(path) != after.get(path)
+    after = {
+        path: _with_mode(state, before.get(path))
+        for path, state in transaction.tree_of(staged).items()
     }
-    work.changes.update({f"{package.folder}/{path}": state for path, state in changed.items()})
-    work.before.update(
-        {f"{package.folder}/{path}": before[path] for path in changed if path in before}
-    )
-    work.notes += [note for note in notes if note not in work.notes]
-    work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in report.notes]
-    work.attention = work.attention or report.needs_attention
+    _check_python(after, target)
+    changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
+    return _Merged(changed, saved, report)
 
 
-def _write(root: Path, changes: Mapping[str, FileState | None]) -> None:
+def _refuse_foreign(target: Path) -> None:
+    if read_answers(target) is None:
+        hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
+        raise EddiError(
+            error("H012", "the folder exists and was not generated", Place(str(target)), hint)
+        )
+
+
+def _copy(files: Mapping[str, FileState], folder: Path) -> None:
+    """Lay files into the scratch folder; what they may do is decided when they are written."""
+    for path, state in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_bytes(state.data)
+
+
+def _with_mode(state: FileState, before: FileState | None) -> FileState:
+    """Return a file with the mode that it has, or that a new one gets; a program can be run."""
+    if before is None:
+        return replace(state, mode=NEW_PROGRAM if state.executable else NEW)
+    may_run = (before.mode & 0o444) >> 2 if state.executable else 0
+    return replace(state, mode=before.mode | may_run)
+
+
+def _write(root: Path, changes: Mapping[str, FileState | None]) -> Sequence[str]:
     """Write in the order of ``sync``: killed in between, a plain Copier run still merges right."""
     ordered = sorted(changes, key=lambda path: (_turn(path, changes[path]), path))
     follows = {
@@ -170,7 +236,7 @@ def _write(root: Path, changes: Mapping[str, FileState | None]) -> None:
         for base, file in follows.items()
         if (text := changes.get(file)) is not None and (new := changes[base]) is not None
     }
-    transaction.write(root, {path: changes[path] for path in ordered}, follows, meanwhile)
+    return transaction.write(root, {path: changes[path] for path in ordered}, follows, meanwhile)
 
 
 def _turn(path: str, state: FileState | None) -> int:
@@ -190,30 +256,27 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
         for name, copy in zip(edited, saved, strict=True)
     ]
     for name in recorded_generated(staged):
-        if not (rendered / name).exists():
-            (staged / name).unlink(missing_ok=True)
+        # not of pathlib: false for names that no disk can hold
+        if os.path.isfile(staged / name) and not os.path.exists(rendered / name):  # noqa: PTH110, PTH113
+            (staged / name).unlink()
     forget_generated(staged)
     return notes
 
 
-def _lay(rendered: Path, staged: Path) -> None:
+def _lay(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
     """Put a rendering over a package; an editable file that is there stays for the merge."""
     shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
-    editable = {
-        path.relative_to(rendered / ".eddi" / "pristine")
-        for path in _files(rendered / ".eddi" / "pristine")
-    }
-    for path in _files(rendered):
-        relative = path.relative_to(rendered)
-        target = staged / relative
-        if relative in editable and target.exists():
+    editable = set(_names(rendered / ".eddi" / "pristine"))
+    for name in _names(rendered):
+        target = staged / name
+        if name in skipped or (name in editable and target.exists()):
             continue
         target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(path, target)
+        shutil.copy(rendered / name, target)
 
 
-def _files(folder: Path) -> Iterable[Path]:
-    return sorted(path for path in folder.rglob("*") if path.is_file())
+def _names(folder: Path) -> list[str]:
+    return sorted(name for name, kind in entries(folder) if kind is None)
 
 
 def _refuse(refusals: Sequence[Refusal], target: Path) -> None:
@@ -230,13 +293,11 @@ def _check_python(after: Mapping[str, FileState], target: Path) -> None:
     for path, state in after.items():
         if path.endswith(".py") and not path.startswith(".eddi/"):
             try:
-                ast.parse(state.data)
-            except (SyntaxError, ValueError) as problem:
-                line = getattr(problem, "lineno", None)
-                message = (
-                    f"the hand-written code is not valid Python: {getattr(problem, 'msg', problem)}"
-                )
-                raise EddiError(error("H011", message, Place(str(target / path), line))) from None
+                parse_python(state.data)
+            except SyntaxError as problem:
+                message = f"the hand-written code is not valid Python: {problem.msg}"
+                place = Place(str(target / path), problem.lineno)
+                raise EddiError(error("H011", message, place)) from None
 
 
 def _diff(path: str, before: FileState | None, after: FileState | None) -> str:

@@ -59,6 +59,8 @@ INPUT_MEMBERS = frozenset(
     | {"update_expression"}
 )
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
+STARTUP_MODULES = ("sitecustomize", "usercustomize")
+"""Modules that every Python imports at its start when it finds them."""
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ROS_NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
@@ -71,6 +73,13 @@ def is_identifier(name: str) -> bool:
         _IDENTIFIER.fullmatch(name) is not None
         and name not in RESERVED
         and not name.startswith("__")
+    )
+
+
+def key_text(wanted: str | int) -> str:
+    """Return the key of an element as it stands in brackets: in quotes where it is no word."""
+    return (
+        str(wanted) if isinstance(wanted, int) or _IDENTIFIER.fullmatch(wanted) else f'"{wanted}"'
     )
 
 

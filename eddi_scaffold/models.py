@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from eddi_scaffold.kinds import Kind, Model, Reading, kinds
+from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
-from eddi_scaffold.problems import EddiError, Place, did_you_mean, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, has_errors
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.readers.unread import foreign, unread
 from eddi_scaffold.source import Source, read_source
-from eddi_scaffold.yaml_nodes import Map, read_map
+from eddi_scaffold.yaml_nodes import read_map
 
 _YAML_SUFFIXES = (".yml", ".yaml")
 _HEAD = 4096
 _CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
+_CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
 
 
 def is_config(source: Source) -> bool:
@@ -23,7 +27,9 @@ def is_config(source: Source) -> bool:
     if is_xml(source):
         return False
     node, _ = read_map(source, "K001")
-    return isinstance(node, Map) and not _CONFIG_SECTIONS.isdisjoint(node.keys())
+    if node is None:  # no YAML, or damaged: what it is meant to be still shows
+        return _CONFIG_LINE.search(source.data) is not None
+    return not _CONFIG_SECTIONS.isdisjoint(node.keys())
 
 
 def is_mros(source: Source) -> bool:
@@ -46,15 +52,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     if len(head) < _HEAD and not head.strip():
         return Reading((), (error("F003", "this file is empty", Place(source.name)),))
     if is_xml(source):
-        document, problems = read_document(source)
-        models: list[Model] = []
-        if document is None:
-            return Reading((), tuple(problems))
-        for kind in kinds().values():
-            reading = kind.read_eddi(document, source, default_guarantees)
-            models += reading.models
-            problems = [*problems, *reading.problems]
-        return Reading(tuple(models), tuple(problems))
+        return _read_eddi(source, default_guarantees)
     if is_config(source):
         hint = "name the EDDI XML or ConSert YAML that it belongs to"
         message = "this is an eddi_config.yml, not a model"
@@ -72,6 +70,21 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         return Reading((), (error("F003", message, Place(source.name)),))
     message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
     return Reading((), (error("F003", message, Place(source.name)),))
+
+
+def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
+    document, problems = read_document(source)
+    if document is None:
+        return Reading((), tuple(problems))
+    models: list[Model] = []
+    for kind in kinds().values():
+        reading = kind.read_eddi(document, source, default_guarantees)
+        models += reading.models
+        problems = [*problems, *reading.problems]
+    found = foreign(document) if not models else None
+    if found is not None:
+        return Reading((), (found,))
+    return Reading(tuple(models), tuple(problems), tuple(unread(document)))
 
 
 def _is_utf8(data: bytes) -> bool:
@@ -93,9 +106,14 @@ def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Readin
     if has_errors(reading.problems):
         raise EddiError(*reading.problems)
     if not reading.models:
-        message = "there is no model in this file that a monitor can be made of"
-        raise EddiError(error("F004", message, Place(source.name)), *reading.problems)
+        raise EddiError(no_model(source), *reading.problems, *reading.unread)
     return reading
+
+
+def no_model(source: Source) -> Problem:
+    """Return F004: the file is sound, but of no use for a monitor."""
+    message = "there is no model in this file that a monitor can be made of"
+    return error("F004", message, Place(source.name))
 
 
 def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) -> Sequence[Model]:
@@ -117,3 +135,16 @@ def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) 
         place = Place(models[0].source.name) if models else Place()
         raise EddiError(error("F005", f"there is {wanted} in this file", place, hint))
     return left
+
+
+def unfit(models: Sequence[Model]) -> list[Problem]:
+    """Return why no monitor can be made of some models without a configuration, as warnings."""
+    found = [kinds()[model.kind].configure(model, Options())[1] for model in models]
+    return [
+        replace(
+            problem, level="warning", place=problem.place if problem.place.file else model.place
+        )
+        for model, problems in zip(models, found, strict=True)
+        for problem in problems
+        if problem.level == "error"
+    ]

@@ -9,14 +9,14 @@ from pathlib import Path
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.identifiers import free_name
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.models import checked_models, select
-from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.models import checked_models, select, unfit
+from eddi_scaffold.problems import EddiError, Place, Problem, error
 
 
 def pictures(
     path: Path, name: str | None, default_guarantees: Sequence[str], *, single: bool
-) -> dict[str, str]:
-    """Return file name -> SVG of each model.
+) -> tuple[dict[str, str], list[Problem]]:
+    """Return file name -> SVG of each model, and why no monitor can be made of one as it is.
 
     Args:
         path: the file.
@@ -48,4 +48,4 @@ def pictures(
         hint = "choose one with --name, or name a folder: -o FOLDER"
         message = f"there are several models in the file: {names}"
         raise EddiError(error("G019", message, Place(str(path)), hint))
-    return found
+    return found, unfit(models)

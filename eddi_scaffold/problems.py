@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -126,3 +127,37 @@ def did_you_mean(word: str, known: Iterable[str]) -> str | None:
     """Return the hint ``did you mean X?``, ``None`` when nothing is near."""
     match = nearest(word, known)
     return f"did you mean {match!r}?" if match is not None else None
+
+
+_MOST_NAMES = 5_000
+_MOST_WORDS = 20
+_MOST_LISTED = 20
+
+
+class NearNames:
+    """Hints on near names that stay affordable in a file with thousands of wrong ones.
+
+    Comparing texts is slow: only the first :data:`_MOST_WORDS` different words are compared.
+
+    Args:
+        known: the names that there are.
+        otherwise: what stands before a list of them, where none is near; None: no such list.
+    """
+
+    def __init__(self, known: Collection[str], otherwise: str | None = None) -> None:
+        self._known = known if len(known) <= _MOST_NAMES else ()
+        self._otherwise = f"{otherwise}: {listed(known)}" if otherwise is not None else None
+        self._hints: dict[str, str | None] = {}
+
+    def hint(self, word: str) -> str | None:
+        """Return ``did you mean ...?`` or the known names, ``None`` without either."""
+        if word not in self._hints and len(self._hints) < _MOST_WORDS:
+            self._hints[word] = did_you_mean(word, self._known)
+        return self._hints.get(word) or self._otherwise
+
+
+def listed(names: Collection[str]) -> str:
+    """Return names for a message, not all where they are many."""
+    shown = ", ".join(itertools.islice(names, _MOST_LISTED))
+    more = len(names) - _MOST_LISTED
+    return f"{shown} and {more} more" if more > 0 else shown or "none"

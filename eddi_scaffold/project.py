@@ -33,10 +33,32 @@ class Template:
     Attributes:
         location: path as it is recorded in the answers file (``_src_path``).
         ref: git reference to render.
+        bundle: of an installed wheel, the file that :meth:`keep` puts at the location.
     """
 
     location: str
     ref: str | None
+    bundle: Path | None = None
+
+    def keep(self) -> None:
+        """Put the wheel's bundle where a package says that its templates are.
+
+        Raises:
+            EddiError: it cannot be put there (T002).
+        """
+        if self.bundle is None:
+            return
+        target = Path(self.location).expanduser()
+        version = target.with_name(_BUNDLE_VERSION)
+        try:
+            if not _is_newer(version):  # a newer bundle holds this version as well
+                target.parent.mkdir(parents=True, exist_ok=True)
+                _replace(target, self.bundle.read_bytes())
+                _replace(version, __version__.encode())
+        except OSError as problem:
+            message = f"cannot put the templates at {target}: {problem.strerror}"
+            hint = "set XDG_DATA_HOME to a folder you can write"
+            raise EddiError(error("T002", message, hint=hint)) from None
 
 
 def own_template() -> Template:
@@ -52,28 +74,18 @@ def own_template() -> Template:
         return Template(str(root), "HEAD")
     for bundle in (package / _BUNDLE, root / _BUNDLE):  # installed; an unpacked sdist
         if bundle.is_file():
-            return Template(_installed_bundle(bundle), f"v{__version__}")
+            return Template(_shelved(), f"v{__version__}", bundle)
     if in_sources:
         return Template(str(root), None)
     hint = "install eddi-scaffold again, or run it from a git checkout"
     raise EddiError(error("T001", "the templates of eddi-scaffold are missing", hint=hint))
 
 
-def _installed_bundle(bundle: Path) -> str:
-    """Put the wheel's bundle below the home folder, where its path is the same for every user."""
+def _shelved() -> str:
+    """Return where the wheel's bundle is kept: below the home folder, the same for every user."""
     home = Path("~").expanduser()
-    shelf = Path(os.environ.get("XDG_DATA_HOME") or home / ".local" / "share") / "eddi-scaffold"
-    target = shelf / _BUNDLE
-    try:
-        if not _is_newer(shelf / _BUNDLE_VERSION):  # a newer bundle holds this version as well
-            shelf.mkdir(parents=True, exist_ok=True)
-            _replace(target, bundle.read_bytes())
-            _replace(shelf / _BUNDLE_VERSION, __version__.encode())
-    except OSError as problem:
-        message = f"cannot put the templates at {target}: {problem.strerror}"
-        raise EddiError(
-            error("T002", message, hint="set XDG_DATA_HOME to a folder you can write")
-        ) from None
+    data = Path(os.environ.get("XDG_DATA_HOME") or home / ".local" / "share")
+    target = data / "eddi-scaffold" / _BUNDLE
     return f"~/{target.relative_to(home)}" if target.is_relative_to(home) else str(target)
 
 

@@ -60,6 +60,9 @@ def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
         why = getattr(running, "status_name", None)
         if row["outputs"] is None and why is not None:
             row["status"] = why()
+        beside = getattr(running, "beside_json", None)
+        if beside is not None:
+            row.update(beside())
         yield row
 
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import io
+import os
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.regions.files import MAX_BYTES, NotRegularError, open_regular, read_regular
+from eddi_scaffold.regions.paths import inside
 
-MAX_BYTES = 64 * 1024 * 1024
 KEPT_BYTES = 4 * 1024 * 1024
 """Larger files are not kept in memory beside what is made of them."""
 
@@ -52,17 +54,36 @@ class Source:
         return Path(self.name).name
 
 
+def beside(file: str, name: str) -> Path:
+    """Return where a file is that another one names, relative to itself.
+
+    Raises:
+        EddiError: it is not in the folder of that file, or below (F009).
+    """
+    place = inside(Path(file).parent, str(PurePosixPath(name)))
+    if place is None:
+        message = "it is not below the folder of the file that names it"
+        hint = "copy it there: a file names only what is in its own folder"
+        raise EddiError(error("F009", message, Place(file), hint))
+    return place
+
+
 class LargeSource(Source):
     """A file that is read again each time that its bytes are asked for."""
 
-    def __init__(self, name: str) -> None:
+    _limit: int
+
+    def __init__(self, name: str, limit: int = MAX_BYTES) -> None:
         object.__setattr__(self, "name", name)  # the dataclass is frozen
+        object.__setattr__(self, "_limit", limit)
 
     @property
     def data(self) -> bytes:  # a field there, computed here
         """The bytes of the file as it is now."""
-        with self.open() as stream:
-            return stream.read()
+        try:
+            return read_regular(self.name, self._limit)
+        except OSError as problem:
+            raise EddiError(_unreadable(self.name, problem)) from None
 
     def open(self) -> BinaryIO:
         """Open the file.
@@ -71,32 +92,25 @@ class LargeSource(Source):
             EddiError: it has gone since (F001).
         """
         try:
-            return Path(self.name).open("rb")
+            return open_regular(self.name)
         except OSError as problem:
             raise EddiError(_unreadable(self.name, problem)) from None
 
 
 def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
-    """Read a file.
+    """Read a file, and nothing that would wait or never end.
 
     Raises:
-        EddiError: the file is missing, unreadable, a folder, or larger than ``limit`` bytes (F001).
+        EddiError: the file is missing, unreadable, no regular file (a folder, pipe or device), or
+            larger than ``limit`` bytes (F001).
     """
-    name = str(path)
-    try:
-        size = Path(path).stat().st_size
-        if size > limit:
-            message = f"the file has {size} bytes, more than the limit of {limit}"
-            raise EddiError(error("F001", message, Place(name)))
-        if size > KEPT_BYTES:
-            large = LargeSource(name)
-            large.open().close()  # say now that it cannot be read
-            return large
-        return Source(name, Path(path).read_bytes())
-    except OSError as problem:
-        raise EddiError(_unreadable(name, problem)) from None
+    large = LargeSource(str(path), limit)
+    with large.open() as stream:
+        size = os.fstat(stream.fileno()).st_size
+    return large if KEPT_BYTES < size <= limit else Source(large.name, large.data)
 
 
 def _unreadable(name: str, problem: OSError) -> Problem:
     reason = problem.strerror or str(problem)
-    return error("F001", f"cannot read the file: {reason}", Place(name))
+    hint = "write it to a file first" if isinstance(problem, NotRegularError) else None
+    return error("F001", f"cannot read the file: {reason}", Place(name), hint)

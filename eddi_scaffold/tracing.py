@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.project import ANSWERS_FILE
 from eddi_scaffold.regions import markers
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics")
@@ -109,7 +111,21 @@ class Trace:
 
 
 def trace_of(answers: Mapping[str, Any]) -> Trace:
-    """Return the table of a package from its answers."""
+    """Return the table of a package from its answers.
+
+    Raises:
+        EddiError: the answers are damaged (T005).
+    """
+    try:
+        return _trace_of(answers)
+    except (AttributeError, KeyError, TypeError, ValueError) as damage:
+        message = f"the answers of the package are damaged: {damage!r}"
+        hint = "take the file back from git, or generate the package again"
+        place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
+        raise EddiError(error("T005", message, place, hint)) from None
+
+
+def _trace_of(answers: Mapping[str, Any]) -> Trace:
     document = json.loads(answers["model_json"])
     code = dict(_code(answers))
     inputs = {item["id"]: item for item in document["inputs"]}

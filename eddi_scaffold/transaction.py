@@ -1,8 +1,8 @@
 """Replace many files as one step: all of them are new, or all of them are old.
 
-The new texts are staged in one folder beside the files, then a journal is written, then each file
-is replaced, in the order of the changes. Killed before the journal: nothing happened. Killed after
-it: the next ``recover`` finishes the replacements, but leaves alone what was changed since: a
+The new texts are staged in one folder beside the files, then the journal says what is decided, then
+each file is replaced, in the order of the changes. Killed before that: nothing happened. Killed
+after it: the next ``recover`` finishes the replacements, but leaves alone what was changed since: a
 person may have gone on writing.
 """
 
@@ -10,18 +10,25 @@ from __future__ import annotations
 
 import errno
 import hashlib
-import json
 import os
+import secrets
 import shutil
-import tempfile
-from collections.abc import Mapping
-from dataclasses import astuple, dataclass
-from pathlib import Path
+import stat
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
 
+from eddi_scaffold import journal
+from eddi_scaffold.journal import Step
+from eddi_scaffold.obstacles import shown
 from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.files import entries, kind_of, open_regular, read_regular
 
-_PREFIX = ".eddi-transaction-"
-_JOURNAL = "journal.json"
+PREFIX = ".eddi-transaction-"
+"""How the folders with staged texts begin."""
+_SHOWN = 5
+NEW, NEW_PROGRAM = 0o644, 0o755
+"""Permissions of files that were not there before."""
 
 
 @dataclass(frozen=True)
@@ -29,40 +36,49 @@ class FileState:
     """Content and permission bits of one file."""
 
     data: bytes
-    executable: bool = False
+    mode: int = NEW
 
-
-def tree_of(
-    folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})
-) -> dict[str, FileState]:
-    """Read all files below a folder: relative POSIX path -> state; empty when it does not exist."""
-    found: dict[str, FileState] = {}
-    for root, folders, files in os.walk(folder):
-        folders[:] = sorted(name for name in folders if name not in skip)
-        for name in sorted(files):
-            path = Path(root, name)
-            if path.is_file():
-                mode = path.stat().st_mode
-                relative = path.relative_to(folder).as_posix()
-                found[relative] = FileState(path.read_bytes(), bool(mode & 0o100))
-    return found
+    @property
+    def executable(self) -> bool:
+        """Tell whether its owner may run it."""
+        return bool(self.mode & stat.S_IXUSR)
 
 
 @dataclass(frozen=True)
-class _Step:
-    """One line of the journal.
+class Tree:
+    """What stands below a folder.
 
     Attributes:
-        path: the file, relative to the root.
-        staged: name of its new text, ``None`` to remove it.
-        old: digest of the text that is replaced, ``None`` when there was no file.
-        follows: file without whose change this one makes no sense.
+        files: relative POSIX path -> state of the regular files.
+        others: relative POSIX path -> what it is, of all else: links are not followed, and FIFOs,
+            sockets, devices and what cannot be read are not opened.
     """
 
-    path: str
-    staged: str | None
-    old: str | None
-    follows: str | None
+    files: dict[str, FileState] = field(default_factory=dict)
+    others: dict[str, str] = field(default_factory=dict)
+
+
+def survey(folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})) -> Tree:
+    """Read all regular files below a folder, and tell what else is there."""
+    tree = Tree()
+    for name, kind in sorted(entries(folder, skip)):
+        path = folder / name
+        if kind is not None:
+            tree.others[name] = kind
+            continue
+        try:
+            mode = path.lstat().st_mode & 0o777
+            tree.files[name] = FileState(read_regular(path, follow=False), mode)
+        except FileNotFoundError:
+            continue  # gone meanwhile
+        except OSError as refused:
+            tree.others[name] = f"a file that cannot be read ({refused.strerror})"
+    return tree
+
+
+def tree_of(folder: Path) -> dict[str, FileState]:
+    """Read all regular files below a folder: relative POSIX path -> state."""
+    return survey(folder).files
 
 
 def apply(
@@ -70,7 +86,7 @@ def apply(
     changes: Mapping[str, FileState | None],
     follows: Mapping[str, str] | None = None,
     meanwhile: Mapping[str, FileState] | None = None,
-) -> None:
+) -> Sequence[str]:
     """Write, replace or (``None``) remove the files below ``root`` as one step.
 
     Args:
@@ -80,37 +96,60 @@ def apply(
             run is finished and that file was changed since, both are left alone.
         meanwhile: new files that are there only from the first change to the last one.
 
+    Returns:
+        What a person should know of it, one sentence each.
+
     Raises:
-        OSError: the disk is full or a folder is not writable; then nothing was changed.
+        OSError: the disk is full, a folder is not writable, or a link or what is no regular file
+            is in the way; then nothing was changed.
     """
     if not changes:
-        return
-    _refuse_early(root / _JOURNAL)
+        return ()
+    _refuse_early(root, PREFIX)
     root.mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=_PREFIX, dir=root))
+    staging = root / f"{PREFIX}{secrets.token_hex(4)}"
     try:
-        journal: list[_Step] = []
-        guards = meanwhile or {}
-        ends = [(path, None) for path in guards]
-        for number, (path, state) in enumerate([*guards.items(), *changes.items(), *ends]):
-            _refuse_early(root / path)
-            staged = None if state is None else str(number)
-            if state is not None:
-                _write(staging / str(number), state.data)
-                (staging / str(number)).chmod(0o755 if state.executable else 0o644)
-            guard = guards[path].data if path in guards and state is None else None
-            old = _digest(root / path) if guard is None else hashlib.sha256(guard).hexdigest()
-            journal.append(_Step(path, staged, old, (follows or {}).get(path)))
-        _write(staging / "journal.new", json.dumps([astuple(step) for step in journal]).encode())
-        (staging / "journal.new").replace(staging / _JOURNAL)
+        journal.keep(root, staging.name, None)
+        staging.mkdir(mode=0o700)
+        steps = list(_staged(root, staging, changes, follows or {}, meanwhile or {}))
+        unrecorded = journal.keep(root, staging.name, steps)
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
+        journal.forget(root, staging.name)
         raise
     try:
-        _finish(root, staging)
+        left = _finish(root, staging, steps)
     except KeyboardInterrupt:
-        recover(root)  # all is decided: half of it would be worse than a moment more
+        _finish(root, staging, steps)  # all is decided: half of it would be worse than a moment
         raise
+    if unrecorded is None:
+        return left
+    return [*left, f"killed, this run could not have been finished: no journal at {unrecorded}"]
+
+
+def _staged(
+    root: Path,
+    staging: Path,
+    changes: Mapping[str, FileState | None],
+    follows: Mapping[str, str],
+    guards: Mapping[str, FileState],
+) -> Iterator[Step]:
+    """Stage the new texts, and yield what is to be done."""
+    ends = [(path, None) for path in guards]
+    for number, (path, state) in enumerate([*guards.items(), *changes.items(), *ends]):
+        _refuse_early(root, path)
+        if state is not None:
+            _write(staging / str(number), state.data)
+            (staging / str(number)).chmod(state.mode)
+        yield Step(
+            path,
+            staged=None if state is None else str(number),
+            new=None if state is None else hashlib.sha256(state.data).hexdigest(),
+            old=hashlib.sha256(guards[path].data).hexdigest()
+            if path in guards and state is None
+            else _digest(root / path),
+            follows=follows.get(path),
+        )
 
 
 def write(
@@ -118,36 +157,80 @@ def write(
     changes: Mapping[str, FileState | None],
     follows: Mapping[str, str] | None = None,
     meanwhile: Mapping[str, FileState] | None = None,
-) -> None:
+) -> Sequence[str]:
     """Do the same as ``apply`` for a command.
 
     Raises:
         EddiError: nothing could be written (F002).
     """
     try:
-        apply(root, changes, follows, meanwhile)
+        return apply(root, changes, follows, meanwhile)
     except OSError as problem:
         reason = problem.strerror or str(problem)
-        named = problem.filename is not None and _PREFIX not in str(problem.filename)
+        named = problem.filename is not None and PREFIX not in str(problem.filename)
         place = Place(str(problem.filename if named else root))
         raise EddiError(error("F002", f"cannot write: {reason}", place)) from None
 
 
-def recover(root: Path) -> bool:
-    """Finish what a killed ``apply`` began below ``root``; tell whether there was something."""
-    unfinished = sorted(root.glob(f"{_PREFIX}*")) if root.is_dir() else []
-    for staging in unfinished:
-        if (staging / _JOURNAL).exists():
-            _finish(root, staging)
-        else:
+def recover(root: Path) -> Sequence[str]:
+    """Finish what killed runs of this user began below ``root``.
+
+    Returns:
+        What was found, one sentence each; nothing is taken from a folder that no journal of this
+        user speaks of.
+    """
+    if not root.is_dir():
+        return ()
+    notes: list[str] = []
+    strangers: list[Path] = []
+    kept = journal.records(root)
+    found = {path.name for path in root.glob(f"{PREFIX}*")}
+    for name in sorted({*kept, *found}):
+        staging = root / name
+        if name in found and (name not in kept or not _is_own_folder(staging)):
+            strangers.append(staging)
+            continue
+        steps = kept[name]
+        if name not in found:
+            pass  # killed when all was done
+        elif steps is None:
             shutil.rmtree(staging, ignore_errors=True)
-    return bool(unfinished)
+            notes.append(f"{root}: an interrupted run had changed nothing yet")
+        else:
+            notes.append(f"{root}: what an interrupted run had begun is finished")
+            notes += _finish(root, staging, steps)
+        journal.forget(root, name)
+    return [*notes, *_left_alone(strangers)]
 
 
-def _refuse_early(target: Path) -> None:
+def _left_alone(folders: Sequence[Path]) -> Iterator[str]:
+    for folder in folders[:_SHOWN]:
+        yield (
+            f"{shown(str(folder))} is left alone: it looks like an interrupted run, but none of "
+            "yours left it in this place; remove it if nobody else is at work here"
+        )
+    if len(folders) > _SHOWN:
+        yield f"{len(folders) - _SHOWN} more of this kind are left alone"
+
+
+def _is_own_folder(staging: Path) -> bool:
+    try:
+        status = staging.lstat()
+    except OSError:
+        return False
+    return stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid()
+
+
+def _refuse_early(root: Path, path: str) -> None:
     """Raise now what would stop the replacements half-way."""
+    target = root / path
+    if _behind_link(root, path):
+        raise OSError(errno.ELOOP, "a link is in the way", str(target))
     if target.is_dir() and not target.is_symlink():
         raise IsADirectoryError(errno.EISDIR, "a folder stands in its place", str(target))
+    if target.exists() and not (target.is_file() or target.is_dir()):
+        kind = kind_of(target.resolve())
+        raise OSError(errno.EEXIST, f"{kind} stands in its place", str(target))
     for folder in target.parents:
         if folder.is_dir():
             if not os.access(folder, os.W_OK | os.X_OK):
@@ -157,26 +240,45 @@ def _refuse_early(target: Path) -> None:
             raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
 
 
-def _finish(root: Path, staging: Path) -> None:
-    left: set[str] = set()
-    for entry in json.loads((staging / _JOURNAL).read_bytes()):
-        step = _Step(*entry)
+def _behind_link(root: Path, path: str) -> bool:
+    return any((root / folder).is_symlink() for folder in PurePosixPath(path).parents[:-1])
+
+
+def _finish(root: Path, staging: Path, steps: Sequence[Step]) -> Sequence[str]:
+    """Do what is not done yet; return what was left alone, because it was changed since."""
+    left: dict[str, str] = {}
+    for step in steps:
         target = root / step.path
-        if not (target if step.staged is None else staging / step.staged).exists():
+        staged = None if step.staged is None else staging / step.staged
+        if _behind_link(root, step.path):
+            left[step.path] = f"{target} is left alone: a link is in the way"
+        elif not os.path.lexists(target if staged is None else staged):
             continue  # done by the run that was killed
-        if _digest(target) != step.old or step.follows in left:
-            left.add(step.path)
-        elif step.staged is None:
+        elif _digest(target) != step.old or step.follows in left:
+            left[step.path] = f"{target} is left alone: it was changed since"
+        elif staged is None:
             target.unlink(missing_ok=True)
             _remove_empty_folders(target.parent, root)
+        elif _digest(staged) != step.new:
+            left[step.path] = f"{target} is left alone: its new text was changed since"
         else:
             target.parent.mkdir(parents=True, exist_ok=True)
-            (staging / step.staged).replace(target)
+            staged.replace(target)
     shutil.rmtree(staging, ignore_errors=True)
+    journal.forget(root, staging.name)
+    return list(left.values())
 
 
 def _digest(path: Path) -> str | None:
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+    """Return the digest of a file, what stands there instead, ``None`` where nothing does."""
+    kind = kind_of(path)
+    if kind is not None or not os.path.lexists(path):
+        return kind
+    digest = hashlib.sha256()
+    with open_regular(path, follow=False) as stream:
+        while block := stream.read(1 << 20):
+            digest.update(block)
+    return digest.hexdigest()
 
 
 def _remove_empty_folders(folder: Path, root: Path) -> None:

@@ -8,8 +8,6 @@ here.
 from __future__ import annotations
 
 import io
-import os
-import subprocess
 import tarfile
 import tempfile
 from collections.abc import Iterator
@@ -18,19 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.regions.git import GitError, Repository, git, git_dir_of
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
 """All that rendering reads; the tasks, which need more, do not run from here."""
-_PLACES_OF_GIT = (
-    "GIT_DIR",
-    "GIT_WORK_TREE",
-    "GIT_INDEX_FILE",
-    "GIT_OBJECT_DIRECTORY",
-    "GIT_ALTERNATE_OBJECT_DIRECTORIES",
-    "GIT_COMMON_DIR",
-    "GIT_PREFIX",
-)
-"""Set while a git hook runs, and then about the user's repository, not the templates'."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +38,7 @@ class Unpacked:
 
 
 @contextmanager
-def unpacked(location: str, ref: str | None) -> Iterator[Unpacked]:
+def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
     """Unpack the templates of one version.
 
     Args:
@@ -59,41 +48,47 @@ def unpacked(location: str, ref: str | None) -> Iterator[Unpacked]:
     Raises:
         EddiError: git is missing (T003) or refuses (T004).
     """
-    place = Path(location).expanduser()
+    place = location.expanduser()
     if ref is None:
         yield Unpacked(place)
         return
     with tempfile.TemporaryDirectory(prefix="eddi-templates-") as scratch:
-        repository = place
         if place.is_file():
-            repository = Path(scratch, "bundle.git")
-            _git(Path(scratch), "clone", "--quiet", "--bare", "--", str(place), str(repository))
-        commit = _git(repository, "describe", "--tags", "--always", ref).decode().strip()
+            templates = _cloned(place, Path(scratch, "bundle.git"))
+        else:
+            templates = Repository(place, git_dir_of(place))
+        commit = _git(templates, "describe", "--tags", "--always", ref).decode().strip()
         folder = Path(scratch, "templates")
-        changed = ref == "HEAD" and _git(repository, "status", "--porcelain", "--", *PATHS)
-        archive = _changed(repository, Path(scratch)) if changed else _archive(repository, ref)
+        changed = ref == "HEAD" and _git(templates, "status", "--porcelain", "--", *PATHS)
+        archive = _changed(templates, Path(scratch)) if changed else _archive(templates, ref)
         _extract(archive, folder)
         notes = ("the templates have uncommitted changes, which are included",) if changed else ()
         yield Unpacked(folder, commit, notes)
 
 
-def _archive(repository: Path, tree: str, **environment: str) -> bytes:
+def _cloned(bundle: Path, target: Path) -> Repository:
+    words = ("clone", "--quiet", "--bare", "--", str(bundle.absolute()), str(target))
+    _git(None, *words, GIT_ALLOW_PROTOCOL="file")
+    return Repository(target, target)
+
+
+def _archive(templates: Repository, tree: str, **environment: str) -> bytes:
     words = ("-c", "tar.umask=0022", "archive", tree, "--", *PATHS)
-    return _git(repository, *words, **environment)
+    return _git(templates, *words, **environment)
 
 
-def _changed(repository: Path, scratch: Path) -> bytes:
+def _changed(templates: Repository, scratch: Path) -> bytes:
     """Archive the working tree, by way of an index and objects of our own."""
-    objects = _git(repository, "rev-parse", "--git-path", "objects").decode().strip()
+    objects = _git(templates, "rev-parse", "--git-path", "objects").decode().strip()
     own = {
         "GIT_INDEX_FILE": str(scratch / "index"),
         "GIT_OBJECT_DIRECTORY": str(scratch / "objects"),
-        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(repository / objects),
+        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(templates.work_tree.absolute() / objects),
     }
     (scratch / "objects").mkdir()
-    _git(repository, "add", "--all", "--", *PATHS, **own)
-    tree = _git(repository, "write-tree", **own).decode().strip()
-    return _archive(repository, tree, **own)
+    _git(templates, "add", "--all", "--", *PATHS, **own)
+    tree = _git(templates, "write-tree", **own).decode().strip()
+    return _archive(templates, tree, **own)
 
 
 def _extract(archive: bytes, folder: Path) -> None:
@@ -104,21 +99,14 @@ def _extract(archive: bytes, folder: Path) -> None:
             tar.extractall(folder)  # noqa: S202
 
 
-def _git(folder: Path, *arguments: str, **environment: str) -> bytes:
-    kept = {key: value for key, value in os.environ.items() if key not in _PLACES_OF_GIT}
+def _git(templates: Repository | None, *words: str, **environment: str) -> bytes:
+    git_dir, work_tree = (templates.git_dir, templates.work_tree) if templates else (None, None)
     try:
-        done = subprocess.run(
-            ["git", "-C", str(folder), *arguments],
-            env={**kept, **environment},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            check=True,
-        )
+        return git(*words, repository=git_dir, work_tree=work_tree, environment=environment)
     except FileNotFoundError:
         message = "git is not installed, the templates cannot be read"
         raise EddiError(error("T003", message, hint="apt-get install git")) from None
-    except subprocess.CalledProcessError as refused:
-        reason = refused.stderr.decode("utf-8", "replace").strip()
-        message = f"git cannot read the templates at {folder}: {reason}"
+    except GitError as refused:
+        where = f" at {work_tree}" if work_tree else ""
+        message = f"git cannot read the templates{where}: {refused}"
         raise EddiError(error("T004", message)) from None
-    return done.stdout

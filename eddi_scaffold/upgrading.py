@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.assembly import rejoined, stored, support
+from eddi_scaffold.assembly import rejoined, stored, support, wiring_with
+from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import ConfigFile, from_json, read_config
-from eddi_scaffold.generation import existing
+from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.models import checked_models, read_models
@@ -18,6 +19,7 @@ from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.project import ANSWERS_FILE, read_answers
 from eddi_scaffold.source import read_source
+from eddi_scaffold.workspace import existing, linked, root_below
 
 
 @dataclass(frozen=True)
@@ -27,10 +29,12 @@ class Group:
     Attributes:
         root: the folder.
         present: package folder -> answers.
+        links: links to packages, which are left alone.
     """
 
     root: Path
     present: dict[str, dict[str, Any]]
+    links: tuple[Path, ...] = ()
 
 
 def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
@@ -49,22 +53,25 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
 def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
     if packages:
         named = [path if path.name not in {"", ".."} else path.resolve() for path in packages]
-        found = [Group(path.parent, {path.name: _answers(path)}) for path in named]
-        roots = dict.fromkeys(group.root for group in found)
         return [
-            Group(root, {k: v for g in found if g.root == root for k, v in g.present.items()})
-            for root in roots
+            _group(root, [path for path in named if path.parent == root])
+            for root in dict.fromkeys(path.parent for path in named)
         ]
     place = workspace or Path()
-    candidates = [place / platform.root for platform in platforms().values()]
-    found = [Group(root, existing(root)) for root in dict.fromkeys(candidates)]
-    found = [group for group in found if group.present]
+    candidates = [root_below(place, platform.root) for platform in platforms().values()]
+    found = [Group(root, existing(root), linked(root)) for root in dict.fromkeys(candidates)]
+    found = [group for group in found if group.present or group.links]
     if not found:
         hint = "name a workspace with -w, or the folder of a package"
         raise EddiError(
             error("U001", "there are no generated packages here", Place(str(place)), hint)
         )
     return found
+
+
+def _group(root: Path, packages: Sequence[Path]) -> Group:
+    present = {path.name: _answers(path) for path in packages if not path.is_symlink()}
+    return Group(root, present, tuple(path for path in packages if path.is_symlink()))
 
 
 def targets(
@@ -87,6 +94,7 @@ def targets(
     models, problems = _newer_models(group, model_file, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
+    joined: list[Monitor] = []
     for folder, answers in group.present.items():
         if "model_json" not in answers:
             continue
@@ -95,9 +103,11 @@ def targets(
             packages.append(stored(folder, answers))
             continue
         monitor, found = rejoined(answers, models[folder], configs.get(folder), folder)
+        joined.append(monitor)
         package, more = platform.monitor(monitor)
         packages.append(package)
         problems += [*found, *more]
+    problems += wiring_with(joined, group.present)
     shared = {folder for folder in group.present if folder not in monitors}
     for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
         own = [folder for folder, of in monitors.items() if of is platform]
@@ -133,7 +143,9 @@ def _newer_models(
     found = {(model.kind, model.name): model for model in reading.models}
     problems = list(reading.problems)
     for folder, made in made_of.items():
-        if folder not in folders and group.present[folder]["model_file"] == source.file_name:
+        if folder not in folders and group.present[folder]["model_file"] == markdown_code(
+            source.file_name
+        ):
             message = f"there is no model {made[1]!r} any more: the package {folder} stays as it is"
             hint = f"remove the folder {folder} if the monitor is not wanted any more"
             problems.append(warning("U007", message, Place(source.name), hint))
@@ -152,7 +164,7 @@ def _made_of_unnamed(
     found = {
         folder: (answers["kind"], named[answers["kind"]])
         for folder, answers in group.present.items()
-        if answers.get("kind") in named and answers.get("model_file") == file
+        if answers.get("kind") in named and answers.get("model_file") == markdown_code(file)
     }
     chosen = {folder: made for folder, made in found.items() if folder in set(configs)} or found
     if len(chosen) > 1:
@@ -180,7 +192,7 @@ def _check_answers(package: Path, answers: dict[str, Any]) -> None:
             kinds()[answers["kind"]]
             if answers.get("config_json"):
                 from_json(answers["config_json"], package.name)
-    except (KeyError, TypeError, ValueError) as damage:
+    except (KeyError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
         message = f"the answers of the package are damaged: {reason}"
         hint = "take the file back from git, or generate the package again"

@@ -17,6 +17,7 @@ import yaml
 
 from eddi_scaffold.problems import Place, Problem, error, info
 from eddi_scaffold.yaml_scalars import (
+    MAX_DIGITS,
     Items,
     Map,
     Node,
@@ -112,8 +113,8 @@ def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
 def value_11(node: Node) -> Any:
     """Return the plain value of a node as YAML 1.1 has it, with dates and binary data as text.
 
-    Keys of maps are always text. What no construction exists for (a plain ``=``) is text too.
-    Depth is bounded by :data:`MAX_DEPTH`.
+    Keys of maps are always text, and numbers of more than :data:`MAX_DIGITS` characters too. What
+    no construction exists for (a plain ``=``) is text too. Depth is bounded by :data:`MAX_DEPTH`.
     """
     if isinstance(node, Items):
         return [value_11(item) for item in node.items]
@@ -146,18 +147,19 @@ class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
 
 _RESOLVING = _Resolving()
 _AS_TEXT_11 = ("timestamp", "merge", "value", "str")
+_NUMBERS_11 = ("int", "float")  # in base 2, 8, 16 and 60 also longer than Python can write
 
 
 def _scalar_11(text: str) -> Any:
     resolve: Callable[..., str] = _RESOLVING.resolve
     tag = resolve(yaml.ScalarNode, text, (True, False))
     kind = tag.rpartition(":")[2]
-    if kind in _AS_TEXT_11:
+    if kind in _AS_TEXT_11 or (kind in _NUMBERS_11 and len(text) > MAX_DIGITS):
         return text
     try:
         construct = getattr(_RESOLVING, f"construct_yaml_{kind}")
         return construct(yaml.ScalarNode(tag, text))
-    except (ValueError, yaml.YAMLError):  # such as the plain scalar 0b_ or 4,300 digits
+    except (ValueError, yaml.YAMLError):  # such as the plain scalar 0b_
         return text
 
 

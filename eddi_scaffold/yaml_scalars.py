@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from eddi_scaffold.problems import Place
 
@@ -51,7 +52,11 @@ class Map:
 
     def get(self, key: str) -> Node | None:
         """Return the value of a key, ``None`` when it is absent."""
-        return next((value for name, value in self.entries if name.text == key), None)
+        return self._values.get(key)
+
+    @cached_property
+    def _values(self) -> dict[str, Node]:
+        return {name.text: value for name, value in reversed(self.entries)}
 
     def keys(self) -> list[str]:
         """Return the keys in the order of the file."""

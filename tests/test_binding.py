@@ -37,9 +37,9 @@ provided_services: []
 """
 
 
-def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None, list[Problem]]:
-    """Join SPEED with a configuration that has one input."""
-    text = (
+def config_text(entry: str, sources: str = "", top: str = "") -> str:
+    """Return a configuration of SPEED that has one input."""
+    return (
         f"Model: {{id: speed, type: ConSert{top}}}\n"
         "SimulatorOutputs:\n"
         "  - {id: lidar, type: std_msgs/msg/Float32, topic: /lidar, max_age: 2}\n"
@@ -48,6 +48,11 @@ def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None
         f"EDDIInputs:\n  - {{id: Clearance, {entry}}}\n"
         "EDDIOutputs: [{id: out, topic: /speed}]\n"
     )
+
+
+def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None, list[Problem]]:
+    """Join SPEED with a configuration that has one input."""
+    text = config_text(entry, sources, top)
     config, problems = read_config(Source("c.yml", text.encode()))
     assert config is not None, problems
     (model,) = read_models(Source("speed.yml", SPEED.encode())).models
@@ -157,3 +162,111 @@ def test_the_example_needs_no_hand_written_line() -> None:
         assert found == []
         assert monitor is not None
         assert all(binding.expression for binding in monitor.inputs)
+
+
+OTHER = "they are not of one dimension"
+UNITS = """\
+  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
+  - {id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1}
+  - {id: joints, type: sensor_msgs.JointState, topic: /joints, max_age: 1}
+  - {id: imu, type: sensor_msgs.Imu, topic: /imu, max_age: 1}
+"""
+
+
+def said(entry: str, uom: str = "m") -> list[tuple[str, str, str | None]]:
+    """Return the errors of an input of SPEED in another unit."""
+    text = SPEED.replace("uom: m", f"uom: {uom}")
+    (model,) = read_models(Source("speed.yml", text.encode())).models
+    config, problems = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
+    assert config is not None, problems
+    _, found = monitor_of(model, KIND, config, known_messages(kinds().values()))
+    return [(one.code, one.message, one.hint) for one in found if one.level == "error"]
+
+
+@pytest.mark.parametrize(
+    ("entry", "uom"),
+    [
+        ("requires: [scan], field: 'ranges[0]'", "m"),
+        ("requires: [scan], field: 'ranges[0]'", "meter"),
+        ("requires: [scan], field: 'ranges[0]', unit: m", "km"),
+        ("expression: 'MIN(scan.ranges[*])'", "m"),
+        ("expression: 'MIN(scan.ranges[*]) * 2'", "km"),  # units of products are not tracked
+        ("requires: [battery], field: percentage", '""'),
+        ("requires: [battery], field: percentage, unit: fraction", "percent"),
+        ("requires: [joints], field: 'position[arm]'", "rad"),
+        ("requires: [joints], field: 'position[arm]'", "m"),  # the joint decides
+        ("requires: [scan], field: 'intensities[0]'", "V"),  # nobody says
+        ("requires: [imu], field: angular_velocity.z", "rad/s"),
+    ],
+)
+def test_units_that_agree(entry: str, uom: str) -> None:
+    assert said(entry, uom) == []
+
+
+@pytest.mark.parametrize(
+    ("entry", "uom", "message", "hint"),
+    [
+        (
+            "requires: [battery], field: percentage",
+            "percent",
+            "percentage of sensor_msgs/BatteryState is in fraction, 'Clearance' in percent",
+            "write `unit: fraction`, which is converted: 1 fraction is 100 percent",
+        ),
+        (
+            "requires: [scan], field: 'ranges[0]'",
+            "mm",
+            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in mm",
+            "write `unit: m`, which is converted: 1 m is 1000 mm",
+        ),
+        (
+            "requires: [scan], field: 'ranges[0]', unit: km",
+            "m",
+            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in km",
+            "write `unit: m`, which is converted: 1 m is 0.001 km",
+        ),
+        (
+            "expression: 'MIN(scan.ranges[*])'",
+            "km",
+            "MIN(scan.ranges[*]) is in m, 'Clearance' in km",
+            "write `unit: m`, which is converted: 1 m is 0.001 km",
+        ),
+        (
+            "requires: [imu], field: angular_velocity.z",
+            "deg/s",
+            "angular_velocity.z of sensor_msgs/Imu is in rad/s, 'Clearance' in deg/s",
+            "write `unit: rad/s`, which is converted: 1 rad/s is 57.2958 deg/s",
+        ),
+        (
+            "requires: [battery], field: voltage",
+            "m",
+            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in m: {OTHER}",
+            None,
+        ),
+        (
+            "requires: [battery], field: voltage",
+            '""',
+            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in a ratio: {OTHER}",
+            None,
+        ),
+        (
+            "requires: [joints], field: 'position[arm]'",
+            "V",
+            f"position[arm] of sensor_msgs/JointState is in rad or m, 'Clearance' in V: {OTHER}",
+            None,
+        ),
+    ],
+)
+def test_a_unit_that_contradicts_the_message_is_an_error(
+    entry: str, uom: str, message: str, hint: str | None
+) -> None:
+    assert said(entry, uom) == [("K052", message, hint)]
+
+
+def test_the_unit_to_write_converts_the_value() -> None:
+    text = SPEED.replace("uom: m", "uom: percent")
+    (model,) = read_models(Source("speed.yml", text.encode())).models
+    entry = "requires: [battery], field: percentage, unit: fraction"
+    config, _ = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
+    monitor, problems = monitor_of(model, KIND, config, known_messages(kinds().values()))
+    assert monitor is not None, problems
+    assert monitor.inputs[0].factor == (100, 1)

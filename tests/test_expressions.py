@@ -359,3 +359,222 @@ def test_places_inside_of_scalars(text: str) -> None:
         assert place.col is not None
         there = lines[place.line - 1][place.col - 1 :]
         assert there.startswith(char) or there[:1] in ("", "\\") or char in " \n"
+
+
+KEYED = """  - {id: seen, type: eddi_messages.BayesianNetworkOutput, topic: /seen, max_age: 1}
+  - {id: joints, type: sensor_msgs.JointState, topic: /joints, max_age: 1}
+"""
+
+
+def outcome(name: str, value: float) -> SimpleNamespace:
+    return SimpleNamespace(outcome_name=name, outcome_value=value)
+
+
+def test_elements_are_taken_by_their_keys_and_never_by_their_place() -> None:
+    path = "seen.output_nodes[Collision].outcomes[High].outcome_value"
+    gripper = "ABS(joints.position[gripper]) < 0.05"
+    monitor, problems = joined(config(f"expression: {path} < 0.2", f"expression: {gripper}", KEYED))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    others = [outcome("Low", 0.9), outcome("High", 0.1)]
+    nodes = [
+        SimpleNamespace(title="Speed", outcomes=others[::-1]),
+        SimpleNamespace(title="Collision", outcomes=others),
+    ]
+    name = "BatteryIsFine"
+    for order in (nodes, nodes[::-1]):
+        found = step(eddi_input, name, 0, {}, seen=SimpleNamespace(output_nodes=order))
+        assert found is True
+        eddi_input.begin_step({}, None, -1)
+    assert step(eddi_input, name, 2, {}, seen=SimpleNamespace(output_nodes=nodes[:1])) is None
+    reason = "LookupError: no element has the title 'Collision'; there: Speed"
+    assert eddi_input.states[name].reason == reason
+    joints = SimpleNamespace(name=["arm", "gripper"], position=[1.0, 0.01])
+    assert step(eddi_input, "MotorIsCool", 3, {}, joints=joints) is True
+    joints.position = []
+    assert step(eddi_input, "MotorIsCool", 4, {}, joints=joints) is None
+    reason = "LookupError: 0 values have 2 names"
+    assert eddi_input.states["MotorIsCool"].reason == reason
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("expression: seen.output_nodes[0].outcomes[outcome_value=1].x > 1", "is a float32"),
+        ("expression: battery.cell_voltage[left] > 3", "has no list of names"),
+        ("requires: [battery]\n    field: cell_voltage[left]", "has no list of names"),
+    ],
+)
+def test_a_key_that_no_field_is_is_an_error(text: str, message: str) -> None:
+    _, problems = joined(config(text, more=KEYED))
+    (problem,) = [one for one in problems if one.code == "K020"]
+    assert message in problem.message
+    assert "battery" in text or "outcome" in problem.message
+
+
+def test_keys_of_names_that_a_var_declares() -> None:
+    more = "  - {id: mine, type: my_msgs.Mine, topic: /mine, max_age: 1}\n"
+    declared = 'declarations: ["VAR mine.items[front].good : BOOL"]\n'
+    monitor, problems = joined(config('expression: "mine.items[front].good"', more=more + declared))
+    assert monitor is not None, problems
+    items = [SimpleNamespace(id="rear", good=False), SimpleNamespace(id="front", good=True)]
+    mine = SimpleNamespace(items=items)
+    assert step(bound(monitor), "BatteryIsFine", 0, {}, mine=mine) is True
+
+
+SCAN = "  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}\n"
+
+
+def scan_of(*ranges: float, **more: Any) -> SimpleNamespace:
+    count = max(1, len(ranges) - 1)
+    said = {"angle_min": -1.0, "angle_max": 1.0, "angle_increment": 2 / count}
+    said |= {"range_min": 0.1, "range_max": 30.0, **more}
+    return SimpleNamespace(ranges=list(ranges), **said)
+
+
+INF, NAN = float("inf"), float("nan")
+
+
+@pytest.mark.parametrize(
+    ("expression", "ranges", "wanted"),
+    [
+        ("MIN(scan.ranges[*]) > 0.8 m", (1.0, 2.0, INF), True),
+        ("MIN(scan.ranges[*]) > 80 cm", (1.0, 0.5, INF), False),
+        ("MIN(scan.ranges[*]) > 0.8", (INF, INF), True),  # nothing within reach
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, -INF), False),  # nearer than the sensor measures
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, NAN), None),
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, 31.0), None),  # beyond range_max: discarded
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, 0.05), None),
+        ("MIN(scan.ranges[*]) > 0.8", (), None),  # an empty scan is no free way
+        ("MIN(scan.ranges[*], COVERAGE 0.5) > 0.8", (5.0, NAN, 3.0), True),
+        ("MIN(scan.ranges[*], COVERAGE 0.7) > 0.8", (5.0, NAN, 3.0), None),
+        ("AVERAGE(scan.ranges[*]) > 0.8", (5.0, INF), None),
+        ("COUNT(KNOWN(scan.ranges[*])) >= 3", (5.0, INF, -INF, NAN), True),
+        ("MIN(scan.ranges[*], SECTOR -10 deg .. 10 deg) > 1", (0.5, 0.5, 5.0, 0.5, 0.5), True),
+        ("MIN(scan.ranges[*], SECTOR -30 deg .. 60 deg) > 1", (0.5, 0.5, 5.0, 0.5, 0.5), False),
+        ("MIN(scan.ranges[*], SECTOR -90 deg .. 30 deg) > 1", (5.0, 5.0, 5.0), None),
+        ("ANY(scan.ranges[*] < 1)", (NAN, 0.5), True),
+        ("ALL(scan.ranges[*] > 1)", (NAN, 0.5), False),
+        ("ALL(scan.ranges[*] > 1)", (NAN, 5.0), None),
+        ("MIN(scan.ranges[0..1]) > 1", (5.0, 5.0, 0.5), True),
+        ("MIN(scan.ranges[1..3]) > 1", (5.0, 5.0, 5.0), None),  # beyond the end
+        ("ONCE(MIN(scan.ranges[*]) < 1, 2s)", (0.5,), True),
+    ],
+)
+def test_scans(expression: str, ranges: tuple[float, ...], wanted: bool | None) -> None:
+    monitor, problems = joined(config(f'expression: "{expression}"', more=SCAN))
+    assert monitor is not None, problems
+    assert step(bound(monitor), "BatteryIsFine", 0, {}, scan=scan_of(*ranges)) is wanted
+
+
+def test_the_status_says_why_a_list_gives_nothing() -> None:
+    text = config('expression: "MIN(scan.ranges[*], LENGTH 3) > 1"', more=SCAN)
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    for t, scan, reason in (
+        (0, scan_of(5.0, NAN, NAN), "2 of 3 elements are not known"),
+        (1, scan_of(5.0), "1 elements instead of 3"),
+        (2, scan_of(5.0, 5.0, 5.0, range_max=NAN), "the limits are not known"),
+        (3, SimpleNamespace(), "AttributeError: 'types.SimpleNamespace' object has no"),
+    ):
+        assert step(eddi_input, "BatteryIsFine", t, {}, scan=scan) is None
+        assert eddi_input.states["BatteryIsFine"].reason.startswith(reason)
+    assert step(eddi_input, "BatteryIsFine", 4, {}, scan=scan_of(5.0, 5.0, 5.0)) is True
+
+
+class Counted(list[float]):
+    """A list that counts how often it is looked through."""
+
+    looks = 0
+
+    def __iter__(self) -> Any:
+        self.looks += 1
+        return super().__iter__()
+
+
+def test_a_message_is_reduced_once_however_many_steps_hold_it() -> None:
+    text = config('expression: "MIN(MIN(scan.ranges[*]), 2s) > 1"', more=SCAN)
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    scan = scan_of()
+    scan.ranges = Counted([5.0, 6.0])
+    for k in range(25):
+        found = step(eddi_input, "BatteryIsFine", k * SECOND // 10, {}, scan=scan)
+    assert found is True
+    assert scan.ranges.looks == 1
+
+
+@pytest.mark.parametrize(
+    ("source", "expression", "fields", "wanted"),
+    [
+        ("Range", "x.range > 1", {"range": INF}, True),
+        ("Range", "x.range > 1", {"range": -INF}, False),
+        ("Range", "x.range > 1", {"range": 9.0}, None),
+        ("Imu", "x.angular_velocity.z < 1", {"covariance": 0.1}, True),
+        ("Imu", "x.angular_velocity.z < 1", {"covariance": -1.0}, None),
+        ("NavSatFix", "x.latitude > 1", {"status": 0}, True),
+        ("NavSatFix", "x.latitude > 1", {"status": -1}, None),
+        ("RelativeHumidity", "x.relative_humidity < 1", {"relative_humidity": -0.5}, None),
+    ],
+)
+def test_what_the_documentation_calls_no_measurement(
+    source: str, expression: str, fields: dict[str, Any], wanted: bool | None
+) -> None:
+    more = f"  - {{id: x, type: sensor_msgs.{source}, topic: /x, max_age: 1}}\n"
+    monitor, problems = joined(config(f'expression: "{expression}"', more=more))
+    assert monitor is not None, problems
+    message = SimpleNamespace(
+        min_range=0.1,
+        max_range=4.0,
+        latitude=50.0,
+        status=SimpleNamespace(status=fields.pop("status", 0)),
+        angular_velocity=SimpleNamespace(z=0.5),
+        angular_velocity_covariance=[fields.pop("covariance", 0.0)] * 9,
+        **fields,
+    )
+    assert step(bound(monitor), "BatteryIsFine", 0, {}, x=message) is wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "message"),
+    [
+        (
+            "MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1",
+            "K020",
+            "no field 'angle_min'",
+        ),
+        ("MIN(scan.ranges[*]) > 1 s", "E009", "m (length) and s (time) do not go together"),
+        ("MIN(scan.header[*]) > 1", "K020", "is no list"),
+        ("scan.ranges > 1", "K020", "is a float[]"),
+        ("battery.location == 3", "E007", "a text and a number cannot be compared"),
+    ],
+)
+def test_lists_that_cannot_be(text: str, code: str, message: str) -> None:
+    _, problems = joined(config(f'expression: "{text}"', more=SCAN))
+    (problem,) = [one for one in problems if one.level == "error"]
+    assert problem.code == code
+    assert message in problem.message
+
+
+def test_a_var_that_contradicts_the_message_is_an_error() -> None:
+    for said, codes in (("UNIT pct", ["E009"]), ("UNIT fraction", []), ("", [])):
+        declared = f'declarations: ["VAR battery.percentage : NUMBER {said} TIMEOUT 1s"]\n'
+        _, problems = joined(config("expression: battery.percentage > 0.2", more=declared))
+        assert [one.code for one in problems if one.level == "error"] == codes
+
+
+def test_numbers_in_texts() -> None:
+    more = "  - {id: diag, type: diagnostic_msgs.DiagnosticArray, topic: /d, max_age: 1}\n"
+    path = 'diag.status["/Power: b"].values[Voltage].value'
+    monitor, problems = joined(config(f"expression: 'NUMBER({path}) > 22'", more=more))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    for t, (text, wanted) in enumerate(
+        [("24.5", True), (" 2e1 ", False), ("24 V", None), ("nan", None), ("", None), ("1_0", None)]
+    ):
+        values = [SimpleNamespace(key="Voltage", value=text)]
+        status = [SimpleNamespace(name="/Power: b", values=values)]
+        diag = SimpleNamespace(status=status)
+        assert step(eddi_input, "BatteryIsFine", t, {}, diag=diag) is wanted

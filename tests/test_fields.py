@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.fields import Attribute, ById, Index, expression, parse_field
+from eddi_scaffold.fields import Attribute, ByKey, Index, expression, parse_field, path_text
 
 
 @pytest.mark.parametrize(
@@ -22,6 +22,9 @@ from eddi_scaffold.fields import Attribute, ById, Index, expression, parse_field
         ("a[ä]", "by_id(m.a, '\\xe4')"),
         ("a[-1]", "by_id(m.a, '-1')"),
         ("a[1234567]", "by_id(m.a, '1234567')"),
+        ('a["b.c]"].d', "by_id(m.a, 'b.c]').d"),
+        ("a[title=b]", "by_key(m.a, 'title', 'b')"),
+        ("a[id=3].x", "by_id(m.a, 3).x"),
     ],
 )
 def test_expressions(text: str, code: str) -> None:
@@ -29,7 +32,11 @@ def test_expressions(text: str, code: str) -> None:
 
 
 def test_steps() -> None:
-    assert parse_field("a[0][b].c") == (Attribute("a"), Index(0), ById("b"), Attribute("c"))
+    assert parse_field("a[0][b].c") == (Attribute("a"), Index(0), ByKey("b"), Attribute("c"))
+    assert parse_field('a[k="x y"]') == (Attribute("a"), ByKey("x y", "k"))
+    assert parse_field("a[id=3]") == (Attribute("a"), ByKey(3, "id"))
+    assert parse_field("a[header.frame_id=map]")[1] == ByKey("map", "header.frame_id")
+    assert parse_field('a["12"]')[1] == ByKey("12")
 
 
 @pytest.mark.parametrize(
@@ -70,6 +77,7 @@ def test_no_text_becomes_more_than_lookups(text: str) -> None:
         assert isinstance(node, allowed)
         if isinstance(node, ast.Call):
             assert isinstance(node.func, ast.Name)
-            assert node.func.id == "by_id"
+            assert node.func.id in {"by_id", "by_key"}
         if isinstance(node, ast.Name):
-            assert node.id in {"m", "by_id"}
+            assert node.id in {"m", "by_id", "by_key"}
+    assert parse_field(path_text(parse_field(text))) == parse_field(text)

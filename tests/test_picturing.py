@@ -16,8 +16,9 @@ MODEL = HERE / "examples" / "two-conserts" / "two_conserts.xml"
 
 
 def test_one_picture_for_each_model() -> None:
-    assert list(pictures(MODEL, None, (), single=False)) == ["ConSertA.svg", "ConSertB.svg"]
-    assert list(pictures(MODEL, "ConSertB", (), single=True)) == ["ConSertB.svg"]
+    found, problems = pictures(MODEL, None, (), single=False)
+    assert (list(found), problems) == (["ConSertA.svg", "ConSertB.svg"], [])
+    assert list(pictures(MODEL, "ConSertB", (), single=True)[0]) == ["ConSertB.svg"]
 
 
 def test_a_kind_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,9 @@ def shelf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def placed(tmp_path: Path, data: bytes) -> Path:
     bundle = tmp_path / "from-wheel.bundle"
     bundle.write_bytes(data)
-    return Path(project._installed_bundle(bundle))
+    template = project.Template(project._shelved(), None, bundle)
+    template.keep()
+    return Path(template.location)
 
 
 def test_the_bundle_of_the_wheel_is_put_on_the_shelf(tmp_path: Path, shelf: Path) -> None:

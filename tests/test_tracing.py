@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import shutil
 from pathlib import Path
 
 from tests.cli.command import EXAMPLE, run
@@ -33,7 +34,7 @@ def test_every_element_is_in_the_table_with_its_place() -> None:
         model["source"]["sha256"],
         model["sha256"],
     )
-    assert conserta["outputs"] == ["/conserta/guarantees"]
+    assert conserta["outputs"] == ["conserta/guarantees"]
 
 
 def test_the_csv_has_one_line_for_each_element() -> None:
@@ -52,3 +53,13 @@ def test_the_text_names_model_file_and_digests() -> None:
 def test_a_folder_without_packages_is_said(tmp_path: Path) -> None:
     refused = run("trace", cwd=tmp_path)
     assert (refused.status, "[U001]" in refused.err) == (2, True)
+
+
+def test_damaged_answers_are_no_traceback(tmp_path: Path) -> None:
+    package = tmp_path / "conserta"
+    shutil.copytree(GENERATED / "src" / "eddi_monitor" / "conserta", package)
+    answers = package / ".copier-answers.yml"
+    answers.write_text(answers.read_text("utf-8").replace("topic_text:", "topic_txt:"), "utf-8")
+    result = run("trace", package, cwd=tmp_path)
+    assert result.status == 2, result.err
+    assert "the answers of the package are damaged: KeyError('topic_text') [T005]" in result.err

@@ -25,6 +25,19 @@ def plain(text):
     return node.items[0]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("0x" + "f" * 20_000, "0b" + "1" * 20_000, "0" + "7" * 20_000, "9" * 20_000),
+        *("1" + ":59" * 20_000, "1" + ":59" * 20_000 + ".5", "1." + "9" * 20_000),
+    ],
+    ids=["hex", "binary", "octal", "decimal", "sexagesimal", "sexagesimal float", "float"],
+)
+def test_a_number_of_thousands_of_digits_is_a_text(text):
+    assert y.value_11(plain(text)) == text
+    assert y.value_12(plain(text)) == text
+
+
 def test_every_key_and_value_has_its_place():
     node, problems = read("a: 1\nb:\n  - x\n  - {c: 'd'}\n")
     assert problems == []

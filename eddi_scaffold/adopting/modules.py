@@ -14,9 +14,10 @@ from pathlib import Path
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.document import split_lines
 from eddi_scaffold.regions.markers import indent_of
+from eddi_scaffold.regions.python_text import parse_shallow
 from eddi_scaffold.source import read_source
 
-_MARKER = re.compile(r"-{3,}\s*Manual edit (begin|end)\s*-{3,}", re.IGNORECASE)
+_MARKER = re.compile(r"(?<!-)-{3,}\s*Manual edit (begin|end)\s*-{3,}", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -56,21 +57,27 @@ class Module:
 
     Attributes:
         path: of the file.
-        text: of the file; line ends are line feeds.
+        lines: of the file, which end with a line feed.
         methods: of its classes, by name.
         other: statements that are neither an import, a class nor a docstring.
         imports: import statements.
     """
 
     path: Path
-    text: str
+    lines: tuple[str, ...]
     methods: dict[str, Method]
     other: tuple[ast.stmt, ...]
     imports: tuple[ast.stmt, ...]
 
     def segment(self, node: ast.AST) -> str:
         """Return the source of a statement."""
-        return ast.get_source_segment(self.text, node, padded=True) or ""
+        if not isinstance(node, ast.stmt):
+            return ""
+        lines = [line.encode() for line in self.lines[node.lineno - 1 : node.end_lineno]]
+        lines[-1] = lines[-1][: node.end_col_offset]
+        before = lines[0][: node.col_offset].decode()
+        lines[0] = re.sub(r"\S", " ", before).encode() + lines[0][node.col_offset :]
+        return b"".join(lines).decode()
 
 
 def read_module(path: Path) -> Module:
@@ -81,9 +88,9 @@ def read_module(path: Path) -> Module:
     """
     data = read_source(path).data
     try:
-        text = data.decode("utf-8-sig").replace("\r\n", "\n")
-        tree = ast.parse(text)
-    except (SyntaxError, ValueError) as failed:
+        text = data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")  # as Python
+        tree = parse_shallow(text)
+    except (SyntaxError, UnicodeDecodeError) as failed:
         line = getattr(failed, "lineno", None)
         message = f"this is no Python: {getattr(failed, 'msg', failed)}"
         place = Place(str(path), line, getattr(failed, "offset", None))
@@ -101,7 +108,7 @@ def read_module(path: Path) -> Module:
             imports.append(node)
         elif not _is_text(node):
             other.append(node)
-    return Module(path, text, methods, tuple(other), tuple(imports))
+    return Module(path, tuple(lines), methods, tuple(other), tuple(imports))
 
 
 def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
@@ -148,7 +155,7 @@ def whole_body(method: Method, module: Module) -> Body | None:
     real = [one for one in statements if not isinstance(one, ast.Pass)]
     if not real or (len(real) == 1 and _assigns_none(real[0])):
         return None
-    lines = split_lines(module.text)
+    lines = module.lines
     first = method.tree.body[0].lineno
     start = next(
         (

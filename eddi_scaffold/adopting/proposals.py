@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from eddi_scaffold.adopting.modules import Body
+from eddi_scaffold.regions.python_text import parse_shallow
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ def use_of(node: str, body: Body, outcomes: dict[str, str]) -> Use:
         outcomes: variable (``outcome_Yes``) -> state.
     """
     try:
-        tree = ast.parse("if True:\n" + _shifted(body.text))
+        tree = parse_shallow("if True:\n" + _shifted(body.text))
     except SyntaxError:
         return Use(observed=False, output=False, proposal=None)
     names = {
@@ -150,9 +151,10 @@ def _upper(
 def _number(node: ast.expr) -> float | None:
     try:
         value = ast.literal_eval(node)
-    except ValueError:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        return float(value) if is_number else None
+    except (ValueError, TypeError, OverflowError):
         return None
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 def _state(body: list[ast.stmt], outcomes: dict[str, str]) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +16,9 @@ from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.project import Template
 from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.source import read_source
 from eddi_scaffold.transaction import FileState, write
+from eddi_scaffold.workspace import root_below
 
 
 @dataclass(frozen=True)
@@ -35,9 +38,9 @@ def bring_in(
     Raises:
         EddiError: the new package is there already (A005), or cannot be generated.
     """
-    root = place / platform.root
+    root = root_below(place, platform.root)
     package = package_name(adoption.model.name)
-    if (root / package).exists():
+    if os.path.lexists(root / package):
         hint = "move it away: adopting is for packages that are not ours yet"
         raise EddiError(
             error("A005", "the package is there already", Place(str(root / package)), hint)
@@ -45,7 +48,7 @@ def bring_in(
     model_name = adoption.model_file.name
     config_name = f"{package}_config.yml"
     text = adoption.config(model_name)
-    files = {config_name: text.encode(), model_name: adoption.model_file.read_bytes()}
+    files = {config_name: text.encode(), model_name: read_source(adoption.model_file).data}
     with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
         for name, data in files.items():
             Path(scratch, name).write_bytes(data)

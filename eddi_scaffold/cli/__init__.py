@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 from collections.abc import Sequence
 from itertools import pairwise
@@ -19,6 +21,21 @@ EXIT_INTERRUPTED = 130
 _EVERYWHERE = frozenset(
     {"-q", "--quiet", "-v", "--verbose", "--color", "--no-color", "--traceback"}
 )
+
+
+def program() -> None:
+    """Be the process: ``main``, and Ctrl-C while Python itself ends is an interruption as well."""
+    try:
+        try:
+            main()
+        finally:
+            signal.signal(signal.SIGINT, _interrupted)
+    except KeyboardInterrupt:
+        _interrupted()
+
+
+def _interrupted(*_: object) -> None:
+    os._exit(EXIT_INTERRUPTED)  # all is written: nothing but the end of Python is left out
 
 
 def main() -> None:

@@ -72,6 +72,7 @@ def answers(
     }
     write(output if every else output.parent, files)
     template = own_template()
+    template.keep()
     version = f" --vcs-ref {template.ref}" if template.ref else ""
     command = f"copier copy --trust --defaults{version}"
     for package, file in zip(packages, files, strict=True):

@@ -17,16 +17,24 @@ def check(
     ],
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
+    platform: Annotated[
+        str | None,
+        typer.Option(
+            help="ros1 or plain: can monitors be generated for it? By default, of what has a "
+            "configuration, for ros1."
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Validate files: all problems at once, with places.
 
     Configurations given together with a model are checked against it, a .rossystem and the message
-    types of a configuration against the node models of --models.
+    types of a configuration against the node models of --models. What `generate` would refuse
+    because of the files is a problem here.
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """
-    from eddi_scaffold.checking import check_files
+    from eddi_scaffold.checking import BY_HAND, check_files
     from eddi_scaffold.console import console, count_line
     from eddi_scaffold.models import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
@@ -35,12 +43,17 @@ def check(
     robots = [file for file in files if named_like_mros(file.name)]
     others = [file for file in files if file not in robots]
     found, robot = check_robots(robots, others, models)
-    problems = in_order([*found, *check_files(others, default_guarantee or (), robot)])
+    found += check_files(others, default_guarantee or (), robot, platform)
+    problems = in_order(found)
     if as_json:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems, summary=False)
         shown = [problem for problem in problems if console.shows(problem)]
+        by_hand = [one.message for one in problems if one.message.startswith(BY_HAND)]
+        if by_hand and not console.verbose:
+            inputs = ", ".join(message.removeprefix(BY_HAND) for message in by_hand)
+            console.say(f"{BY_HAND}{inputs}")
         names = ", ".join(str(file) for file in files)
         more = f" (-v shows {count_line(problems)})" if problems and not shown else ""
         console.say(f"{count_line(shown) or 'no problems'} in {names}{more}")

@@ -32,7 +32,8 @@ def diagram(
     from eddi_scaffold.picturing import pictures
     from eddi_scaffold.transaction import FileState, write
 
-    found = pictures(model, name, default_guarantee or (), single=_is_file(output))
+    found, problems = pictures(model, name, default_guarantee or (), single=_is_file(output))
+    console.problems(problems)
     if output is None:
         console.data("\n".join(svg.rstrip("\n") for svg in found.values()))
         return

@@ -54,6 +54,9 @@ def generate(
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.project import own_template
     from eddi_scaffold.robots import beside_configs
+    from eddi_scaffold.wiring.check import members_of
+    from eddi_scaffold.wiring.topics import shared_by_robots
+    from eddi_scaffold.workspace import root_below
 
     if model is None and not config:
         raise EddiError(error("G015", "say of what: -m MODEL, or a -c that names its model"))
@@ -70,7 +73,7 @@ def generate(
     if target.root and place.resolve().name == "src" and not (place / "src").exists():
         hint = f"name the folder above: -w {place.parent}"
         raise EddiError(error("G007", "this is the `src` of a workspace", Place(str(place)), hint))
-    root = place / target.root
+    root = root_below(place, target.root)
     robot, problems = beside_configs(system, models)
     monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
     problems = [*problems, *found]
@@ -79,6 +82,9 @@ def generate(
     outcome = bring(
         root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
     )
+    shared = shared_by_robots(members_of(monitors))
+    if shared is not None:
+        console.say(f"note: {shared}")
     steps = [f"write this input: {where}" for where in unwritten(root, monitors)]
     steps += _next_steps(target.name, place, assembly.monitors)
     finish(outcome, dry_run=dry_run, next_steps=steps)

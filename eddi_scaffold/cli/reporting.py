@@ -28,8 +28,11 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
         _list_changes(outcome)
     for note in outcome.notes:
         console.say(f"note: {note}")
+    for line in outcome.left:
+        console.say(f"left alone: {line}")
     if outcome.attention:
         console.say("hand edits need a look: `eddi-scaffold regions --check` lists them")
+    if outcome.attention or outcome.left:
         raise typer.Exit(3)
     if not dry_run and next_steps:
         console.say("next:")

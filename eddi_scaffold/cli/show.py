@@ -28,7 +28,7 @@ def show(
     Example: eddi-scaffold show example.xml
     """
     from eddi_scaffold.console import console
-    from eddi_scaffold.models import read_models, select
+    from eddi_scaffold.models import read_models, select, unfit
     from eddi_scaffold.problems import EddiError, has_errors
     from eddi_scaffold.showing import mros_of, only, survey_of
     from eddi_scaffold.source import read_source
@@ -48,7 +48,7 @@ def show(
         console.json(survey)
     else:
         _print(survey, reading.models, chosen)
-        console.problems(reading.problems)
+        console.problems([*reading.problems, *reading.unread, *unfit(chosen)])
     if has_errors(reading.problems):  # what is left of the file was shown
         raise typer.Exit(1)
 

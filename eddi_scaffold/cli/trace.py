@@ -33,17 +33,34 @@ def trace(
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.tracing import COLUMNS, trace_of
     from eddi_scaffold.upgrading import groups
+    from eddi_scaffold.wiring.acceptances import acceptances
+    from eddi_scaffold.wiring.bounds import bounds
+    from eddi_scaffold.wiring.support import remembered
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
+    chosen = groups(workspace, packages or [])
     found = [
         trace_of(answers)
-        for group in groups(workspace, packages or [])
+        for group in chosen
         for answers in group.present.values()
         if "model_json" in answers
     ]
+    wired = [
+        wire
+        for group in chosen
+        for folder, answers in group.present.items()
+        if (wire := remembered(folder, answers)) is not None
+    ]
+    accepted, limits = acceptances(wired), bounds(wired)
     if as_json:
-        console.json({"packages": [one.as_json() for one in found]})
+        console.json(
+            {
+                "packages": [one.as_json() for one in found],
+                "accepted": [one.as_json() for one in accepted],
+                "bounds": [one.as_json() for one in limits],
+            }
+        )
     elif as_csv:
         table = io.StringIO()
         writer = csv.writer(table, lineterminator="\n")
@@ -53,3 +70,6 @@ def trace(
         console.data(table.getvalue().rstrip("\n"))
     else:
         console.data("\n\n".join(one.as_text() for one in found))
+        for title, rows in (("accepted", accepted), ("silence", limits)):
+            if rows:
+                console.data("\n".join(["", f"{title}:", *(f"  {row.as_text()}" for row in rows)]))

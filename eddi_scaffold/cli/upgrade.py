@@ -25,11 +25,14 @@ def upgrade(
 
     Example: eddi-scaffold upgrade -w catkin_ws -m example_v2.xml --dry-run
     """
+    from dataclasses import replace
+
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.console import console
     from eddi_scaffold.generation import Outcome, bring
     from eddi_scaffold.project import own_template
     from eddi_scaffold.upgrading import groups, targets
+    from eddi_scaffold.workspace import linked_package
 
     outcomes: list[Outcome] = []
     template = own_template()
@@ -38,10 +41,10 @@ def upgrade(
     ]
     for group, wanted, problems in planned:
         console.problems(problems)
-        outcomes.append(
-            bring(group.root, wanted, template, dry_run=dry_run, progress=console.progress)
-        )
-    attention = [outcome for outcome in outcomes if outcome.attention]
+        done = bring(group.root, wanted, template, dry_run=dry_run, progress=console.progress)
+        links = [linked_package(link) for link in group.links]
+        outcomes.append(replace(done, left=[*links, *done.left]))
+    attention = [outcome for outcome in outcomes if outcome.attention or outcome.left]
     for outcome in sorted(
         outcomes, key=lambda o: o in attention
     ):  # the one that exits with 3 comes last

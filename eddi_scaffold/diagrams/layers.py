@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 Edge = tuple[int, int]
+_BENDS = 10
+"""Bends for each node and edge; an edge across more layers is drawn as a straight line."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,8 @@ def layered(count: int, edges: Sequence[Edge]) -> Layers:
 
     Args:
         count: number of nodes, which are called 0, 1, ...
-        edges: from, to; loops at one node are drawn as no chain at all.
+        edges: from, to; a loop at one node, and an edge across very many layers, has an empty
+            chain.
     """
     turned = _turned(count, edges)
     forward = [(b, a) if back else (a, b) for (a, b), back in zip(edges, turned, strict=True)]
@@ -50,8 +53,9 @@ def layered(count: int, edges: Sequence[Edge]) -> Layers:
         rows[row].append(node)
     chains: list[tuple[int, ...]] = []
     bends = count
+    longest = _longest([depth[end] - depth[start] for start, end in forward], count)
     for start, end in forward:
-        if start == end:
+        if start == end or depth[end] - depth[start] > longest:
             chains.append(())
             continue
         between = []
@@ -61,6 +65,16 @@ def layered(count: int, edges: Sequence[Edge]) -> Layers:
             bends += 1
         chains.append((start, *between, end))
     return Layers(tuple(map(tuple, rows)), count, tuple(chains), tuple(turned))
+
+
+def _longest(spans: Sequence[int], count: int) -> int:
+    """Return how many layers an edge may cross: all bends must stay affordable."""
+    left = _BENDS * (count + len(spans) + _BENDS)
+    for span in sorted(spans):
+        left -= span - 1
+        if left < 0:
+            return span - 1
+    return max(spans, default=0)
 
 
 def _turned(count: int, edges: Sequence[Edge]) -> list[bool]:

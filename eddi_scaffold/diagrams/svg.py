@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from xml.sax.saxutils import escape
 
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramNode, LegendEntry, Shape, Tone
 from eddi_scaffold.diagrams.layout import LETTER, LINE, RULE, Box, Line, laid_out
+from eddi_scaffold.escaping import xml_text
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
 _TONES: dict[Tone, tuple[str, str]] = {
@@ -39,12 +39,12 @@ def drawn(diagram: Diagram) -> str:
     width = max(layout.width, title, keys) + 2 * _MARGIN
     height = _TITLE + layout.height + _MARGIN + (_LEGEND if legend else 0.0)
     shift = (width - layout.width) / 2
-    name = escape(_printable(diagram.title), {'"': "&quot;"})
+    name = xml_text(diagram.title)
     size = f'width="{_n(width)}" height="{_n(height)}" viewBox="0 0 {_n(width)} {_n(height)}"'
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="{name}">',
         f"<title>{name}</title>",
-        f"<desc>{escape(_printable(diagram.description))}</desc>",
+        f"<desc>{xml_text(diagram.description)}</desc>",
         f"<style>{_STYLE}</style>",
         _ARROW,
         f'<rect width="{_n(width)}" height="{_n(height)}" fill="#ffffff"/>',
@@ -74,7 +74,7 @@ def _edge(line: Line) -> str:
     if not line.edge.label:
         return drawn
     x, y = line.label
-    text = escape(_printable(line.edge.label))
+    text = xml_text(line.edge.label)
     wide = len(line.edge.label) * LETTER
     plate = f'<rect x="{_n(x - wide / 2)}" y="{_n(y - 8)}" width="{_n(wide)}" height="15" '
     return (
@@ -86,7 +86,7 @@ def _edge(line: Line) -> str:
 def _node(box: Box) -> Iterable[str]:
     node = box.node
     tip = node.tooltip or " ".join(node.lines)
-    yield f"<g><title>{escape(_printable(tip))}</title>"
+    yield f"<g><title>{xml_text(tip)}</title>"
     yield _outline(node.shape, node.tone, box.x, box.y, box.width, box.height)
     yield from _label(node, box)
     yield "</g>"
@@ -104,7 +104,7 @@ def _label(node: DiagramNode, box: Box) -> Iterable[str]:
         style = ' class="head"' if number == 0 else ""
         below = RULE if number and node.shape == "table" else 0.0
         y = _n(top + number * LINE + 11.5 + below)
-        yield f'<text{style} x="{_n(box.x)}" y="{y}">{escape(_printable(line))}</text>'
+        yield f'<text{style} x="{_n(box.x)}" y="{y}">{xml_text(line)}</text>'
 
 
 def _outline(shape: Shape, tone: Tone, x: float, y: float, width: float, height: float) -> str:
@@ -181,7 +181,7 @@ def _legend(entries: Sequence[LegendEntry], y: float) -> list[str]:
     parts, x = [], _MARGIN
     for entry in entries:
         parts.append(_outline(entry.shape, entry.tone, x + 11, y + 8, 22, 14))
-        text = escape(_printable(entry.text))
+        text = xml_text(entry.text)
         parts.append(f'<text class="small left" x="{_n(x + 28)}" y="{_n(y + 12)}">{text}</text>')
         x += _legend_width(entry)
     return parts
@@ -194,7 +194,3 @@ def _legend_width(entry: LegendEntry) -> float:
 def _n(value: float) -> str:
     """Write a coordinate with one digit, the same on every machine."""
     return f"{round(value, 1) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
-
-
-def _printable(text: str) -> str:
-    return "".join(char if char.isprintable() else "?" for char in text)

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from eddi_scaffold.events.alignment import Value
 from eddi_scaffold.events.canonical import canonical
-from eddi_scaffold.events.checker import Checker, Value
+from eddi_scaffold.events.checker import Checker
 from eddi_scaffold.events.diagnostics import (
     EXPRESSION,
     Findings,
@@ -19,7 +20,7 @@ from eddi_scaffold.events.diagnostics import (
 from eddi_scaffold.events.graph import GraphBuilder
 from eddi_scaffold.events.inference import infer_types
 from eddi_scaffold.events.parser import parse
-from eddi_scaffold.events.scope import Scope, Variable, build_scope
+from eddi_scaffold.events.scope import TEXT, Scope, Variable, build_scope
 from eddi_scaffold.events.syntax import EventDeclaration, File
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order, with_excerpts
 
@@ -35,6 +36,7 @@ class Event:
         polarity: ``EVIDENCE`` or ``HAZARD``.
         type: ``bool``, or ``number`` for a bare numeric expression.
         canonical: its expression in canonical form.
+        unit: of a number, ``None`` for none.
         at: offset of its name.
     """
 
@@ -43,6 +45,7 @@ class Event:
     type: str
     canonical: str
     at: int
+    unit: str | None
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,12 @@ class Analysis:
     enums: Mapping[str, tuple[str, ...]]
     form: dict[str, Any] | None
     text: str
+
+    @property
+    def inputs(self) -> tuple[Variable, ...]:
+        """What a host gives: variables, and in the place of reductions what they are made of."""
+        parts = (part for one in self.variables for part in (one.parts or (one,)))
+        return tuple({part.name: part for part in parts}.values())
 
 
 def analyse(
@@ -96,6 +105,8 @@ def analyse(
     findings = Findings(text, locate or in_text(text, name))
     builder = GraphBuilder(1 if any_rate else period_of(rate))
     file = parse(text, findings)
+    if not file.events and not findings.problems:
+        findings.error("E026", 0, "no event is declared", "write EVENT Name := a condition")
     file = file if only is None else file.reduced_to(only)
     outer = parse(declarations, Findings("", in_text(declarations))) if declarations else None
     scope = build_scope(file, findings, variables, outer)
@@ -110,7 +121,7 @@ def analyse(
     problems = in_order(findings.problems)
     if locate is None:
         problems = with_excerpts(problems, text)
-    used = tuple(scope.variables[one] for one in checker.used)
+    used = tuple(scope.variables.get(n) or scope.reductions[n] for n in checker.used)
     form = None
     if not has_errors(problems):
         rows = [_variable_row(variable, scope) for variable in used]
@@ -145,6 +156,10 @@ def _warn(
         if value is not None and builder.is_constant(value.node):
             at = file.nodes[event.root].start
             findings.warning("W004", at, "the result never changes: no variable decides it")
+        if event.polarity == "HAZARD" and file.nodes[event.root].op == "implies":
+            message = f"the HAZARD {event.name!r} holds whenever the left side of IMPLIES does not"
+            hint = "a hazard is what must not be: write AND in place of IMPLIES"
+            findings.warning("W006", file.nodes[event.root].at, message, hint)
         if event.polarity is None and not event.anonymous:
             message = f"the event {event.name!r} does not say what UNKNOWN means: EVIDENCE is used"
             hint = f"EVENT {event.name} (EVIDENCE): not active when UNKNOWN; (HAZARD): active"
@@ -161,12 +176,18 @@ def _event(event: EventDeclaration, values: Mapping[str, Value | None], file: Fi
     value = values[event.name]
     assert value is not None
     text = canonical(file, event.root)
-    return Event(event.name, event.polarity or "EVIDENCE", value.type.kind, text, event.at)
+    polarity = event.polarity or "EVIDENCE"
+    return Event(event.name, polarity, value.type.kind, text, event.at, value.unit)
 
 
 def _variable_row(variable: Variable, scope: Scope) -> dict[str, Any]:
     assert variable.type is not None
+    is_text = variable.type == TEXT
     row: dict[str, Any] = {"name": variable.name, "type": variable.type.kind}
+    if is_text:
+        row |= {"type": "number", "text": True}
+    if variable.reduction is not None:
+        row["reduction"] = dict(variable.reduction)
     if variable.range is not None:
         row["range"] = list(variable.range)
     if variable.timeout is not None:

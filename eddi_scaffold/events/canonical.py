@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.events.syntax import OPERATORS, PREFIXES, File, Node
+from eddi_scaffold.events.syntax import OPERATORS, PREFIXES, File, Node, Options, word_of
 
 _MS = 10**6
 
 
 def canonical(file: File, root: int) -> str:
     """Return the canonical form of the expression that ends at a node."""
+    first = root
+    while file.nodes[first].args:  # what an expression is made of stands right before it
+        first = file.nodes[first].args[0]
     texts: list[str] = []
-    for node in file.nodes[: root + 1]:
-        texts.append(_text(node, [texts[k] for k in node.args]))
+    for node in file.nodes[first : root + 1]:
+        texts.append(_text(node, [texts[k - first] for k in node.args]))
         for k in node.args:
-            texts[k] = ""  # each is used once: what is printed can go
-    return texts[root]
+            texts[k - first] = ""  # each is used once: what is printed can go
+    return texts[-1]
 
 
 def number_text(value: float) -> str:
@@ -28,6 +31,21 @@ def duration_text(ns: int) -> str:
     return f"{ns}ns" if ns % _MS else f"{ns // _MS}ms"
 
 
+def _listed(options: Options, args: list[str]) -> list[str]:
+    """Return the list of a reduction, and its options in one order."""
+    found = args[:1]
+    if options.sector is not None:
+        ends = [f"{number_text(one.value)} {one.unit}" for one in options.sector]
+        found.append(f"SECTOR {' .. '.join(ends)}")
+    if options.length is not None:
+        found.append(f"LENGTH {' .. '.join(str(n) for n in dict.fromkeys(options.length))}")
+    if options.within:
+        found.append(f"WITHIN {args[1]} .. {args[2]}")
+    if options.coverage is not None:
+        found.append(f"COVERAGE {number_text(options.coverage)}")
+    return found
+
+
 def _text(node: Node, args: list[str]) -> str:
     if node.op in OPERATORS:
         return f"({args[0]} {OPERATORS[node.op]} {args[1]})"
@@ -39,9 +57,11 @@ def _text(node: Node, args: list[str]) -> str:
         return node.text.upper()
     if node.op == "name":
         return node.text
+    if node.options is not None:
+        return f"{word_of(node.op)}({', '.join(_listed(node.options, args))})"
     inside = [*args]
     if node.window:
         inside.append(duration_text(node.window))
     if node.coverage is not None:
         inside.append(f"COVERAGE {number_text(node.coverage)}")
-    return f"{node.op.upper()}({', '.join(inside)})"
+    return f"{word_of(node.op)}({', '.join(inside)})"

@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from eddi_runtime.event.form import BUFFERED, MAX_CAPACITY, SIGNATURES
+from eddi_runtime.event.form import BUFFERED, MAX_CAPACITY
 from eddi_runtime.event.form import WINDOWS as WINDOW_OPS
 
+from eddi_scaffold.events.alignment import Pair, Value, aligned
 from eddi_scaffold.events.diagnostics import Findings
 from eddi_scaffold.events.graph import GraphBuilder, capacity
-from eddi_scaffold.events.scope import BOOL, NUMBER, Scope, Type
-from eddi_scaffold.events.syntax import OPERATORS, EventDeclaration, File, Node
-from eddi_scaffold.events.units import converted, dimension
-from eddi_scaffold.problems import did_you_mean
+from eddi_scaffold.events.reductions import Elements, elements_of, reduced, unit_of_list
+from eddi_scaffold.events.scope import BOOL, NUMBER, TEXT, Scope, Type
+from eddi_scaffold.events.signatures import arguments_of, result_of
+from eddi_scaffold.events.syntax import OPERATORS, EventDeclaration, File, Node, word_of
+from eddi_scaffold.problems import NearNames
+from eddi_scaffold.units import root
 
-_KINDS = {"number": NUMBER, "bool": BOOL}
 _ORDER = ("lt", "le", "gt", "ge")
-_SAME_UNIT = ("add", "sub", *_ORDER, "eq", "ne")
+_SAME_UNIT = ("add", "sub", *_ORDER, "eq", "ne", "least", "greatest", "hypot")
+_UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")
 _KEEPS_UNIT = ("neg", "abs", "average", "max", "min", "sum", "stddev", "median")
 _SECONDS = ("elapsed", "age")
 _VAR_ADVICE = "say what it is: VAR {0} : NUMBER, or VAR {0} : BOOL"
-
-
-@dataclass(frozen=True)
-class Value:
-    """What a node of the text is.
-
-    Attributes:
-        type: of its value.
-        unit: of its value, ``None`` for none.
-        node: its number in the graph.
-    """
-
-    type: Type
-    unit: str | None
-    node: int
 
 
 class Checker:
@@ -57,14 +44,17 @@ class Checker:
         any_rate: bool = False,
     ) -> None:
         self.used: dict[str, int] = {}
+        self._elements = elements_of(file)
+        self._inside: Elements | None = None
+        self._outer = builder
         self._file = file
         self._scope = scope
         self._findings = findings
-        self._builder = builder
         self._locate = locate
         self._any_rate = any_rate
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
+        self._near: NearNames | None = None
 
     def event(self, event: EventDeclaration) -> Value | None:
         """Check one expression; return ``None`` when something is wrong with it."""
@@ -72,7 +62,8 @@ class Checker:
         for k in range(event.first, event.root + 1):
             node = self._file.nodes[k]
             args = [values.pop(arg) for arg in node.args]
-            values[k] = self._value(node, args)
+            self._inside = self._elements.get(k)
+            values[k] = self._value(k, node, args)
         found = values[event.root]
         root = self._file.nodes[event.root]
         if (
@@ -86,8 +77,15 @@ class Checker:
         self._events[event.name] = found
         return found
 
-    def _value(self, node: Node, args: list[Value | None]) -> Value | None:
+    @property
+    def _builder(self) -> GraphBuilder:
+        """The graph of the text, or that of the elements of a list."""
+        return self._outer if self._inside is None else self._inside.builder
+
+    def _value(self, k: int, node: Node, args: list[Value | None]) -> Value | None:
         at = self._locate(node.at)
+        if self._is_misplaced(node):
+            return None
         if node.op == "number":
             return Value(NUMBER, node.unit, self._builder.number(float(node.text), at))
         if node.op == "truth":
@@ -100,11 +98,50 @@ class Checker:
         known = [arg for arg in args if arg is not None]
         if len(known) != len(args):
             return None
+        if node.options is not None:
+            return self._reduction(k, node, known, at)
         if node.op in WINDOW_OPS:
             return self._window(node, known[0], at)
         if node.op == "age":
             return self._age(node, known[0], at)
         return self._operation(node, known, at)
+
+    def _is_misplaced(self, node: Node) -> bool:
+        """Report a list that nothing reduces, and what a reduction cannot hold."""
+        if self._inside is None:
+            if not node.is_list or node.op != "name":
+                return False
+            message = f"{node.text} is a list, no single value"
+            hint = f"reduce it: MIN({node.text}), ANY({node.text} > 1), ..."
+            self._findings.error("E007", node.start, message, hint)
+            return True
+        why = self._inside.objection(node, self._scope)
+        if why:
+            self._findings.error("E007", node.start, why)
+        return bool(why)
+
+    def _reduction(
+        self, k: int, node: Node, args: list[Value], at: tuple[int, int]
+    ) -> Value | None:
+        """Return the value of a list; it is a variable that a message gives."""
+        elements = self._elements[node.args[0]]
+        self._inside = elements
+        limited = Value(NUMBER, unit_of_list(elements, self._scope), args[0].node)
+        bounds = [
+            self._aligned(node, limited, one, operands=(0, n))
+            for n, one in enumerate(args[1:], start=1)
+        ]
+        self._inside = None
+        if None in bounds:
+            return None
+        nodes = [args[0].node, *(pair[1].node for pair in bounds if pair is not None)]
+        made = reduced(self._file, k, elements, nodes, self._scope, self._findings)
+        if made is None:
+            return None
+        unit = args[0].unit if result_of(node.op) == NUMBER and node.op != "list_count" else None
+        self._scope.reductions.setdefault(made.name, replace(made, unit=unit))
+        number = self.used.setdefault(made.name, len(self.used))
+        return Value(result_of(node.op), unit, self._outer.variable("variable", number, at))
 
     # names
 
@@ -123,8 +160,9 @@ class Checker:
         # without declarations, only a text with another error has names that are not inferred
         if scope.closed and name not in self._reported and name not in self._file.broken:
             self._reported.add(name)
-            hint = did_you_mean(name, scope.names) or f"there are: {', '.join(scope.names) or '-'}"
-            self._findings.error("E008", node.start, f"there is no variable {name!r}", hint)
+            self._near = self._near or NearNames(scope.names, "there are")
+            message = f"there is no variable {name!r}"
+            self._findings.error("E008", node.start, message, self._near.hint(name))
         return None
 
     def _variable(self, node: Node, at: tuple[int, int]) -> Value | None:
@@ -136,7 +174,8 @@ class Checker:
                 hint = _VAR_ADVICE.format(node.text)
                 self._findings.error("E008", node.start, message, hint)
             return None
-        number = self.used.setdefault(node.text, len(self.used))
+        used = self.used if self._inside is None else self._inside.used
+        number = used.setdefault(node.text, len(used))
         made = self._builder.variable("variable", number, at)
         return Value(variable.type, variable.unit, made)
 
@@ -145,25 +184,33 @@ class Checker:
     def _arguments_fit(self, node: Node, args: list[Value | None]) -> bool:
         """Report operands of a wrong type."""
         if node.op in ("known", "age"):
-            return True
+            return self._is_no_text(node, args)
         if node.op in ("eq", "ne"):
             return self._same_types(node, args)
-        wanted = _KINDS[SIGNATURES[node.op][0][0]]
-        wrong = [k for k, arg in enumerate(args) if arg is not None and arg.type != wanted]
+        types = arguments_of(node.op)
+        wrong = [k for k, arg in enumerate(args) if arg is not None and arg.type != types[k]]
         if not wrong:
             return True
         if node.op in _ORDER and len(wrong) == 2:
-            types = " and ".join(sorted({str(arg.type) for arg in args if arg is not None}))
-            message = f"{types} cannot be ordered: {OPERATORS[node.op]} compares numbers"
+            shown = " and ".join(sorted({str(arg.type) for arg in args if arg is not None}))
+            message = f"{shown} cannot be ordered: {OPERATORS[node.op]} compares numbers"
             self._findings.error("E007", node.at, message)
             return False
         for k in wrong:
-            self._wrong_type(node, self._file.nodes[node.args[k]], args[k], wanted)
+            self._wrong_type(node, self._file.nodes[node.args[k]], args[k], types[k])
+        return False
+
+    def _is_no_text(self, node: Node, args: list[Value | None]) -> bool:
+        if not any(arg is not None and arg.type == TEXT for arg in args):
+            return True
+        operand = self._file.nodes[node.args[0]]
+        hint = f"VAR {operand.text} : with an ENUM of its values, or NUMBER({operand.text})"
+        self._findings.error("E007", operand.start, "this is a text", hint)
         return False
 
     def _wrong_type(self, node: Node, operand: Node, value: Value | None, wanted: Type) -> None:
         assert value is not None
-        shown = OPERATORS.get(node.op, node.op.upper() if node.op != "neg" else "-")
+        shown = word_of(node.op)
         variable = self._scope.variables.get(operand.text) if operand.op == "name" else None
         if variable is not None and not variable.declared:
             message = f"{operand.text!r} is {value.type} elsewhere, but {shown} needs {wanted}"
@@ -175,8 +222,10 @@ class Checker:
 
     def _same_types(self, node: Node, args: list[Value | None]) -> bool:
         left, right = args
-        if left is None or right is None or left.type == right.type:
+        if left is None or right is None:
             return True
+        if left.type == right.type:
+            return self._is_no_text(node, args)
         message = f"{left.type} and {right.type} cannot be compared"
         self._findings.error("E007", node.at, message)
         return False
@@ -185,37 +234,60 @@ class Checker:
 
     def _operation(self, node: Node, args: list[Value], at: tuple[int, int]) -> Value | None:
         op, unit = node.op, None
+        if op == "number_of":
+            return self._number_of(node, args[0])
         if op in _SAME_UNIT and args[0].type == NUMBER:
-            aligned = self._aligned(node, args[0], args[1])
-            if aligned is None:
+            pair = self._aligned(node, args[0], args[1])
+            if pair is None:
                 return None
-            args = list(aligned)
-            unit = args[0].unit or args[1].unit if op in ("add", "sub") else None
-        if op == "hysteresis":
-            return self._hysteresis(node, args, at)
+            args = list(pair)
+            unit = args[0].unit or args[1].unit if op in _UNIT_OF_BOTH else None
+        if op == "hypot":
+            return self._hypot(args, unit, at)
+        if op in ("hysteresis", "clamp"):
+            return self._bounded(node, args, at)
         if op in ("eq", "ne", "known") and args[0].type != NUMBER:
             op = f"{op}_{args[0].type.kind}"
         if op in _KEEPS_UNIT:
             unit = args[0].unit
         elif op in _SECONDS:
             unit = "s"
+        elif op == "sqrt":
+            unit = root(args[0].unit)
         made = self._builder.operation(op, tuple(arg.node for arg in args), at)
-        return Value(_KINDS[SIGNATURES[op][1]], unit, made)
+        return Value(result_of(op), unit, made)
 
-    def _hysteresis(self, node: Node, args: list[Value], at: tuple[int, int]) -> Value | None:
+    def _number_of(self, node: Node, arg: Value) -> Value | None:
+        operand = self._file.nodes[node.args[0]]
+        if operand.op != "name":
+            self._findings.error("E007", operand.start, "NUMBER needs a text of a message")
+            return None
+        return Value(NUMBER, None, arg.node)
+
+    def _hypot(self, args: list[Value], unit: str | None, at: tuple[int, int]) -> Value:
+        """Add SQRT(x * x + y * y): nothing else, so that every target rounds alike."""
+        squares = (self._builder.operation("mul", (one.node, one.node), at) for one in args)
+        total = self._builder.operation("add", tuple(squares), at)
+        return Value(NUMBER, unit, self._builder.operation("sqrt", (total,), at))
+
+    def _bounded(self, node: Node, args: list[Value], at: tuple[int, int]) -> Value | None:
         x, *bounds = args
         for k in (0, 1):
-            aligned = self._aligned(node, x, bounds[k], operands=(0, k + 1))
-            if aligned is None:
+            pair = self._aligned(node, x, bounds[k], operands=(0, k + 1))
+            if pair is None:
                 return None
-            bounds[k] = aligned[1]
+            bounds[k] = pair[1]
         low, high = bounds
         if self._builder.is_constant(low.node) and self._builder.is_constant(high.node):
             ends = self._builder.value(low.node), self._builder.value(high.node)
             if None not in ends and ends[0] >= ends[1]:
-                message = "the lower bound of HYSTERESIS must be below the upper one"
+                message = f"the lower bound of {node.op.upper()} must be below the upper one"
                 self._findings.error("E006", node.at, message)
                 return None
+        if node.op == "clamp":
+            made = self._builder.operation("greatest", (x.node, low.node), at)
+            made = self._builder.operation("least", (made, high.node), at)
+            return Value(NUMBER, x.unit or low.unit, made)
         made = self._builder.operation("hysteresis", (x.node, low.node, high.node), at)
         return Value(BOOL, None, made)
 
@@ -237,7 +309,7 @@ class Checker:
             return None
         made = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
         unit = arg.unit if node.op in _KEEPS_UNIT else None
-        return Value(_KINDS[SIGNATURES[node.op][1]], unit, made)
+        return Value(result_of(node.op), unit, made)
 
     def _age(self, node: Node, arg: Value, at: tuple[int, int]) -> Value | None:
         operand = self._file.nodes[node.args[0]]
@@ -247,52 +319,8 @@ class Checker:
         number = self.used[operand.text]
         return Value(NUMBER, "s", self._builder.variable("age", number, at))
 
-    # units
-
     def _aligned(
         self, node: Node, left: Value, right: Value, operands: tuple[int, int] = (0, 1)
-    ) -> tuple[Value, Value] | None:
-        """Bring two numbers to one unit; ``None`` when that cannot be."""
-        constant = [self._builder.is_constant(one.node) for one in (left, right)]
-        if left.unit == right.unit:
-            return left, right
+    ) -> Pair | None:
         places = [self._file.nodes[node.args[k]].start for k in operands]
-        if left.unit is None or right.unit is None:
-            plain = 0 if left.unit is None else 1
-            if constant[1 - plain] and not constant[plain]:
-                unit = left.unit or right.unit
-                message = f"this is in {unit}, but the other side has no unit"
-                hint = f"declare the unit: VAR name : NUMBER UNIT {unit}"
-                self._findings.error("E009", places[1 - plain], message, hint)
-                return None
-            unit = left.unit or right.unit  # a plain number is in the unit of the other side
-            return replace(left, unit=unit), replace(right, unit=unit)
-        if dimension(left.unit) != dimension(right.unit):
-            message = (
-                f"{left.unit} ({dimension(left.unit)}) and {right.unit} ({dimension(right.unit)}) "
-                "do not go together"
-            )
-            self._findings.error(
-                "E009", places[0 if constant[0] and not constant[1] else 1], message
-            )
-            return None
-        if constant[1]:
-            made = self._converted(right, left.unit, places[1])
-            return None if made is None else (left, made)
-        if constant[0]:
-            made = self._converted(left, right.unit, places[0])
-            return None if made is None else (made, right)
-        factor = converted(1.0, right.unit, left.unit)
-        message = f"the left side is in {left.unit}, this is in {right.unit}"
-        self._findings.error("E009", places[1], message, f"multiply it by {factor:g}")
-        return None
-
-    def _converted(self, value: Value, unit: str, place: int) -> Value | None:
-        """Return a constant in another unit of its dimension."""
-        row = self._builder.rows[value.node]
-        number = None if row["value"] is None else converted(row["value"], value.unit or "", unit)
-        if number is not None and not math.isfinite(number):
-            self._findings.error("E013", place, f"the number does not fit into a double in {unit}")
-            return None
-        line, column = row["at"]
-        return Value(NUMBER, unit, self._builder.number(number, (line, column)))
+        return aligned(left, right, places, self._builder, self._findings)

@@ -6,10 +6,12 @@ import math
 from typing import NoReturn
 
 from eddi_scaffold.events.diagnostics import Findings
+from eddi_scaffold.events.durations import DURATIONS, nanoseconds
 from eddi_scaffold.events.syntax import Bound, Named
 from eddi_scaffold.events.tokens import RESERVED, Token
-from eddi_scaffold.events.units import DURATIONS, UNITS, nanoseconds
+from eddi_scaffold.identifiers import key_text
 from eddi_scaffold.problems import did_you_mean
+from eddi_scaffold.units import words
 
 DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 _PATH_INDEX = 10**6
@@ -32,8 +34,8 @@ class Cursor:
     def _token(self) -> Token:
         return self._tokens[self._k]
 
-    def _peek(self) -> Token:
-        return self._tokens[min(self._k + 1, len(self._tokens) - 1)]
+    def _peek(self, ahead: int = 1) -> Token:
+        return self._tokens[min(self._k + ahead, len(self._tokens) - 1)]
 
     def _is_symbol(self, text: str) -> bool:
         return self._token.kind == "symbol" and self._token.text == text
@@ -77,11 +79,11 @@ class Cursor:
         token, number = self._token, self._tokens[self._k - 1]
         if token.kind != "word":
             return None
-        if token.text in UNITS:
+        if token.text in words():
             self._k += 1
             return token.text
         if token.start == number.end:  # 5x: it cannot be anything else
-            hint = did_you_mean(token.text, UNITS) or f"units: {', '.join(sorted(UNITS))}"
+            hint = did_you_mean(token.text, words()) or f"units: {', '.join(sorted(words()))}"
             self._fail("E009", f"there is no unit {token.shown}", hint=hint)
         return None
 
@@ -115,16 +117,41 @@ class Cursor:
                 self._k += 2
             elif self._is_symbol("["):
                 self._k += 1
-                index = self._token
-                if not (
-                    index.text.isdigit() and len(index.text) < 8 and int(index.text) < _PATH_INDEX
-                ):
-                    self._fail("E002", f"an index from 0 on is expected, found {index.shown}")
-                self._k += 1
+                name += f"[{self._element()}]"
                 self._expect("]")
-                name += f"[{int(index.text)}]"
             else:
                 return name
+
+    def _element(self) -> str:
+        """Take what stands in brackets: an index, a key, or a field and its key."""
+        field = ""
+        while self._token.kind == "word" and self._peek().text in ("=", "."):
+            field += self._token.text + self._peek().text
+            self._k += 2
+        if field.endswith("."):
+            self._fail("E002", f"'=' and a key are expected, found {self._token.shown}")
+        token = self._token
+        if token.kind in ("word", "text"):
+            key = key_text(token.text.strip('"'))
+        elif self._is_symbol("*") and not field:
+            key = "*"
+        elif token.text.isdigit() and len(token.text) < 8 and int(token.text) < _PATH_INDEX:
+            key = str(int(token.text)) + self._last_of_part()
+        else:
+            message = f"an index from 0 on or a key is expected, found {token.shown}"
+            self._fail("E002", message, hint='[0], [name], ["a name"] or [field="a name"]')
+        self._k += 1
+        return field + key
+
+    def _last_of_part(self) -> str:
+        """Take the end of a part of a list, ``..5``, if there is one."""
+        if not (self._peek().text == ".." and self._peek(2).text.isdigit()):
+            return ""
+        first, last = self._token, self._peek(2)
+        if len(last.text) > 7 or int(last.text) < int(first.text) or int(last.text) >= _PATH_INDEX:
+            self._fail("E002", f"an index behind {first.text} is expected, found {last.shown}")
+        self._k += 2
+        return f"..{int(last.text)}"
 
     def _declaration(self) -> str:
         """Return the word that opens a declaration here, empty when there is none."""

@@ -6,7 +6,17 @@ from dataclasses import replace
 
 from eddi_scaffold.events.cursor import Cursor
 from eddi_scaffold.events.diagnostics import Findings
-from eddi_scaffold.events.syntax import FUNCTIONS, WINDOWS, Node
+from eddi_scaffold.events.durations import DURATIONS
+from eddi_scaffold.events.syntax import (
+    FUNCTIONS,
+    MORE,
+    OPERATIONS,
+    REDUCTIONS,
+    WINDOWS,
+    Node,
+    Options,
+    is_list_path,
+)
 from eddi_scaffold.events.tokens import RESERVED, Token
 from eddi_scaffold.problems import did_you_mean
 
@@ -16,6 +26,7 @@ MAX_NODES = 10_000
 _IMPLIES, _COMPARISON, _SUM = 1, 6, 7
 _WORDS = {"IMPLIES": (_IMPLIES, "implies"), "OR": (2, "or"), "XOR": (3, "xor"), "AND": (4, "and")}
 _NOT, _MINUS = 5, 9
+LIST_OPTIONS = ("COVERAGE", "SECTOR", "LENGTH", "WITHIN")
 _SYMBOLS = {
     **{text: (_COMPARISON, op) for text, op in (("<", "lt"), ("<=", "le"), (">", "gt"))},
     **{text: (_COMPARISON, op) for text, op in ((">=", "ge"), ("==", "eq"), ("!=", "ne"))},
@@ -116,10 +127,10 @@ class ExpressionParser(Cursor):
 
     def _call(self, token: Token) -> int:
         self._k += 1
-        if token.word in WINDOWS:
+        if token.word in WINDOWS or token.word in REDUCTIONS:
             return self._window(token)
-        if token.word not in FUNCTIONS:
-            names = {name: name for name in (*WINDOWS, *FUNCTIONS)}
+        if token.word not in FUNCTIONS and token.word not in MORE:
+            names = {name: name for name in (*WINDOWS, *REDUCTIONS, *FUNCTIONS, *MORE)}
             hint = did_you_mean(token.text, names) or f"functions: {', '.join(names)}"
             self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=hint)
         args = [] if self._is_symbol(")") else [self._expression()]
@@ -129,16 +140,35 @@ class ExpressionParser(Cursor):
         if not self._is_symbol(")"):
             self._fail("E002", f"',' or ')' is expected, found {self._token.shown}")
         self._k += 1
+        if token.word in MORE:
+            return self._nested(token, args)
         wanted = FUNCTIONS[token.word]
         if len(args) != wanted:
             plural = "s" if wanted != 1 else ""
             message = f"{token.word} takes {wanted} argument{plural}, here are {len(args)}"
             self._fail("E006", message, at=token.start)
-        return self._add(Node(token.word.lower(), tuple(args), token.start, token.start))
+        op = OPERATIONS.get(token.word, token.word.lower())
+        return self._add(Node(op, tuple(args), token.start, token.start))
+
+    def _nested(self, token: Token, args: list[int]) -> int:
+        """Add LEAST or GREATEST of two arguments, as often as needed."""
+        if len(args) < 2:
+            message = f"{token.word} takes 2 arguments or more, here are {len(args)}"
+            self._fail("E006", message, at=token.start)
+        op = token.word.lower()
+        found = args[0]
+        for arg in args[1:]:
+            found = self._add(Node(op, (found, arg), token.start, token.start))
+        return found
 
     def _window(self, token: Token) -> int:
-        op = WINDOWS[token.word]
         argument = self._expression()
+        if self._nodes[argument].is_list:
+            return self._reduction(token, argument)
+        if token.word not in WINDOWS:
+            message = f"{token.word} needs a list"
+            self._fail("E006", message, at=token.start, hint=f"{token.word}(scan.ranges[*] > 1)")
+        op = WINDOWS[token.word]
         if self._is_symbol(")"):
             self._fail("E005", f"{token.word} needs a duration", hint=f"{token.word}(x, 5s)")
         self._expect(",", "',' and a duration such as 5s")
@@ -170,6 +200,64 @@ class ExpressionParser(Cursor):
             self._findings.error("E014", number.start, "the coverage must be above 0 and at most 1")
         return share
 
+    def _reduction(self, token: Token, argument: int) -> int:
+        """Take the options behind the list of a reduction."""
+        if token.word not in REDUCTIONS:
+            message = f"{token.word} takes no list"
+            hint = f"of a list: {', '.join(REDUCTIONS)}"
+            self._fail("E006", message, at=token.start, hint=hint)
+        options, args = Options(), [argument]
+        while self._is_symbol(","):
+            self._k += 1
+            options = self._list_option(token, options, args)
+        if not self._is_symbol(")"):
+            self._fail("E002", f"',' or ')' is expected, found {self._token.shown}")
+        self._k += 1
+        op = REDUCTIONS[token.word]
+        return self._add(Node(op, tuple(args), token.start, token.start, options=options))
+
+    def _list_option(self, token: Token, options: Options, args: list[int]) -> Options:
+        """Take one option; limits of elements become arguments."""
+        word = self._token
+        if word.word not in LIST_OPTIONS:
+            if word.kind == "number" and self._peek().text in DURATIONS:
+                hint = f"a window over it: {token.word}({token.word}(x[*]), 5s)"
+                self._fail("E006", "a list takes no duration", hint=hint)
+            message = f"{' or '.join(LIST_OPTIONS)} is expected, found {word.shown}"
+            self._fail("E002", message)
+        if word.word in dict(options.at):
+            self._fail("E006", f"{word.word} is there twice")
+        options = replace(options, at=(*options.at, (word.word, word.start)))
+        if word.word == "COVERAGE":
+            return replace(options, coverage=self._coverage(token, REDUCTIONS[token.word]))
+        self._k += 1
+        if word.word == "SECTOR":
+            low = self._signed()
+            self._expect("..")
+            return replace(options, sector=(low, self._signed()))
+        if word.word == "LENGTH":
+            return replace(options, length=self._lengths())
+        args.append(self._expression())
+        self._expect("..")
+        args.append(self._expression())
+        return replace(options, within=True)
+
+    def _lengths(self) -> tuple[int, int]:
+        ends = [self._whole_number()]
+        if self._is_symbol(".."):
+            self._k += 1
+            ends.append(self._whole_number())
+        if ends[-1] < ends[0]:
+            self._fail("E006", "the LENGTH is empty: its ends are swapped")
+        return ends[0], ends[-1]
+
+    def _whole_number(self) -> int:
+        token = self._token
+        if not token.text.isdigit() or len(token.text) > 6:
+            self._fail("E002", f"a number of elements is expected, found {token.shown}")
+        self._k += 1
+        return int(token.text)
+
     def _check_mean(self, op: str, right: int) -> None:
         """Warn of `MAX(a, 1s) + MAX(b, 1s) / 2`: SESAME D7.2's own example means the mean."""
         node = self._nodes[right]
@@ -183,6 +271,9 @@ class ExpressionParser(Cursor):
         if len(self._nodes) >= MAX_NODES:
             self._k = len(self._tokens) - 1
             self._fail("E013", f"the text has more than {MAX_NODES} operations", at=node.at)
+        if node.op not in REDUCTIONS.values():
+            is_list = any(self._nodes[k].is_list for k in node.args)
+            node = replace(node, is_list=is_list or (node.op == "name" and is_list_path(node.text)))
         self._nodes.append(node)
         return len(self._nodes) - 1
 

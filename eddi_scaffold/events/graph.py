@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 from eddi_runtime.event.form import BUFFERED, SIGNATURES, VERSION
@@ -67,7 +68,18 @@ class GraphBuilder:
 
     def document(self, variables: list[Row], outputs: list[Row]) -> dict[str, Any]:
         """Return the intermediate form; nodes that nothing uses are left out."""
-        used = {output["node"] for output in outputs}
+        rows, new = self.needed({output["node"] for output in outputs})
+        return {
+            "version": VERSION,
+            "period": self.period,
+            "variables": variables,
+            "nodes": rows,
+            "outputs": [{**output, "node": new[output["node"]]} for output in outputs],
+        }
+
+    def needed(self, nodes: Iterable[int]) -> tuple[list[Row], dict[int, int]]:
+        """Return the rows that some nodes need, and the new number of each."""
+        used = set(nodes)
         for number in range(len(self.rows) - 1, -1, -1):
             if number in used:
                 used.update(self.rows[number].get("args", ()))
@@ -78,13 +90,7 @@ class GraphBuilder:
             if "args" in row:
                 row["args"] = [new[k] for k in row["args"]]
             rows.append(row)
-        return {
-            "version": VERSION,
-            "period": self.period,
-            "variables": variables,
-            "nodes": rows,
-            "outputs": [{**output, "node": new[output["node"]]} for output in outputs],
-        }
+        return rows, new
 
     def _add(self, row: Row) -> int:
         # repr: 0.0 and -0.0, 1 and True are not the same
@@ -126,6 +132,9 @@ def _xor(a: int, b: int) -> int:
 _FOLDS: dict[str, Any] = {
     "neg": lambda a: None if a is None else -a,
     "abs": lambda a: None if a is None else abs(a),
+    "sqrt": lambda a: None if a is None or a < 0 else math.sqrt(a),
+    "least": _arithmetic(min),
+    "greatest": _arithmetic(max),
     "add": _arithmetic(lambda a, b: _finite(a + b)),
     "sub": _arithmetic(lambda a, b: _finite(a - b)),
     "mul": _arithmetic(lambda a, b: _finite(a * b)),

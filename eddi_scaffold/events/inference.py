@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from eddi_runtime.event.form import SIGNATURES
-
 from eddi_scaffold.events.scope import BOOL, NUMBER, Scope, Type, Variable
+from eddi_scaffold.events.signatures import arguments_of, result_of
 from eddi_scaffold.events.syntax import File, Node
-
-_TYPES = {"number": NUMBER, "bool": BOOL}
 
 
 def infer_types(file: File, scope: Scope) -> None:
@@ -38,11 +35,11 @@ class _Inference:
             if node.op in ("eq", "ne"):
                 self._same(*(self._file.nodes[k] for k in node.args))
                 continue
-            wanted = SIGNATURES[node.op][0] if node.op in SIGNATURES else ()
+            wanted = arguments_of(node.op)
             if node.op in ("known", "age"):
                 continue
-            for k, kind in zip(node.args, wanted, strict=False):
-                self._set(self._file.nodes[k], _TYPES[kind])
+            for k, type_ in zip(node.args, wanted, strict=False):
+                self._set(self._file.nodes[k], type_)
         for event in self._file.events:
             if not event.anonymous:
                 self._set(self._file.nodes[event.root], BOOL)
@@ -83,4 +80,4 @@ class _Inference:
             return self._scope.type_of(node.text)
         if node.op in ("number", "truth"):
             return NUMBER if node.op == "number" else BOOL
-        return _TYPES[SIGNATURES[node.op][1]]
+        return result_of(node.op)

@@ -37,13 +37,17 @@ class CompiledExpression:
 
     Attributes:
         document: JSON for ``eddi_runtime.event.expression.InputExpression``.
+        names: variables, in order and once each.
         requires: first words of the variables: SimulatorOutputs, or other inputs.
         canonical: the expression in canonical form; several for a state.
+        unit: of a number, ``None`` for none.
     """
 
     document: Mapping[str, Any]
+    names: tuple[str, ...]
     requires: tuple[str, ...]
     canonical: tuple[str, ...]
+    unit: str | None
 
 
 def compile_input(
@@ -85,11 +89,13 @@ def compile_input(
         parts.append({"form": analysis.form, **({"state": one.state} if one.state else {})})
     if has_errors(problems):
         return None, problems
-    names = (variable.name for analysis in analyses for variable in analysis.variables)
+    names = dict.fromkeys(one.name for analysis in analyses for one in analysis.inputs)
     requires = tuple(dict.fromkeys(name.split(".")[0].split("[")[0] for name in names))
     canonical = tuple(analysis.events[0].canonical for analysis in analyses)
     document = {"type": type_, "polarity": polarity, "parts": parts}
-    return CompiledExpression(document, requires, canonical), problems
+    return CompiledExpression(
+        document, tuple(names), requires, canonical, analyses[0].events[0].unit
+    ), problems
 
 
 def _wrong_type(

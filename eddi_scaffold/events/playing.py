@@ -8,20 +8,30 @@ from typing import Any, Literal
 
 from eddi_runtime.event.engine import build_engine
 from eddi_runtime.event.form import BOOL
+from eddi_runtime.event.sampling import Sampling
 
 from eddi_scaffold.events.analysis import Analysis
+from eddi_scaffold.events.syntax import is_list_path
 
 Verdict = bool | float | None
 """A truth value or a number; None is UNKNOWN."""
-Column = Literal["float", "bool", "str"]
-_COLUMNS: Mapping[str, Column] = {"number": "float", "bool": "bool", "enum": "str"}
+Column = Literal["float", "bool", "str", "float[]", "bool[]"]
+_COLUMNS: Mapping[str, Column] = {
+    "number": "float",
+    "bool": "bool",
+    "enum": "str",
+    "text": "str",
+    "number[]": "float[]",
+    "bool[]": "bool[]",
+    "text[]": "str",
+}
 
 
 def columns(analysis: Analysis) -> dict[str, Column]:
     """Return variable -> type of its column in a recording."""
     return {
-        variable.name: _COLUMNS[variable.type.kind]
-        for variable in analysis.variables
+        variable.name: _COLUMNS[variable.type.kind + ("[]" if is_list_path(variable.name) else "")]
+        for variable in analysis.inputs
         if variable.type is not None
     }
 
@@ -37,7 +47,9 @@ def play(
     """
     assert analysis.form is not None
     engine = build_engine(analysis.form)
-    names = [variable.name for variable in analysis.variables]
+    sampling = Sampling(engine.form)
+    names = [one.name for one in sampling.inputs]
+    last = [names[used[0]] for used in sampling.uses]
     values: dict[str, Any] = dict.fromkeys(names)
     stamps: dict[str, int | None] = dict.fromkeys(names)
     for t, samples in rows:
@@ -45,7 +57,8 @@ def play(
         for name in names:
             if name in samples:
                 values[name], stamps[name] = samples[name], now
-        found = engine.step(now, [values[n] for n in names], [stamps[n] for n in names])
+        raws = sampling.raws([values[name] for name in names])
+        found = engine.step(now, raws, [stamps[name] for name in last])
         yield (
             t,
             {

@@ -39,7 +39,7 @@ def as_json(analysis: Analysis, files: Mapping[str, str] | None = None) -> dict[
             for problem in analysis.problems
         ],
         "canonical": {event.id: event.canonical for event in analysis.events},
-        "variables": [_variable_json(variable) for variable in analysis.variables],
+        "variables": [_variable_json(variable) for variable in analysis.inputs],
         "files": dict(files or {}),
     }
 
@@ -50,7 +50,7 @@ def as_text(analysis: Analysis) -> list[str]:
     for event in analysis.events:
         polarity = "" if event.type == "number" else f" ({event.polarity})"
         lines.append(f"EVENT {event.id}{polarity} := {event.canonical}")
-    lines += [f"VAR {_variable_text(variable)}" for variable in analysis.variables]
+    lines += [f"VAR {_variable_text(variable)}" for variable in analysis.inputs]
     if analysis.form is not None and not has_errors(analysis.problems):
         lines.append(cost_line(analysis.form))
     return lines

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
+from typing import Any
 
 from eddi_scaffold.events.diagnostics import Findings
 from eddi_scaffold.events.syntax import (
@@ -16,8 +17,8 @@ from eddi_scaffold.events.syntax import (
     Named,
     VarDeclaration,
 )
-from eddi_scaffold.events.units import UNITS, converted, dimension
 from eddi_scaffold.problems import Place, did_you_mean
+from eddi_scaffold.units import converted, dimension, words
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Type:
     """NUMBER, BOOL, or an ENUM.
 
     Attributes:
-        kind: ``number``, ``bool`` or ``enum``, as in the intermediate form.
+        kind: ``number``, ``bool`` or ``enum``, as in the intermediate form, or ``text``.
         enum: name of the ENUM.
     """
 
@@ -33,10 +34,10 @@ class Type:
     enum: str = ""
 
     def __str__(self) -> str:
-        return self.enum or {"number": "a number", "bool": "a boolean"}[self.kind]
+        return self.enum or {"number": "a number", "bool": "a boolean"}.get(self.kind, "a text")
 
 
-NUMBER, BOOL = Type("number"), Type("bool")
+NUMBER, BOOL, TEXT = Type("number"), Type("bool"), Type("text")
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,9 @@ class Variable:
         timeout: nanoseconds after which a sample is UNKNOWN; ``None`` for never.
         infinite: infinity is a value (range sensors say "no return" by it).
         declared: by a VAR or by the caller.
+        within: names of the numbers between which its finite values are measurements.
+        reduction: how it is made of lists, as in the intermediate form.
+        parts: what it is made of.
     """
 
     name: str
@@ -60,6 +64,9 @@ class Variable:
     timeout: int | None = None
     infinite: bool = False
     declared: bool = True
+    within: tuple[str, str] | None = None
+    reduction: Mapping[str, Any] | None = None
+    parts: tuple[Variable, ...] = ()
 
 
 @dataclass
@@ -68,6 +75,7 @@ class Scope:
 
     Attributes:
         closed: every variable is declared; another name is an error.
+        reductions: what lists of messages are reduced to, by canonical text.
         order: events, those that others use first; members of a cycle are left out.
     """
 
@@ -76,6 +84,7 @@ class Scope:
     literals: dict[str, tuple[str, int]] = field(default_factory=dict)
     variables: dict[str, Variable] = field(default_factory=dict)
     constants: dict[str, Bound] = field(default_factory=dict)
+    reductions: dict[str, Variable] = field(default_factory=dict)
     events: dict[str, EventDeclaration] = field(default_factory=dict)
     order: list[EventDeclaration] = field(default_factory=list)
 
@@ -157,11 +166,11 @@ def _add_literals(enum: EnumDeclaration, scope: Scope, new: Callable[[Named], bo
 
 def _variable(declared: VarDeclaration, scope: Scope, findings: Findings) -> Variable:
     word = declared.type.name
-    type_ = {"NUMBER": NUMBER, "BOOL": BOOL}.get(word.upper())
+    type_ = {"NUMBER": NUMBER, "BOOL": BOOL, "TEXT": TEXT}.get(word.upper())
     if type_ is None and word in scope.enums:
         type_ = Type("enum", word)
     if type_ is None:
-        known = ["NUMBER", "BOOL", *scope.enums]
+        known = ["NUMBER", "BOOL", "TEXT", *scope.enums]
         hint = did_you_mean(word, known) or f"types: {', '.join(known)}"
         findings.error("E008", declared.type.at, f"there is no type {word!r}", hint)
     found = Variable(declared.name, type_, infinite=declared.infinite)
@@ -178,8 +187,8 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: Findings) -> Var
 
 def _unit(declared: VarDeclaration, findings: Findings) -> str | None:
     unit = declared.unit
-    if unit is not None and unit.name not in UNITS:
-        hint = did_you_mean(unit.name, UNITS) or f"units: {', '.join(sorted(UNITS))}"
+    if unit is not None and unit.name not in words():
+        hint = did_you_mean(unit.name, words()) or f"units: {', '.join(sorted(words()))}"
         findings.error("E009", unit.at, f"there is no unit {unit.name!r}", hint)
         return None
     return None if unit is None else unit.name

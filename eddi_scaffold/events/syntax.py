@@ -6,7 +6,36 @@ them is a loop: a text of 10,000 nodes may be a chain as deep as it is long.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A number with its unit: one end of a RANGE, the value of a CONST."""
+
+    value: float
+    unit: str | None
+    at: int
+
+
+@dataclass(frozen=True)
+class Options:
+    """What stands behind the list of a reduction.
+
+    Attributes:
+        coverage: share of known elements that is enough.
+        sector: angles of the first and the last element.
+        length: least and greatest number of elements.
+        within: the node has two more arguments, the limits of the elements.
+        at: offset of each option's word.
+    """
+
+    coverage: float | None = None
+    sector: tuple[Bound, Bound] | None = None
+    length: tuple[int, int] | None = None
+    within: bool = False
+    at: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -25,6 +54,8 @@ class Node:
         window: nanoseconds of a window.
         window_at: offset of the duration.
         coverage: share of known samples that is enough.
+        is_list: it has one value for each element of a list.
+        options: of a reduction.
     """
 
     op: str
@@ -37,6 +68,8 @@ class Node:
     window: int = 0
     window_at: int = 0
     coverage: float | None = None
+    is_list: bool = False
+    options: Options | None = None
 
 
 @dataclass(frozen=True)
@@ -52,15 +85,6 @@ class EnumDeclaration(Named):
     """``ENUM Mode { AUTO, MANUAL }``."""
 
     literals: tuple[Named, ...]
-
-
-@dataclass(frozen=True)
-class Bound:
-    """One end of a RANGE, or the value of a CONST."""
-
-    value: float
-    unit: str | None
-    at: int
 
 
 @dataclass(frozen=True)
@@ -173,8 +197,25 @@ WINDOWS = {
     "TIME": "time",
     "ONCE": "once",
 }
+REDUCTIONS = {
+    "MIN": "list_min",
+    "MAX": "list_max",
+    "AVERAGE": "list_average",
+    "AVG": "list_average",
+    "SUM": "list_sum",
+    "MEDIAN": "list_median",
+    "STDDEV": "list_stddev",
+    "COUNT": "list_count",
+    "ANY": "list_any",
+    "ALL": "list_all",
+}
+"""Function of a list -> operation."""
 FUNCTIONS = {
     "ABS": 1,
+    "SQRT": 1,
+    "HYPOT": 2,
+    "CLAMP": 3,
+    "NUMBER": 1,
     "ELAPSED": 1,
     "RISE": 1,
     "FALL": 1,
@@ -185,3 +226,29 @@ FUNCTIONS = {
     "AGE": 1,
 }
 """Function -> number of its arguments."""
+OPERATIONS = {"NUMBER": "number_of"}
+"""Function -> operation, where it is not the word in small letters."""
+MORE = ("LEAST", "GREATEST")
+"""Functions of two arguments or more."""
+
+
+def word_of(op: str) -> str:
+    """Return how an operation or a function is written."""
+    if op in OPERATORS or op in PREFIXES:
+        return {**OPERATORS, **PREFIXES}[op].strip()
+    words = (word for word, of in OPERATIONS.items() if of == op)
+    return next(words, op.removeprefix("list_").upper())
+
+
+_ELEMENTS = re.compile(r'\[(\*|[0-9]+\.\.[0-9]+)\]|"[^"]*"')
+
+
+def is_list_path(name: str) -> bool:
+    """Tell whether a path has ``[*]`` or ``[2..5]``: all it leads to, not one value."""
+    return any(match[1] for match in _ELEMENTS.finditer(name))
+
+
+def array_of(name: str) -> tuple[str, str]:
+    """Return the part of a path up to its last ``[*]`` or ``[2..5]``, and the rest."""
+    *_, last = (match for match in _ELEMENTS.finditer(name) if match[1])
+    return name[: last.end()], name[last.end() :]

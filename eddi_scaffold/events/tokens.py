@@ -8,7 +8,7 @@ from typing import Literal
 
 from eddi_scaffold.events.diagnostics import Findings
 
-TokenKind = Literal["word", "number", "symbol", "end"]
+TokenKind = Literal["word", "number", "text", "symbol", "end"]
 RESERVED = frozenset(
     {
         *("AND", "OR", "XOR", "NOT", "IMPLIES", "TRUE", "FALSE", "UNKNOWN"),
@@ -21,6 +21,7 @@ _TOKEN = re.compile(
     r"""(?P<blank>[ \t\r\n\f]+|//[^\n]*)
       | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
+      | (?P<text>"[^"\r\n]+")
       | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=])""",
     re.VERBOSE,
 )
@@ -84,8 +85,8 @@ def tokens_of(text: str, findings: Findings) -> tuple[Token, ...]:
             position += 1
             continue
         position = match.end()
-        if match.lastgroup in ("number", "word", "symbol"):
-            kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # one of these three
+        if match.lastgroup in ("number", "word", "text", "symbol"):
+            kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # one of these four
             found.append(Token(kind, match.group(), match.start(), position))
             last = position
     return (*found, Token("end", "", last, last))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Literal
 
+from eddi_scaffold.claims import Acceptance, Meanings, Use
 from eddi_scaffold.problems import EddiError, Place, error
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ class ModelInput:
         attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
             made of the id.
         sample: a value that it has while all is in order, for the example of a package.
+        uses: how its value can bring a claim of the monitor nearer; by default any value that is
+            known may.
     """
 
     id: str
@@ -61,6 +64,7 @@ class ModelInput:
     every_message: bool = False
     attribute: str | None = None
     sample: JsonValue = None
+    uses: tuple[Use, ...] = (Use(),)
 
 
 @dataclass(frozen=True)
@@ -69,15 +73,18 @@ class ModelOutput:
 
     Attributes:
         id: of what it says.
-        topic: where one value of the result is published, as a message of ``std_msgs``.
-        path: fields of the result; a pair is the element of a list by a field and its value.
+        topic: where one value of a message is published, as a message of ``std_msgs``.
+        path: fields of the message; a pair is the element of a list by a field and its value.
         place: where the topic is named.
+        of: the message beside the result that the value stands in (``evidence``), empty for the
+            result itself.
     """
 
     id: str
     topic: str
     path: tuple[str | tuple[str, str], ...]
     place: Place
+    of: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,10 +110,15 @@ class Model:
 
 @dataclass(frozen=True)
 class Reading:
-    """What a reader found: models and everything that is wrong with them."""
+    """What a reader found: models and everything that is wrong with them.
+
+    Attributes:
+        unread: what else is in the file, of which no monitor is made.
+    """
 
     models: tuple[Model, ...]
     problems: tuple[Problem, ...]
+    unread: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -189,8 +201,8 @@ class EditableMethod:
 class EditableModule:
     """A module of the kind in which people write, beside ``EDDIInput.py``.
 
-    Every text is Python already: checked identifiers, literals made by ``ascii``, comments of one
-    line.
+    Every text is Python already: checked identifiers, literals and comments by ``escaping``, in
+    lines of the few forms that ``copier_templates/shapes.jinja`` takes.
 
     Attributes:
         file: file name; it ends in ``_config.py``.
@@ -216,7 +228,7 @@ class Alias:
     """A generated module that offers names of the runtime where SESAME D7.2 had them.
 
     Attributes:
-        name: of the module, without ``.py`` (``bn_monitor``).
+        name: of the module, without ``.py``; it ends in ``_monitor`` (``bn_monitor``).
         module: module of the runtime (``bayesian_network``).
         names: what it offers of it.
         monitor_names: further names under which it offers the package's ``EDDIMonitor``.
@@ -253,6 +265,27 @@ def _none(_: Model) -> Any:
     return ()
 
 
+def _no_meanings(_document: JsonValue | None, _part: str | None) -> Meanings:
+    return {}
+
+
+def _accepts_nothing(_document: JsonValue, _frequency: float) -> Sequence[Acceptance]:
+    return ()
+
+
+def _no_lag(_document: JsonValue, _frequency: float) -> float:
+    return 0.0
+
+
+def _no_support(_: JsonValue) -> Mapping[str, frozenset[str]]:
+    return {}
+
+
+def with_status(message: str) -> Callable[[Model], Mapping[str, str]]:
+    """Return the ``beside`` of a kind that publishes the facts behind its result, and no more."""
+    return lambda _: {"status": message}
+
+
 @dataclass(frozen=True)
 class Kind:
     """The functions that make a monitor kind.
@@ -272,7 +305,8 @@ class Kind:
         runtime_model: the ``model`` part of ``config/model.json``.
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
         output_message: name of the message that the monitor publishes.
-        status_message: name of the message with the facts behind it, ``None`` for none.
+        beside: name -> message of what it publishes beside that, on ``<topic>/<name>``; in the
+            runtime the monitor has a method ``<name>_message()`` for each.
         parts: ids of results that are messages of their own, which an output may choose.
         outputs: topics that a configured model itself asks for.
         options: keys of ``Model:`` in a configuration that this kind understands.
@@ -287,10 +321,21 @@ class Kind:
         data_files: bulk data beside ``model.json``, which holds their digests.
         cross_check: compares the compiled model (text of ``model.json``) with an independent
             tool before a package is written.
-        readme: lines of Markdown for the package's README.
+        readme: lines of Markdown for the package's README; what comes of a model is escaped.
         diagram: the picture of a model.
-        ids: list of the output message -> the ids of its elements, as far as they are known.
+        ids: path of a list in a message of the kind -> the keys of its elements, as far as they are
+            known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
         named_by_config: its files hold one model without a name; the configuration's id is one.
+        meanings: what the fields of its messages say of what is known: of the ``model`` part of
+            ``config/model.json`` where it is at hand, and of the part that a topic is limited to.
+        accepted: of ``config/model.json`` and the steps per second: what the model and its options
+            accept in place of what is not known.
+        limits: of ``config/model.json``: input -> seconds after which the kind itself takes it as
+            unknown, for those that have such a limit.
+        lag: of the same two: seconds for which a claim may outlive its inputs, by what is accepted.
+        support: of ``config/model.json``: claim -> inputs that it rests on.
+        unfulfilled: why an output of a model does not fulfil an input of another one of this
+            kind, ``None`` where it does, or where nothing is asked of that input.
     """
 
     name: str
@@ -307,7 +352,7 @@ class Kind:
     runtime_model: Callable[[Model], dict[str, JsonValue]]
     messages: Mapping[str, str]
     output_message: str
-    status_message: str | None = None
+    beside: Callable[[Model], Mapping[str, str]] = _nothing
     options: tuple[str, ...] = ()
     configure: Callable[[Model, Options], tuple[Model | None, list[Problem]]] = _as_it_is
     inputs_of_model: bool = True
@@ -324,6 +369,12 @@ class Kind:
     outputs: Callable[[Model], Sequence[ModelOutput]] = _none
     ids: Callable[[Model], Mapping[str, Sequence[str]]] = _nothing
     named_by_config: bool = False
+    meanings: Callable[[JsonValue | None, str | None], Meanings] = _no_meanings
+    accepted: Callable[[JsonValue, float], Sequence[Acceptance]] = _accepts_nothing
+    limits: Callable[[JsonValue], Mapping[str, float]] = _nothing
+    lag: Callable[[JsonValue, float], float] = _no_lag
+    support: Callable[[JsonValue], Mapping[str, frozenset[str]]] = _no_support
+    unfulfilled: Callable[[Model, str, Model, str], str | None] | None = None
 
 
 @cache

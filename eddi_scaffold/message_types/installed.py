@@ -11,6 +11,12 @@ from pathlib import Path
 import rospkg
 
 from eddi_scaffold.message_types.definitions import Fields, fields_of
+from eddi_scaffold.regions.files import read_regular
+
+_PARTS = (
+    "Action", "ActionFeedback", "ActionGoal", "ActionResult", "Feedback", "Goal", "Result",
+)  # fmt: skip
+"""What the name of an action becomes in those of its messages."""
 
 
 @cache
@@ -24,10 +30,26 @@ def installed_message(name: str) -> Fields | None:
     for folder in _folders(package):
         file = folder / "msg" / f"{message}.msg"
         try:
-            return fields_of(file.read_text("utf-8", "replace"), package)
+            return fields_of(read_regular(file).decode("utf-8", "replace"), package)
         except OSError:
             continue
     return None
+
+
+@cache
+def installed_types(package: str) -> frozenset[str]:
+    """Return the message types of a package, also of its actions; none where it is not installed.
+
+    The first folder with messages counts: it is the one that Python would import.
+    """
+    for folder in _folders(package):
+        names = {file.stem for file in folder.glob("msg/*.msg")}
+        names |= {
+            f"{file.stem}{part}" for file in folder.glob("action/*.action") for part in _PARTS
+        }
+        if names:
+            return frozenset(f"{package}/{name}" for name in names)
+    return frozenset()
 
 
 @cache

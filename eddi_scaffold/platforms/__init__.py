@@ -52,7 +52,8 @@ class Platform:
         monitor: answers of the package of one monitor, and problems.
         support: answers of the packages that all monitors share; gets the names of every monitor
             package of the workspace, sorted, and who maintains them.
-        taken_names: folder of all packages -> names that would break the platform -> why.
+        taken_names: folder of all packages, or ``None`` -> names that would break the platform ->
+            why.
     """
 
     name: str
@@ -60,7 +61,7 @@ class Platform:
     needs_config: bool
     monitor: Callable[[Monitor], tuple[PackageAnswers, list[Problem]]]
     support: Callable[[Sequence[str], Config | None], list[PackageAnswers]]
-    taken_names: Callable[[Path], Mapping[str, str]]
+    taken_names: Callable[[Path | None], Mapping[str, str]]
 
 
 @cache

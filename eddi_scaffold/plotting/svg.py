@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from xml.sax.saxutils import escape
 
+from eddi_scaffold.escaping import xml_text
 from eddi_scaffold.plotting.tracks import Track, stretches, ticks
 
 _LEFT, _RIGHT, _WIDTH = 230, 70, 1000
@@ -55,11 +55,11 @@ def _document(title: str, height: int, parts: Iterable[str]) -> str:
     )
     root = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{height}" '
-        f'viewBox="0 0 {_WIDTH} {height}" role="img" aria-label="{_attribute(title)}">'
+        f'viewBox="0 0 {_WIDTH} {height}" role="img" aria-label="{xml_text(title)}">'
     )
     lines = [
         root,
-        f"<title>{escape(_printable(title))}</title>",
+        f"<title>{xml_text(title)}</title>",
         f"<style>{_STYLE}</style>{hatch}",
         f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
         _text(12, 24, title, "title"),
@@ -80,7 +80,7 @@ def _track(track: Track, y: int, height: int, start: float, end: float) -> list[
         shown = value if isinstance(value, str) else _WORDS[truth]
         parts.append(
             f'<rect x="{_number(x)}" y="{y}" width="{_number(wide)}" height="{height}" '
-            f'fill="{colour}"><title>{escape(_printable(shown))}: {begin:g} s to {until:g} s'
+            f'fill="{colour}"><title>{xml_text(shown)}: {begin:g} s to {until:g} s'
             f"</title></rect>"
         )
         if isinstance(value, str) and wide > 7 * len(value):
@@ -168,17 +168,7 @@ def _number(value: float) -> str:
 def _text(
     x: float, y: float, text: str, kind: str = "", *, anchor: str = "start", width: int = 200
 ) -> str:
-    shown = _printable(text)
-    shown = shown if len(shown) <= width else f"{shown[: width - 1]}…"
+    shown = text if len(text) <= width else f"{text[: width - 1]}…"
     kind = f' class="{kind}"' if kind else ""
     place = f'x="{_number(x)}" y="{_number(y)}"'
-    return f'<text {place}{kind} text-anchor="{anchor}">{escape(shown)}</text>'
-
-
-def _attribute(text: str) -> str:
-    return escape(_printable(text), {'"': "&quot;"})
-
-
-def _printable(text: str) -> str:
-    """Return text without characters that XML does not allow."""
-    return "".join(char if char.isprintable() else "?" for char in text)
+    return f'<text {place}{kind} text-anchor="{anchor}">{xml_text(shown)}</text>'

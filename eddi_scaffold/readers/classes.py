@@ -30,7 +30,8 @@ OTHERS = (
 )
 """Classes of the metamodel that are left out on purpose."""
 
-_KNOWN = frozenset(fold(name) for name in (*MODELS, *PACKAGES, *OTHERS))
+CLASSES = frozenset(fold(name) for name in (*MODELS, *PACKAGES, *OTHERS))
+"""All that are known, folded."""
 _RUN = frozenset({"failurelogic", "bayesiannetwork"})
 """Packages of which every class should be known."""
 _NEAR = 0.8
@@ -46,7 +47,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             if element.get(XSI_TYPE) is None:
                 continue
             kind = document.class_of(element)
-            if kind.name in _KNOWN:
+            if kind.name in CLASSES:
                 continue
             meant = _nearest(local_name(kind.printed))
             if meant is None and (kind.package not in _RUN or kind.name.endswith("package")):

@@ -23,6 +23,8 @@ _FRAGMENT = re.compile(
     r"(?=/)(?:/{1,2}(?!@)([0-9]{1,9})?|/)?((?:/@[^\W\d][\w-]*(?:\.[0-9]{1,9})?)*)/?"
 )
 _SUGGESTION_BUDGET = 200_000
+_DEEPEST = 256
+"""The depth of a file that the parser reads: a longer path points at nothing."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ class References:
 
     def resolve(self, fragment: Fragment) -> Element | None:
         """Return the element that a path points at, ``None`` when there is none."""
-        if fragment.root >= len(self._roots):
+        if fragment.root >= len(self._roots) or fragment.segments.count("/@") > _DEEPEST:
             return None
         head, missing = fragment.segments, []
         element = self._found.get((fragment.root, head))

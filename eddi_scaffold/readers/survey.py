@@ -90,6 +90,10 @@ class Survey:
         }
 
 
+MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
+"""Kinds of models that monitors are made of."""
+
+
 def survey(document: EddiDocument) -> Survey:
     """Visit every element of a document."""
     references = References(document.roots)  # its own: it must not disturb a reader's remarks
@@ -97,7 +101,7 @@ def survey(document: EddiDocument) -> Survey:
     elements = total = unresolved = 0
     for element in document.document.iter():
         elements += 1
-        kind = _kind(document, element)
+        kind = kind_of_model(document, element)
         if kind is not None:
             models.append(_model(document, element, kind))
         for value in element.values():
@@ -155,7 +159,7 @@ _BY_FEATURE = {
 }
 
 
-def _kind(document: EddiDocument, element: Element) -> str | None:
+def kind_of_model(document: EddiDocument, element: Element) -> str | None:
     """Return the kind of the model that an element is, ``None`` when it is none."""
     stated = element.get(XSI_TYPE)
     feature = fold(feature_of(element))

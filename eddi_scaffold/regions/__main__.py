@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 if not __package__:  # run as a folder: make the template's checkout importable, leave no trace
@@ -19,6 +20,7 @@ if not __package__:  # run as a folder: make the template's checkout importable,
 
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.generated import note_edits
+from eddi_scaffold.regions.git import committed_text
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 
 _USAGE = "usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)\n"
@@ -30,7 +32,7 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
     root = root or Path.cwd()
     if words == ["sync"]:
         try:
-            lines = describe(sync_package(root))
+            lines = describe(sync_package(root, partial(committed_text, root)))
         except Exception:  # noqa: BLE001 - a failing task makes Copier drop edits of other files
             lines = [traceback.format_exc(), f"{root}: error: our bug; hand edits are not lost"]
         sys.stderr.write("".join(f"{line}\n" for line in lines))

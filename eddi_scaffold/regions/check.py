@@ -10,8 +10,10 @@ from typing import Literal
 from eddi_scaffold.regions.bodies import same_body
 from eddi_scaffold.regions.claims import adopt_ids
 from eddi_scaffold.regions.document import Document, Fault, Region, parse
+from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.markers import with_sig
 from eddi_scaffold.regions.merge import kind_of
+from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.review import doubtful_names
 from eddi_scaffold.regions.store import (
     EDDI,
@@ -21,7 +23,7 @@ from eddi_scaffold.regions.store import (
     without_sentinel,
     write_file,
 )
-from eddi_scaffold.regions.sync import Refusal
+from eddi_scaffold.regions.sync import Refusal, linked_folders
 
 State = Literal["untouched", "edited", "orphaned", "rejected", "broken"]
 
@@ -49,6 +51,9 @@ class RegionStatus:
 
 def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     """Return everything that ``eddi-scaffold regions`` shows about a package, by file and line."""
+    linked = linked_folders(root)
+    if linked:
+        return tuple(_broken(refusal) for refusal in linked)
     found: list[RegionStatus] = []
     if not (root / EDDI / "pristine").is_dir():
         note = "without this folder hand edits cannot be told from generated text; generate again"
@@ -56,8 +61,9 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     for name in files_below(root / EDDI / "pristine"):
         found.extend(_of_file(root, name))
     for path, orphan in load_orphans(root).items():
-        note = f"saved in {path.relative_to(root).as_posix()}"
-        found.append(RegionStatus(orphan.id, orphan.file, None, "orphaned", (note,), review=True))
+        place = path.relative_to(root).as_posix()
+        file, note = orphan.file if is_relative(orphan.file) else place, f"saved in {place}"
+        found.append(RegionStatus(orphan.id, file, None, "orphaned", (note,), review=True))
     for name in files_below(root / EDDI / "rejects"):
         note = "put the edit where it belongs now, then delete this file"
         file = f"{EDDI}/rejects/{name}"
@@ -67,7 +73,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
 
 def broken_files(root: Path) -> tuple[Refusal, ...]:
     """Return the damaged markers of a package: a new rendering could not be merged."""
-    return tuple(
+    return linked_folders(root) or tuple(
         Refusal(status.file, status.line or 1, "; ".join(status.notes))
         for name in files_below(root / EDDI / "pristine")
         for status in _of_file(root, name)
@@ -84,7 +90,7 @@ def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
     wanted, accepted = set(ids), []
     for name in files_below(root / EDDI / "pristine"):
         text, mine, theirs, _ = _documents(root, name)
-        if text is None or mine is None or theirs is None:
+        if text is None or mine is None or theirs is None or not stays(root, root / name):
             continue
         lines = text.split("\n")
         for region in mine.regions.values():
@@ -94,7 +100,7 @@ def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
                 end = "\r" if line.endswith("\r") else ""
                 lines[region.line - 1] = with_sig(line.rstrip("\r"), current.sig) + end
                 accepted.append(region.id)
-        write_file(root / name, "\n".join(lines).encode())
+        write_file(root, name, "\n".join(lines).encode())
     return tuple(accepted)
 
 
@@ -118,7 +124,7 @@ def _documents(
 
 def _of_file(root: Path, name: str) -> list[RegionStatus]:
     text, mine, theirs, faults = _documents(root, name)
-    broken = [RegionStatus("", name, f.line, "broken", (f.reason,), review=True) for f in faults]
+    broken = [_broken(Refusal(name, fault.line, fault.reason)) for fault in faults]
     if text is None or mine is None:
         return broken
     base = read_text(root / EDDI / "base" / name)
@@ -138,6 +144,10 @@ def _of_file(root: Path, name: str) -> list[RegionStatus]:
         else RegionStatus(region.id, name, region.line, "untouched")
         for region in mine.regions.values()
     ]
+
+
+def _broken(found: Refusal) -> RegionStatus:
+    return RegionStatus("", found.file, found.line, "broken", (found.reason,), review=True)
 
 
 def _edited(name: str, region: Region, new: Region | None, doubts: Iterable[str]) -> RegionStatus:

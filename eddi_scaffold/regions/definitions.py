@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from eddi_scaffold.regions.document import placeholder_id, split_lines
 from eddi_scaffold.regions.formatting import framed
 from eddi_scaffold.regions.markers import indent_of
+from eddi_scaffold.regions.python_text import parse_shallow
 
 TAIL = "<tail>"
 
@@ -75,11 +76,7 @@ def split(lines: Sequence[str]) -> tuple[Item, ...]:
     text = "".join(lines)
     if "\r" in text or "\f" in text:
         raise SyntaxError("carriage returns or form feeds inside of lines")
-    try:
-        tree = ast.parse(text)
-    except (ValueError, RecursionError, MemoryError) as problem:
-        raise SyntaxError(str(problem)) from None
-    return tuple(_numbered(_block(tree.body, lines, 0, len(lines))))
+    return tuple(_numbered(_block(parse_shallow(text).body, lines, 0, len(lines))))
 
 
 def split_function(lines: Sequence[str]) -> Group | None:
@@ -87,8 +84,8 @@ def split_function(lines: Sequence[str]) -> Group | None:
     text = framed(lines)
     shown = split_lines(text)
     try:
-        node = ast.parse(text).body[0]
-    except (SyntaxError, ValueError, RecursionError, MemoryError, IndexError):
+        node = parse_shallow(text).body[0]
+    except (SyntaxError, IndexError):
         return None
     if isinstance(node, ast.If):
         node = node.body[0]

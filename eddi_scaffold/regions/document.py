@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,6 +87,7 @@ class _Scope:
     indent: int
     kind: str
     name: str
+    parent: _Scope | None
 
 
 def placeholder(region_id: str, indent: str = "") -> str:
@@ -183,23 +185,33 @@ def _region(
 
 
 def _scopes(lines: Sequence[str]) -> list[_Scope]:
-    """Return where definitions begin, the last one first."""
-    found = ((number, _DEFINITION.match(line)) for number, line in enumerate(lines, 1))
-    return [_Scope(n, len(m[1]), m[2], m[3]) for n, m in found if m][::-1]
+    """Return where definitions begin, with the nearest one above that is indented less."""
+    found: list[_Scope] = []
+    for number, line in enumerate(lines, 1):
+        match = _DEFINITION.match(line)
+        if match:
+            indent, above = len(match[1]), found[-1] if found else None
+            while above is not None and above.indent >= indent:
+                above = above.parent
+            found.append(_Scope(number, indent, match[2], match[3], above))
+    return found
 
 
 def _enclosing_function(scopes: Sequence[_Scope], begin: Marker) -> str:
     # An editor may have stripped the marker's blanks: then any definition above encloses it.
     limit = len(indent_of(begin.text)) or 10**6
     names: list[str] = []
-    for scope in scopes:
-        if scope.line < begin.line and scope.indent < limit:
+    before = bisect_left(scopes, begin.line, key=lambda scope: scope.line)
+    scope = scopes[before - 1] if before else None
+    while scope is not None:
+        if scope.indent < limit:
             if not names and scope.kind == "class":
                 return ""
             names.append(scope.name)
             limit = scope.indent
             if limit == 0:
                 break
+        scope = scope.parent
     return ".".join(reversed(names))
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import ast
 import io
 import tokenize
-import warnings
 from collections.abc import Sequence
 
 from eddi_scaffold.regions.document import split_lines
 from eddi_scaffold.regions.markers import indent_of
+from eddi_scaffold.regions.python_text import parse_shallow
 
 
 def framed(lines: Sequence[str]) -> str:
@@ -35,12 +35,10 @@ def same_code(one: str, other: str) -> bool:
 def _meaning(lines: Sequence[str]) -> tuple[str, list[str]] | None:
     text = framed(lines)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            tree = ast.parse(text)
+        tree = parse_shallow(text)
         tokens = tokenize.generate_tokens(io.StringIO(text).readline)
         comments = [t.string.lstrip("# \t") for t in tokens if t.type == tokenize.COMMENT]
         # The frame belongs to the dump: pieces of different depth are never compared.
         return ast.dump(tree), comments
-    except (SyntaxError, ValueError, RecursionError, MemoryError, tokenize.TokenError):
+    except (SyntaxError, tokenize.TokenError):
         return None

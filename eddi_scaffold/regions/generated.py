@@ -7,6 +7,8 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+from eddi_scaffold.regions.files import read_regular
+from eddi_scaffold.regions.paths import inside, is_relative
 from eddi_scaffold.regions.store import (
     EDDI,
     SENTINEL,
@@ -45,7 +47,7 @@ def note_edits(root: Path) -> None:
     note = root / EDDI / _EDITED
     names = changed_generated(root)
     if names:
-        write_file(note, ("\n".join(names) + "\n").encode())
+        write_file(root, f"{EDDI}/{_EDITED}", ("\n".join(names) + "\n").encode())
     else:
         note.unlink(missing_ok=True)
 
@@ -67,7 +69,7 @@ def record_generated(root: Path) -> bool:
     if not digests:
         return False
     text = json.dumps({"sha256": digests}, indent=1, sort_keys=True) + "\n"
-    changed = write_file(root / EDDI / _MANIFEST, text.encode())
+    changed = write_file(root, f"{EDDI}/{_MANIFEST}", text.encode())
     note.unlink(missing_ok=True)
     return changed
 
@@ -98,27 +100,29 @@ def save_generated_edits(root: Path, paths: Iterable[str] | None = None) -> list
         Where the copies are.
     """
     names = changed_generated(root) if paths is None else list(paths)
-    return [save_reject(root, name, (root / name).read_bytes(), ".edited") for name in names]
+    return [save_reject(root, name, read_regular(root / name), ".edited") for name in names]
 
 
 def _matching(root: Path, line: str) -> list[str]:
-    if "*" not in line:
-        return [line]
-    return [path.relative_to(root).as_posix() for path in root.glob(line) if path.is_file()]
+    if "*" not in line or not is_relative(line):
+        names = [line]
+    else:
+        names = [path.relative_to(root).as_posix() for path in root.glob(line) if path.is_file()]
+    return [name for name in names if inside(root, name)]
 
 
 def _recorded(root: Path) -> dict[str, str]:
     text = read_text(root / EDDI / _MANIFEST)
     try:
         found = json.loads(text)["sha256"] if isinstance(text, str) else {}
-        return {str(name): str(digest) for name, digest in found.items()}
-    except (ValueError, KeyError, TypeError, AttributeError):
+        return {name: str(digest) for name, digest in found.items() if inside(root, name)}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
 
 
 def _digest(path: Path) -> str | None:
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        return hashlib.sha256(read_regular(path)).hexdigest()
     except OSError:
         return None
 

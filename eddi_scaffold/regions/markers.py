@@ -21,19 +21,21 @@ from typing import Literal
 
 Style = Literal["python", "xml", "hash"]
 
+# Lines are as long as somebody wants: no two neighbours below can match the same characters.
 _DASHED = re.compile(
-    r"""^\s*(?:\#\s*)?(?P<quote>'''|\"\"\"|'|"|)\s*-{3,}\s*Manual\ edit\ (?P<what>begin|end)
-        \s*-{3,}\s*(?P=quote)\s*(?:\#?\s*region:\s*(?P<tail>.*?)|\#)?\s*$""",
+    r"""(?:\#\s*)?(?:(?P<quote>'''|\"\"\"|'|")\s*)?-{3,}\s*Manual\ edit\ (?P<what>begin|end)
+        \s*-{3,}(?(quote)\s*(?P=quote))(?:\s*\#)?\s*(?:region:(?P<tail>.*))?""",
     re.VERBOSE,
 )
-_XML = re.compile(
-    r"""^\s*<!--\s*-*\s*Manual\ edit\ (?P<what>begin|end)\s*-*?\s*
-        (?:\|?\s*region:\s*(?P<tail>.*?))?\s*-->\s*$""",
-    re.VERBOSE,
+_XML = re.compile(r"Manual edit (?P<what>begin|end)(?:\s*-+)?\s*(?:(?:\|\s*)?region:(?P<tail>.*))?")
+_ALIKE = re.compile(
+    r"(?<!-)-{3,}\s*Manual edit (?:begin|end)\s*-{3,}"
+    r"|<!--(?:(?!<!--)[^>])*Manual edit (?:begin|end)"
 )
-_ALIKE = re.compile(r"-{3,}\s*Manual edit (?:begin|end)\s*-{3,}|<!--[^>]*Manual edit (?:begin|end)")
-_TAIL = re.compile(r"^(\S+)(?:\s+was:\s*(\S+(?:\s*,\s*\S+)*?))?(?:\s+sig:\s*([0-9a-f]{8}))?$")
-_SIG = re.compile(r"\s+sig:\s*[0-9a-f]{8}(?=\s|$)")
+_WORDS = "Manual edit "
+_SIG = re.compile(r"(?<!\s)\s+sig:\s*[0-9a-f]{8}(?=\s|$)")
+_SIG_AT_END = re.compile(r"(?:^|(?<!\s)\s+)sig:\s*([0-9a-f]{8})$")
+_WAS = "was:"
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,8 @@ def with_sig(begin: str, sig: str | None) -> str:
     bare = _SIG.sub("", begin, count=1)
     if sig is None:
         return bare
-    close = re.search(r"\s*-->\s*$", bare)
-    at = close.start() if close else len(bare.rstrip())
+    plain = bare.rstrip()
+    at = len(plain.removesuffix("-->").rstrip())
     return f"{bare[:at]} sig: {sig}{bare[at:]}"
 
 
@@ -121,16 +123,41 @@ def _written(what: str, style: Style, tail: str) -> str:
 
 def read_marker(line: str, number: int) -> Marker | str | None:
     """Return the marker in a line, why it is none although it looks like one, or ``None``."""
+    if _WORDS not in line:
+        return None
     text = line.rstrip("\r\n")
-    match = _DASHED.match(text) or _XML.match(text)
+    bare = text.strip()
+    match = _DASHED.fullmatch(bare) or _XML.fullmatch(_commented(bare))
     if match is None:
         alone = "a marker must stand alone on its line; move the other text away"
         return alone if _ALIKE.search(text) else None
-    if not match["tail"]:
+    if not (match["tail"] or "").strip():
         return Marker(match["what"], number, text, None, (), None)
-    tail = _TAIL.match(match["tail"])
+    tail = _read_tail(match["tail"].strip())
     if tail is None:
         form = "<kind>:<id> [was: <old>] [sig: <8 hex digits>]"
         return f"text behind 'region:' is not '{form}'; put the generated line back"
-    was = tuple(decode_id(old.strip()) for old in (tail[2] or "").split(",") if old.strip())
-    return Marker(match["what"], number, text, decode_id(tail[1]), was, tail[3])
+    region_id, was, sig = tail
+    return Marker(match["what"], number, text, region_id, was, sig)
+
+
+def _commented(text: str) -> str:
+    """Return what stands in an XML comment, without dashes before it; empty for no comment."""
+    if len(text) < len("<!---->") or not (text.startswith("<!--") and text.endswith("-->")):
+        return ""
+    return text[4:-3].strip().lstrip("-").strip()
+
+
+def _read_tail(text: str) -> tuple[str, tuple[str, ...], str | None] | None:
+    """Return id, former ids and signature, ``None`` for another text."""
+    region_id, *rest = text.split(None, 1)
+    left = rest[0] if rest else ""
+    sig = _SIG_AT_END.search(left)
+    left = left[: sig.start()].rstrip() if sig else left
+    was = left.removeprefix(_WAS).strip()
+    former = [name.strip() for name in was.split(",") if name.strip()]
+    is_list = left.startswith(_WAS) and was[:1] not in {"", ","}
+    if left and (not is_list or any(name.split()[1:] for name in former)):
+        return None
+    ids = tuple(decode_id(name) for name in former)
+    return decode_id(region_id), ids, sig[1] if sig else None

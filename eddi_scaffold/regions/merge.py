@@ -115,7 +115,9 @@ def check_text(path: str, text: str) -> Fault | None:
         return Fault(problem.lineno or 1, problem.msg)
     except expat.ExpatError as problem:
         return Fault(problem.lineno, expat.ErrorString(problem.code))
-    except (ValueError, RecursionError, MemoryError) as problem:
+    except (RecursionError, MemoryError):
+        return Fault(1, "nested too deeply")
+    except ValueError as problem:
         return Fault(1, str(problem))
     return None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.regions.definitions import Group, Item, is_named, split, split_function
@@ -12,6 +12,7 @@ from eddi_scaffold.regions.document import placeholder_id
 from eddi_scaffold.regions.formatting import framed, same_meaning
 from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.markers import indent_of
+from eddi_scaffold.regions.python_text import parse_python, parse_shallow
 
 
 @dataclass(frozen=True)
@@ -77,19 +78,19 @@ def _block(
         elif was is None or regions_in(item.lines) or not same_lines(was.lines, item.lines):
             chosen[key] = list(item.lines)
         # else: the person removed what the generator left as it was
-    order = list(chosen)
+    order = _Order(chosen)
     anchor: str | None = None
     # Steps that a person put behind all others stay behind all others.
-    last = _added_last(own, old, new) if steps and not order[-1].startswith("return") else set()
+    last = _added_last(own, old, new) if steps and not order.end.startswith("return") else set()
+    replaced = _replaced(own, old, new)
     for key, person in own.items():
         if key not in new:
             was = old.get(key)
-            lost = _replaced(key, list(own), old, new) if was is None else None
+            lost = replaced.get(key)
             if lost is not None:
                 merge.rejects.append(Reject(_name(scope, lost.key), lost.lines, person.lines))
             elif was is None and not regions_in(person.lines):
-                at = order.index(anchor) + 1 if anchor is not None else 0
-                order.insert(len(order) if key in last else at, key)
+                order.insert(key, order.end if key in last else anchor or "")
                 chosen[key] = list(person.lines)
             elif was is None or not same_lines(was.lines, person.lines):
                 _reject_removed(merge, was, person, _name(scope, key))
@@ -98,15 +99,52 @@ def _block(
     return [line for key in order for line in _terminated(chosen[key])]
 
 
-def _replaced(key: str, own: list[str], old: dict[str, Item], new: dict[str, Item]) -> Item | None:
-    """Return the nameless statement that a person rewrote into this one and theirs changed too."""
-    if is_named(key):
-        return None
-    known = [k for k in own[: own.index(key)] if k in old]
+class _Order:
+    """Keys in an order that grows at any place; the key before the first one is empty."""
+
+    def __init__(self, keys: Iterable[str]) -> None:
+        first = ["", *keys]
+        self.end = first[-1]
+        self._next = dict(itertools.pairwise(first))
+
+    def insert(self, key: str, behind: str) -> None:
+        if behind == self.end:
+            self.end = key
+        else:
+            self._next[key] = self._next[behind]
+        self._next[behind] = key
+
+    def __iter__(self) -> Iterator[str]:
+        key = ""
+        while key != self.end:
+            key = self._next[key]
+            yield key
+
+
+def _replaced(
+    own: dict[str, Item], old: dict[str, Item], new: dict[str, Item]
+) -> dict[str, Item | None]:
+    """Return for nameless statements of a person the one each replaced, which theirs changed too.
+
+    That is the first nameless one of those that are gone behind the last known statement.
+    """
     names = list(old)
-    start = names.index(known[-1]) + 1 if known else 0
-    gone = itertools.takewhile(lambda k: k not in own, names[start:])
-    return next((old[k] for k in gone if k not in new and not is_named(k)), None)
+    place = {key: number for number, key in enumerate(names, 1)}
+    start = 0
+    by_start: dict[int, Item | None] = {}
+    found: dict[str, Item | None] = {}
+    for key in own:
+        if key in old:
+            start = place[key]
+        elif not is_named(key):
+            if start not in by_start:
+                behind = (names[k] for k in range(start, len(names)))
+                gone = itertools.takewhile(lambda k: k not in own, behind)
+                by_start[start] = next(
+                    (old[k] for k in gone if k not in new and not is_named(k)), None
+                )
+            found[key] = by_start[start]
+    return found
 
 
 def _added_last(own: dict[str, Item], old: Mapping[str, Item], new: Mapping[str, Item]) -> set[str]:
@@ -219,7 +257,7 @@ def _comments(lines: Sequence[str]) -> set[str]:
 
 def _imported(lines: Sequence[str]) -> dict[str, None] | None:
     try:
-        body = ast.parse("".join(lines)).body
+        body = parse_shallow("".join(lines)).body
     except SyntaxError:
         return None
     if len(body) > 1 or not all(isinstance(node, ast.ImportFrom) for node in body):
@@ -236,8 +274,8 @@ def _parses(lines: Sequence[str]) -> bool:
 
 def _valid(text: str) -> bool:
     try:
-        ast.parse(text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        parse_python(text)
+    except SyntaxError:
         return False
     return True
 

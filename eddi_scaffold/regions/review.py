@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Sequence
-from typing import TypeVar
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator
 
 from eddi_scaffold.regions.document import Region
-
-_Node = TypeVar("_Node", bound=ast.stmt)
+from eddi_scaffold.regions.python_text import parse_python
 
 
 def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str, ...]]:
@@ -22,55 +21,95 @@ def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str,
         regions: its hand-written regions.
     """
     try:
-        tree = ast.parse(text.removeprefix("\ufeff"))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        tree = parse_python(text.removeprefix("\ufeff"))
+    except SyntaxError:
         return {}
     nodes = list(ast.walk(tree))
-    classes = {n: _own_attributes(n) for n in nodes if isinstance(n, ast.ClassDef)}
-    functions = [n for n in nodes if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)]
+    classes = _Scopes([n for n in nodes if isinstance(n, ast.ClassDef)])
+    functions = _Scopes([n for n in nodes if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)])
     found = {}
     for region in regions:
         lines = range(region.line + 1, region.line + region.body.count("\n") + 1)
-        owner, function = _innermost(classes, lines), _innermost(functions, lines)
-        notes = [*_attributes(classes[owner] if owner else [], lines), *_locals(function, lines)]
+        owner, function = classes.around(lines), functions.around(lines)
+        notes = [
+            *(_attributes(owner, lines) if owner else ()),
+            *(_locals(function, lines) if function else ()),
+        ]
         if notes:
             found[region.id] = tuple(dict.fromkeys(notes))
     return found
 
 
-def _attributes(attributes: Sequence[ast.Attribute], lines: range) -> Iterator[str]:
-    known = {node.attr for node in attributes if _reads(node) or node.lineno not in lines}
-    for node in attributes:
-        if node.attr not in known:
-            yield f"'self.{node.attr}' is assigned, but nothing else in the class knows it"
+class _Scope:
+    """A class or function, with what is known of its names after one walk."""
+
+    def __init__(self, node: ast.stmt) -> None:
+        self.last = node.end_lineno or 0
+        inside = list(ast.walk(node))
+        self.attributes = _Uses(
+            (one.lineno, one.attr, _reads(one))
+            for one in inside
+            if isinstance(one, ast.Attribute)
+            and isinstance(one.value, ast.Name)
+            and one.value.id == "self"
+        )
+        self.names = _Uses(
+            (one.lineno, one.id, _reads(one)) for one in inside if isinstance(one, ast.Name)
+        )
 
 
-def _locals(function: ast.stmt | None, lines: range) -> Iterator[str]:
-    names = [n for n in ast.walk(function) if isinstance(n, ast.Name)] if function else []
-    used = {name.id for name in names if _reads(name)}
-    for name in names:
-        if name.lineno in lines and name.id not in used and name.id[0] != "_":
-            yield f"{name.id!r} is assigned, but nothing in the function uses it"
+class _Uses:
+    """Where names stand, and which are read."""
+
+    def __init__(self, uses: Iterable[tuple[int, str, bool]]) -> None:
+        found = list(uses)
+        self.places = sorted((line, number, name) for number, (line, name, _) in enumerate(found))
+        self.read = {name for _, name, reads in found if reads}
+        self.first: dict[str, int] = {}
+        self.last: dict[str, int] = {}
+        for line, _, name in self.places:
+            self.first.setdefault(name, line)
+            self.last[name] = line
+
+    def within(self, lines: range) -> list[str]:
+        """Return the names that stand in some lines, in the order of the walk."""
+        start = bisect_left(self.places, (lines.start,))
+        stop = bisect_left(self.places, (lines.stop,))
+        return [name for _, name in sorted(place[1:] for place in self.places[start:stop])]
 
 
-def _own_attributes(owner: ast.ClassDef) -> list[ast.Attribute]:
-    return [
-        node
-        for node in ast.walk(owner)
-        if isinstance(node, ast.Attribute)
-        and isinstance(node.value, ast.Name)
-        and node.value.id == "self"
-    ]
+class _Scopes:
+    """The classes, or the functions, of a file by line."""
+
+    def __init__(self, nodes: Iterable[ast.stmt]) -> None:
+        self._at: dict[int, ast.stmt] = {}
+        self._known: dict[ast.stmt, _Scope] = {}
+        for node in sorted(nodes, key=lambda one: one.lineno):
+            self._at |= dict.fromkeys(range(node.lineno + 1, (node.end_lineno or 0) + 1), node)
+
+    def around(self, lines: range) -> _Scope | None:
+        """Return the innermost one around some lines."""
+        node = self._at.get(lines.start - 1)
+        if node is None:
+            return None
+        if node not in self._known:
+            self._known[node] = _Scope(node)
+        return self._known[node] if self._known[node].last >= lines.stop - 1 else None
+
+
+def _attributes(owner: _Scope, lines: range) -> Iterator[str]:
+    uses = owner.attributes
+    for name in uses.within(lines):
+        inside = lines.start <= uses.first[name] and uses.last[name] < lines.stop
+        if inside and name not in uses.read:
+            yield f"'self.{name}' is assigned, but nothing else in the class knows it"
+
+
+def _locals(function: _Scope, lines: range) -> Iterator[str]:
+    for name in function.names.within(lines):
+        if name not in function.names.read and name[0] != "_":
+            yield f"{name!r} is assigned, but nothing in the function uses it"
 
 
 def _reads(node: ast.Attribute | ast.Name) -> bool:
     return isinstance(node.ctx, ast.Load)
-
-
-def _innermost(nodes: Iterable[_Node], lines: range) -> _Node | None:
-    found = [
-        node
-        for node in nodes
-        if node.lineno < lines.start and (node.end_lineno or 0) >= lines.stop - 1
-    ]
-    return max(found, key=lambda node: node.lineno, default=None)

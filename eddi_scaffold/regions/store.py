@@ -7,44 +7,52 @@ last finished sync), ``next/F`` (what becomes the base of a sync under way), ``o
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
 import re
-import subprocess
-from collections.abc import Iterator
 from contextlib import suppress
-from pathlib import Path, PurePosixPath
+from itertools import chain, count
+from pathlib import Path
 from urllib.parse import quote
 
 from eddi_scaffold.regions.document import Fault
+from eddi_scaffold.regions.files import LINK, entries, read_regular, stays
 from eddi_scaffold.regions.markers import decode_id, encode_id
+from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.result import Orphan
 
 EDDI = ".eddi"
 SENTINEL = "eddi-scaffold: end of rendering"
 _TEMPORARY = ".eddi-tmp"
-_SENTINEL_LINE = re.compile(rf"^[ \t]*(?:#|<!--)\s*{SENTINEL}\s*(?:-->)?\s*\Z", re.MULTILINE)
+_SENTINEL_LINE = re.compile(rf"^[ \t]*(?:#|<!--)\s*{SENTINEL}\s*(?:-->\s*)?\Z", re.MULTILINE)
 _HEAD = "# eddi-scaffold: saved body of a region that is gone; it comes back with the region"
 
 
 def files_below(folder: Path) -> list[str]:
-    """Return the files below a folder, relative to it, sorted; empty when there is none."""
+    """Return the regular files below a folder, relative to it, sorted; links are not followed."""
     return sorted(
-        path.relative_to(folder).as_posix()
-        for path in folder.rglob("*")
-        if path.is_file() and not path.name.endswith(_TEMPORARY)
+        name for name, kind in entries(folder) if kind is None and not name.endswith(_TEMPORARY)
     )
+
+
+def linked_records(root: Path) -> list[str]:
+    """Return the links to folders that stand among a package's records, relative to it."""
+    if (root / EDDI).is_symlink():
+        return [EDDI]
+    links = (f"{EDDI}/{name}" for name, kind in entries(root / EDDI) if kind == LINK)
+    return [name for name in links if (root / name).is_dir()]
 
 
 def read_text(path: Path) -> str | Fault | None:
     """Return a file's text with its line ends, ``None`` without the file, else what is wrong."""
     try:
-        return path.read_bytes().decode()
+        return read_regular(path).decode()
     except FileNotFoundError:
         return None
     except UnicodeDecodeError as problem:
-        line = path.read_bytes()[: problem.start].count(b"\n") + 1
+        line = problem.object.count(b"\n", 0, problem.start) + 1
         return Fault(line, "the file is not UTF-8; convert it")
     except OSError as problem:
         return Fault(1, f"cannot read the file: {problem.strerror}")
@@ -56,34 +64,39 @@ def without_sentinel(text: str) -> str | None:
     return text[: match.start()] if match else None
 
 
-def write_file(path: Path, data: bytes, like: Path | None = None) -> bool:
-    """Replace a file in one step; readers and a killed process see the old or the new one.
+def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> bool:
+    """Replace a file of a package as one step; readers and a killed process see old or new.
 
     Args:
-        path: the file; a link is followed.
+        root: the package.
+        name: the file; a link that stays in the package is followed.
         data: its new bytes.
-        like: file whose mode a new file gets.
+        like: file of the package whose mode a new file gets.
 
     Returns:
         Whether there was anything to do.
 
     Raises:
-        OSError: the disk is full or the folder not writable; the old file stays.
+        OSError: a link leads out of the package, the disk is full, or the folder is not writable;
+            the old file stays.
     """
-    path = Path(os.path.realpath(path))
-    with suppress(OSError):
-        if path.read_bytes() == data:
-            return False
+    if not stays(root, root / name):
+        raise OSError(errno.ELOOP, "a link leads out of the package", str(root / name))
+    path = Path(os.path.realpath(root / name))
+    if _holds(path, data):
+        return False
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}{_TEMPORARY}")
+    models = [path, *([root / like] if like is not None else [])]
+    model = next((one for one in models if one.is_file()), None)
     try:
-        with temporary.open("wb") as file:
+        temporary.unlink(missing_ok=True)  # what stands there may be a link
+        with temporary.open("xb") as file:
+            if model is not None:
+                os.fchmod(file.fileno(), model.stat().st_mode & 0o7777)
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        model = path if path.exists() else like
-        if model is not None and model.exists():
-            temporary.chmod(model.stat().st_mode & 0o7777)
         os.replace(temporary, path)  # noqa: PTH105 - one name for the step that commits
     except OSError:
         with suppress(OSError):
@@ -109,10 +122,10 @@ def remove_file(path: Path) -> bool:
 
 def clean_temporaries(root: Path, paths: list[str]) -> None:
     """Remove what a killed process left beside the files that sync writes."""
-    found = set((root / EDDI).rglob(f".*{_TEMPORARY}"))
-    for name in paths:
-        path = Path(os.path.realpath(root / name))
-        found.add(path.with_name(f".{path.name}{_TEMPORARY}"))
+    found = {root / EDDI / name for name, _ in entries(root / EDDI) if name.endswith(_TEMPORARY)}
+    for path in (Path(os.path.realpath(root / name)) for name in paths):
+        if stays(root, path):
+            found.add(path.with_name(f".{path.name}{_TEMPORARY}"))
     for path in found:
         path.unlink(missing_ok=True)
 
@@ -141,62 +154,38 @@ def save_orphan(root: Path, orphan: Orphan) -> Path:
     ]
     data = ("\n".join(head) + "\n" + orphan.body).encode()
     name = quote(orphan.id, safe="")
-    if len(name) > 200:
+    if len(name) > 200 or not is_relative(name):
         name = f"{name[:150]}-{hashlib.sha256(orphan.id.encode()).hexdigest()[:16]}"
-    return _save_numbered(root / EDDI / "orphans", f"{name}{{}}", "~{}", data)
+    return _save_numbered(root, f"{EDDI}/orphans/{name}", "~", "", data)
 
 
 def save_reject(root: Path, path: str, data: bytes, suffix: str = ".patch") -> Path:
     """Save an edit without a place below ``.eddi/rejects``; never replaces a different one."""
-    place = root / EDDI / "rejects" / path
-    return _save_numbered(place.parent, f"{place.name}{{}}{suffix}", ".{}", data)
+    return _save_numbered(root, f"{EDDI}/rejects/{path}", ".", suffix, data)
 
 
-def committed_text(root: Path, path: str) -> str | None:
-    """Return a file's text in the last commit, ``None`` without git or without the file."""
-    data = committed_bytes(root, path)
-    try:
-        return data.decode() if data is not None else None
-    except UnicodeDecodeError:
-        return None
-
-
-def committed_bytes(root: Path, path: str) -> bytes | None:
-    """Return a file's bytes in the last commit, ``None`` without git or without the file."""
-    try:
-        done = subprocess.run(
-            ["git", "-C", str(root), "show", f"HEAD:./{PurePosixPath(path)}"],
-            capture_output=True,
-            check=False,
-            stdin=subprocess.DEVNULL,
-        )
-    except OSError:
-        return None
-    return done.stdout if done.returncode == 0 else None
-
-
-def _save_numbered(folder: Path, pattern: str, number: str, data: bytes) -> Path:
-    for name in _names(pattern, number):
-        path = folder / name
-        if not path.exists():
-            write_file(path, data)
-        elif path.read_bytes() != data:
+def _save_numbered(root: Path, stem: str, mark: str, suffix: str, data: bytes) -> Path:
+    numbered = (f"{stem}{mark}{number}{suffix}" for number in count(2))
+    for name in chain([f"{stem}{suffix}"], numbered):
+        path = root / name
+        if not os.path.lexists(path):
+            write_file(root, name, data)
+        elif not _holds(path, data):
             continue
         return path
     raise AssertionError("names never run out")
 
 
-def _names(pattern: str, number: str) -> Iterator[str]:
-    yield pattern.replace("{}", "")
-    count = 2
-    while True:
-        yield pattern.replace("{}", number.replace("{}", str(count)))
-        count += 1
+def _holds(path: Path, data: bytes) -> bool:
+    try:
+        return read_regular(path, len(data)) == data
+    except OSError:
+        return False
 
 
 def _numbered_last(name: str) -> tuple[str, int]:
     stem, _, number = name.partition("~")
-    return stem, int(number) if number.isdigit() else 1
+    return stem, int(number) if number.isdecimal() else 1
 
 
 def _read_orphan(text: str) -> Orphan | None:
@@ -206,7 +195,7 @@ def _read_orphan(text: str) -> Orphan | None:
         sig = fields["sig"] if fields["sig"] != "-" else None
         indent = str(json.loads(fields["indent"]))
         orphan = Orphan(decode_id(fields["region"]), decode_id(fields["file"]), sig, indent, body)
-    except (KeyError, ValueError):
+    except (KeyError, ValueError, RecursionError):
         return None
     return orphan if found else None
 

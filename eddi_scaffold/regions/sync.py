@@ -9,19 +9,20 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.regions.document import Fault, parse
+from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.generated import record_generated
 from eddi_scaffold.regions.merge import merge, retire
 from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused
 from eddi_scaffold.regions.store import (
     EDDI,
     clean_temporaries,
-    committed_text,
     files_below,
+    linked_records,
     load_orphans,
     read_text,
     remove_file,
@@ -81,14 +82,22 @@ class _Planned:
     merged: Merged
 
 
-def sync_package(root: Path) -> SyncReport:
+def _nothing(_: str) -> None:
+    return None
+
+
+def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) -> SyncReport:
     """Merge the new rendering of every editable file of a package with the person's text.
 
     A second run changes nothing. Files with damaged markers are left alone.
 
     Args:
-        root: the package's folder, with ``.eddi/pristine``.
+        root: the package's folder, with ``.eddi/pristine``; may be a scratch copy.
+        committed: text of a file in the last commit of the real package, if it is in one.
     """
+    linked = linked_folders(root)
+    if linked:
+        return SyncReport(refused=linked)
     refused: list[Refusal] = []
     touched: list[str] = []
     notes: list[Note] = []
@@ -96,7 +105,8 @@ def sync_package(root: Path) -> SyncReport:
         names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
         clean_temporaries(root, names)
         _finish_interrupted(root)
-        texts = [t for name in names if (t := _read(root, name, refused, notes)) is not None]
+        found = [_read(root, name, committed, refused, notes) for name in names]
+        texts = [text for text in found if text is not None]
         stored = load_orphans(root)
         plan = _plan(texts, list(stored.values()), refused)
         notes.extend(note for planned in plan for note in planned.merged.notes)
@@ -108,7 +118,24 @@ def sync_package(root: Path) -> SyncReport:
     return SyncReport(tuple(touched), tuple(dict.fromkeys(notes)), tuple(refused))
 
 
-def _read(root: Path, path: str, refused: list[Refusal], notes: list[Note]) -> _Texts | None:
+def linked_folders(root: Path) -> tuple[Refusal, ...]:
+    """Return the links that stand where folders of a package's records must be."""
+    reason = "it is a link, and the records of a package must lie in the package; remove the link"
+    return tuple(Refusal(name, 1, reason) for name in linked_records(root))
+
+
+def _read(
+    root: Path,
+    path: str,
+    committed: Callable[[str], str | None],
+    refused: list[Refusal],
+    notes: list[Note],
+) -> _Texts | None:
+    places = [path, *(f"{EDDI}/{folder}/{path}" for folder in ("base", "next", "pristine"))]
+    away = [name for name in places if not stays(root, root / name)]
+    if away:
+        refused.append(Refusal(away[0], 1, "it is behind a link that leads out of the package"))
+        return None
     base, mine, pristine = (
         read_text(place)
         for place in (root / EDDI / "base" / path, root / path, root / EDDI / "pristine" / path)
@@ -127,7 +154,7 @@ def _read(root: Path, path: str, refused: list[Refusal], notes: list[Note]) -> _
         refused.append(Refusal(f"{EDDI}/pristine/{path}", pristine.count("\n") + 1, reason))
         return None
     if mine is None and base is not None:
-        mine = committed_text(root, path)  # Copier removes files that the template dropped
+        mine = committed(path)  # Copier removes files that the template dropped
         faults = parse(mine)[1] if mine is not None else []
         if faults:
             text = f"the committed text has damaged markers ({faults[0].reason}); it is in git only"
@@ -196,7 +223,7 @@ def _write_one(root: Path, planned: _Planned) -> bool:
     path, text = planned.texts.path, planned.merged.text
     if text is None:
         return remove_file(root / path)
-    return write_file(root / path, text.encode(), like=root / EDDI / "pristine" / path)
+    return write_file(root, path, text.encode(), like=f"{EDDI}/pristine/{path}")
 
 
 def _write_next(root: Path, planned: _Planned) -> None:
@@ -204,7 +231,7 @@ def _write_next(root: Path, planned: _Planned) -> None:
     if text is None or texts.theirs is None or texts.base in {None, texts.theirs}:
         return
     data = next_base(text.encode(), texts.theirs.encode())
-    write_file(root / EDDI / "next" / texts.path, data)
+    write_file(root, f"{EDDI}/next/{texts.path}", data)
 
 
 def next_base(text: bytes, base: bytes) -> bytes:
@@ -216,7 +243,7 @@ def _commit(root: Path, path: str, theirs: str | None) -> None:
     if theirs is None:
         remove_file(root / EDDI / "base" / path)
     else:
-        write_file(root / EDDI / "base" / path, theirs.encode())
+        write_file(root, f"{EDDI}/base/{path}", theirs.encode())
     remove_file(root / EDDI / "next" / path)
 
 

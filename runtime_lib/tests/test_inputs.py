@@ -1,7 +1,9 @@
 """EDDIInputBase: what cannot be trusted becomes None, with the reason beside it."""
 
 import pytest
-from eddi_runtime import EDDIInputBase, InputSpec, by_id
+from eddi_runtime import EDDIInputBase, InputSpec, by_id, by_key, by_name
+from eddi_runtime.access import follow
+from eddi_runtime.inputs import UNKNOWN_AGE
 
 from runtime_lib.tests.documents import give
 
@@ -41,6 +43,16 @@ def test_any_message_older_than_the_limit_makes_it_stale():
     assert one.go(BOTH, {"a": 0.0, "b": 0.51}) == (None, "stale")
     assert one.go(BOTH, {"a": float("nan"), "b": 0.0}) == (None, "stale")
     assert one.go(BOTH) == (True, "ok")
+
+
+def test_a_latched_message_counts_only_without_a_limit():
+    one = Input()
+    assert one.go(BOTH, {"a": UNKNOWN_AGE, "b": 0.0}) == (None, "stale")
+    reason = one.states["front left"].reason
+    assert reason == "the last message was latched, its age is not known"
+    assert one.go(BOTH, {"a": 0.1, "b": 0.0}) == (True, "ok")
+    one.bind([InputSpec("front left", "front", ("a", "b"), "none")])
+    assert one.go(BOTH, {"a": UNKNOWN_AGE, "b": 0.0}) == (True, "ok")
 
 
 def test_a_method_that_raises_makes_it_invalid():
@@ -111,3 +123,34 @@ def test_by_id():
         by_id(items, "c")
     with pytest.raises(LookupError, match="there: nothing"):
         by_id([], "c")
+
+
+def test_an_element_that_is_there_twice_is_none_of_them():
+    items = [give(id="a", active=False), give(id="a", active=True)]
+    with pytest.raises(LookupError, match="2 elements have the id 'a'; there: a, a"):
+        by_id(items, "a")
+
+
+def test_by_key():
+    items = [give(title="a", header=give(frame_id="x")), give(title="b", header=give(frame_id="y"))]
+    assert by_key(items, "title", "b") is items[1]
+    assert by_key(items, "header.frame_id", "x") is items[0]
+    with pytest.raises(LookupError, match="no element has the title 'c'; there: a, b"):
+        by_key(items, "title", "c")
+
+
+def test_by_name():
+    assert by_name([1.0, 2.0], ["left", "right"], "right") == 2.0
+    for values, names, reason in (
+        ([1.0], ["left"], "no element has the name 'right'; there: left"),
+        ([1.0, 2.0], ["right", "right"], "2 elements have the name 'right'"),
+        ([], ["right"], "0 values have 1 names"),
+    ):
+        with pytest.raises(LookupError, match=reason):
+            by_name(values, names, "right")
+
+
+def test_paths_as_data():
+    message = give(nodes=[give(title="a", value=[1.0, 2.0])], x=[3.0], name=["left"])
+    assert follow(message, ["nodes", ["title", "a"], "value", 1]) == 2.0
+    assert follow(message, [["x", "name", "left"]]) == 3.0

@@ -118,6 +118,9 @@ def test_crlf_and_stripped_blanks_change_nothing(old: Path) -> None:
     assert "input:RtE_A_E0: the body is in its region" in result.err
 
 
+DEEP = f"x = {'-' * 200_000}1\n"
+
+
 @pytest.mark.parametrize(
     ("change", "code", "words"),
     [
@@ -126,6 +129,9 @@ def test_crlf_and_stripped_blanks_change_nothing(old: Path) -> None:
             "A001",
             "EDDIInput.py:1:7: error: this is no Python",
         ),
+        ({"scripts/EDDIInput.py": DEEP}, "A001", "this is no Python: nested too deeply"),
+        ({"scripts/EDDIInput.py": f"x = 1{' + 1' * 900}\n"}, "A001", "nested too deeply"),
+        ({"scripts/RosNode.py": f"x = 0x{'f' * 9000}\n"}, "A001", "a number with too many digits"),
         ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),
         ({"other/EDDIInput.py": "x = 1\n"}, "A003", "several EDDIInput.py"),
         ({"ConSertA.yml": None}, "A004", "no model is in the package"),
@@ -145,6 +151,13 @@ def test_what_cannot_be_adopted(
     assert (result.status, f"[{code}]" in result.err) == (2, True), result.err
     assert words in result.err
     assert files_below(old.parent) == before
+
+
+def test_carriage_returns_alone_end_lines_as_in_python(old: Path) -> None:
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_bytes(script.read_bytes().replace(b"\n", b"\r"))
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert "input:RtE_A_E0: the body is in its region" in result.err
 
 
 def test_a_second_adoption_is_refused(old: Path) -> None:

@@ -154,6 +154,17 @@ def test_show_json(folder: Path) -> None:
     assert one["elements"] == found["elements"]
 
 
+@pytest.mark.parametrize("code", [f"x = {'-' * 200_000}1", f"x = 1{' + 1' * 9000}"])
+def test_status_of_code_that_is_nested_too_deeply(package: Path, code: str) -> None:
+    path = package / "EDDIInput.py"
+    text = path.read_text("utf-8")
+    end = text.index("'''-----Manual edit end")
+    path.write_text(f"{text[:end]}{code}\n        {text[end:]}", "utf-8")
+    result = run("status", package, cwd=package.parent)
+    assert result.status == 2, result.err
+    assert "the hand-written code is not valid Python: nested too deeply [H011]" in result.err
+
+
 def test_show_says_with_its_status_that_a_model_is_not_whole(folder: Path) -> None:
     text = (folder / MODEL).read_text()
     broken = text.replace('target="//@odeProductPackages.0/@conSerts.1/@guarantees.0"', "", 1)
@@ -436,6 +447,39 @@ def test_ctrl_c_while_it_loads(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert run("show", MODEL, cwd=folder) == Result(
         130, "", "interrupted, nothing is half-written\n"
     )
+
+
+@pytest.mark.parametrize("when", ["atexit.register", "threading._register_atexit"])
+def test_ctrl_c_while_python_ends(when: str, folder: Path) -> None:
+    itself = "os.kill, os.getpid(), signal.SIGINT"
+    program = (
+        f"import atexit, os, signal, threading; {when}({itself})\n"
+        "from eddi_scaffold.__main__ import program"
+    )
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"}
+    command = [sys.executable, "-c", program, "check", "-q", str(MODEL)]
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+def test_ctrl_c_between_the_command_and_the_end(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(status: int) -> None:
+        raise KeyboardInterrupt
+
+    ended: list[int] = []
+    monkeypatch.setattr(sys, "exit", interrupt)
+    monkeypatch.setattr(os, "_exit", ended.append)
+    monkeypatch.setattr(sys, "argv", ["eddi-scaffold", "check", "-q", str(folder / MODEL)])
+    handler = signal.getsignal(signal.SIGINT)
+    try:
+        cli.program()
+    finally:
+        signal.signal(signal.SIGINT, handler)
+    assert ended == [cli.EXIT_INTERRUPTED]
 
 
 class Interrupting:

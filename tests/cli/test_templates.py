@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import stat
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
 
-from eddi_scaffold import project, unpacking
+from eddi_scaffold import project
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.project import Template, own_template, render
 from eddi_scaffold.unpacking import Unpacked, unpacked
@@ -41,6 +38,8 @@ def test_the_bundle_is_put_where_a_later_update_finds_it(installed: Path, tmp_pa
     (installed / "templates.bundle").write_bytes(b"bundle")
     template = own_template()
     assert template.location == "~/.local/share/eddi-scaffold/templates.bundle"
+    assert not (tmp_path / "home").exists(), "who only looks changes nothing"
+    template.keep()
     put = tmp_path / "home" / template.location[2:]
     assert put.read_bytes() == b"bundle"
     assert own_template() == template
@@ -54,22 +53,30 @@ def test_a_bundle_that_can_be_put_nowhere_is_t002(
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "file"))
     with pytest.raises(EddiError) as failure:
-        own_template()
+        own_template().keep()
     assert code_of(failure) == "T002"
 
 
 def test_no_git_is_t003(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(EddiError) as failure, unpacked(str(tmp_path), "HEAD"):
+    with pytest.raises(EddiError) as failure, unpacked(tmp_path, "HEAD"):
         pass
     assert code_of(failure) == "T003"
 
 
 def test_what_git_refuses_is_t004(tmp_path: Path) -> None:
-    with pytest.raises(EddiError) as failure, unpacked(str(tmp_path), "v9"):
+    with pytest.raises(EddiError) as failure, unpacked(tmp_path, "v9"):
         pass
     assert code_of(failure) == "T004"
     assert "not a git repository" in str(failure.value)
+
+
+def test_a_damaged_bundle_is_t004(tmp_path: Path) -> None:
+    (tmp_path / "templates.bundle").write_bytes(b"bundle")
+    with pytest.raises(EddiError) as failure, unpacked(tmp_path / "templates.bundle", "v9"):
+        pass
+    assert code_of(failure) == "T004"
+    assert "templates.bundle" in str(failure.value)
 
 
 def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
@@ -81,16 +88,3 @@ def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
     with pytest.raises(EddiError) as failure:
         render({"word": "x"}, Template(str(source), None), Unpacked(source), tmp_path / "out")
     assert code_of(failure) == "T004"
-
-
-def test_git_is_asked_about_the_templates_even_inside_a_hook(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A hook sets GIT_DIR, which is about the user's repository."""
-    monkeypatch.setenv("GIT_DIR", str(tmp_path / "other"))
-    script = tmp_path / "bin" / "git"
-    script.parent.mkdir()
-    script.write_text('#!/bin/sh\nprintf "%s" "${GIT_DIR-unset}"\n')
-    script.chmod(script.stat().st_mode | stat.S_IXUSR)
-    with patch.dict(os.environ, {"PATH": f"{script.parent}:{os.environ['PATH']}"}):
-        assert unpacking._git(tmp_path, "anything") == b"unset"

@@ -164,3 +164,13 @@ def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
         for seed, locale in (("1", "C"), ("2", "de_DE.UTF-8"))
     }
     assert len(found) == 1
+
+
+def test_edges_across_very_many_layers_have_no_bends() -> None:
+    """One node above a chain: with a bend in each layer there would be 180,000."""
+    count = 600
+    chain = [(k, k + 1) for k in range(count - 1)]
+    layers = layered(count, [*chain, *((0, k) for k in range(2, count))])
+    assert sum(map(len, layers.rows)) < 40 * count
+    assert layers.chains[count - 1] == (0, count, 2)
+    assert layers.chains[-1] == ()

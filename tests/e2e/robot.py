@@ -88,6 +88,7 @@ class Run:
     """
 
     TOPICS = ("/conserta/guarantees", "/consertb/guarantees", "/diagnostics")
+    LAUNCH = ("eddi.launch",)
 
     def __init__(self, core, env, folder):
         self.core = core
@@ -102,7 +103,7 @@ class Run:
         try:
             for topic in self.TOPICS:  # before the monitors, to hear their first word
                 self.echoes[topic] = self._start("rostopic", "echo", topic)
-            self.launch = self._start("roslaunch", "eddi_monitor_launcher", "eddi.launch")
+            self.launch = self._start("roslaunch", "eddi_monitor_launcher", *self.LAUNCH)
         except BaseException:
             self.end()
             raise
@@ -124,8 +125,8 @@ class Run:
         ).stdout
 
     def publish(self, topic):
-        """Leave ``rostopic pub`` latching a true value, as in D7.2."""
-        self._start("rostopic", "pub", topic, "std_msgs/Bool", "data: true")
+        """Let ``rostopic pub`` send a true value ten times a second; return the process."""
+        return self._start("rostopic", "pub", "-r", "10", topic, "std_msgs/Bool", "data: true")
 
     def messages(self, topic):
         """Return the complete messages that ``rostopic echo`` has printed so far."""

@@ -78,7 +78,14 @@ class Formulas:
         if kind < 3:
             return f"({self.number(inner)} {pick(['+', '-', '*', '/'])} {self.number(inner)})"
         if kind == 3:
-            return pick([f"(-{self.number(inner)})", f"ABS({self.number(inner)})"])
+            more = f"{pick(['LEAST', 'GREATEST', 'HYPOT'])}({self.number(inner)}, {self.number(0)})"
+            clamped = f"CLAMP({self.number(inner)}, -1, 2.5)"
+            return pick(
+                (
+                    *(f"(-{self.number(inner)})", f"ABS({self.number(inner)})", more, clamped),
+                    f"SQRT({self.number(inner)})",
+                )
+            )
         if kind < 8:
             function = pick(NUMERIC_WINDOWS)
             return f"{function}({self.number(inner)}, {self.duration()}{self.coverage()})"

@@ -229,7 +229,19 @@ def combine(op: str, args: list[object]) -> object:
         return not args[0]
     if op == "xor":
         return args[0] is not args[1]
-    if op in ("neg", "abs", "add", "sub", "mul", "div"):
+    if op in (
+        "neg",
+        "abs",
+        "add",
+        "sub",
+        "mul",
+        "div",
+        "sqrt",
+        "hypot",
+        "least",
+        "greatest",
+        "clamp",
+    ):
         return arithmetic(op, args)
     a, b = args
     numbers = not isinstance(a, bool | str)
@@ -246,12 +258,22 @@ def combine(op: str, args: list[object]) -> object:
 
 
 def arithmetic(op: str, args: list[object]) -> object:
+    if op in ("least", "greatest"):
+        return min(args) if op == "least" else max(args)
+    if op == "clamp":
+        x, low, high = args
+        return min(max(x, low), high)
     if op == "abs":
         return abs(args[0])
     if math.inf in args or -math.inf in args:
         return None
     if op == "neg":
         return -args[0]
+    if op == "sqrt":
+        return math.sqrt(args[0]) if args[0] >= 0 else None
+    if op == "hypot":
+        squares = finite(sum(x * x for x in args))
+        return None if squares is None else math.sqrt(squares)
     a, b = args
     if op == "div":
         return finite(a / b) if b else None

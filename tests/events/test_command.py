@@ -131,6 +131,8 @@ def test_files_are_written_and_edits_kept(tmp_path: Path) -> None:
         (["x > 1", "-o", "taken"], "E020"),
         (["x > 1", "-i", "nothere.csv"], "F001"),
         (["latin.events"], "E001"),
+        (["variables.events"], "E026"),
+        (["variables.events", "--check"], "E026"),
         (["x > 1", "--name", "wächter", "-o", "out"], "E025"),
         (["x > 1", "--name", "int", "-o", "out"], "E025"),
         (["x > 1", "--name", "class", "--target", "c", "-o", "out"], "E025"),
@@ -143,6 +145,7 @@ def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "event_event.py").write_text("mine = True\n")
     (tmp_path / "latin.events").write_bytes(b"x > 1 // \xe9")
+    (tmp_path / "variables.events").write_text("VAR x : BOOL TIMEOUT 1s\n")
     result = run("event", *words, cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
     assert f"[{code}]" in result.err

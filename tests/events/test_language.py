@@ -110,6 +110,12 @@ CASES = {
             "(add TIMEOUT 500ms, or RATE 10 Hz)"
         )
     ],
+    "EVENT e (HAZARD) := a IMPLIES b": [
+        (
+            "1:23 W006 the HAZARD 'e' holds whenever the left side of IMPLIES does not "
+            "(a hazard is what must not be: write AND in place of IMPLIES)"
+        )
+    ],
     "1 > 2": ["1:1 W004 the result never changes: no variable decides it"],
 }
 
@@ -133,7 +139,7 @@ def test_diagnostics(text: str) -> None:
         ("VAR v : NUMBER RATE 10", "1:21 E002 a rate such as 10 Hz is expected"),
         ("EVENT e (MAYBE) := TRUE", "1:10 E002 EVIDENCE or HAZARD is expected, found 'MAYBE'"),
         ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E011 the name 'A' has two meanings"),
-        ("x[1.5] > 2", "1:3 E002 an index from 0 on is expected, found '1.5'"),
+        ("x[1.5] > 2", "1:3 E002 an index from 0 on or a key is expected, found '1.5'"),
         ("x > 1 AND x", "1:11 E008 'x' is a number elsewhere, but AND needs a boolean"),
         ("KNOWN(x)", "1:7 E008 nothing says what 'x' is"),
         ("ENUM E { A } VAR v : E TIMEOUT 1s v < A", "1:37 E007 E cannot be ordered"),

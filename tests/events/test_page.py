@@ -9,6 +9,7 @@ import socket
 import threading
 import zipfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from urllib.parse import urlencode
 
 import pytest
@@ -22,7 +23,13 @@ D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 
 @pytest.fixture
 def port() -> Iterator[int]:
-    with open_server(0, _read_signal) as server:
+    with serving() as found:
+        yield found
+
+
+@contextmanager
+def serving(**limits: float) -> Iterator[int]:
+    with open_server(0, _read_signal, **limits) as server:  # type: ignore[arg-type]
         thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
         thread.start()
         yield server.server_port
@@ -134,6 +141,68 @@ def test_others_are_refused(port: int) -> None:
     own = f"http://127.0.0.1:{port}"
     assert ask(port, "POST", "/check", "text=x", Origin=own, **form)[0] == 200
     assert ask(port, "POST", "/check", "text=x", Content_Type="text/plain")[0] == 415
+
+
+@pytest.mark.parametrize("host", ["localhost", "localhost:1", "127.0.0.1", "LOCALHOST:{}", "x:{}"])
+def test_the_host_is_compared_exactly(port: int, host: str) -> None:
+    assert ask(port, "GET", "/", Host=host.format(port))[0] == 403
+    assert ask(port, "GET", "/", Host=f"127.0.0.1:{port}")[0] == 200
+
+
+def raw(port: int, head: str, body: bytes = b"") -> bytes:
+    """Send lines as they are, and no more; return the first line of the answer."""
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as connection:
+        start = f"POST /check HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n{head}\r\n"
+        connection.sendall(start.encode("latin-1") + body)
+        connection.shutdown(socket.SHUT_WR)
+        with connection.makefile("rb") as answer:
+            return answer.readline()
+
+
+@pytest.mark.parametrize("length", ["x", "-1", "+3", "1_0", "\xb2", " ", "3, 3", "1" * 5000])
+def test_a_bad_content_length_is_a_bad_request(port: int, length: str) -> None:
+    kind = "Content-Type: application/x-www-form-urlencoded\r\n"
+    assert b" 400 " in raw(port, f"{kind}Content-Length: {length}\r\n", b"a=b")
+
+
+def test_lengths_that_do_not_fit(port: int) -> None:
+    kind = "Content-Type: application/x-www-form-urlencoded\r\n"
+    assert b" 200 " in raw(port, f"{kind}Content-Length: 3\r\n", b"a=b")
+    assert b" 400 " in raw(port, f"{kind}Content-Length: 4\r\n", b"a=b")
+    assert b" 400 " in raw(port, f"{kind}Content-Length: 3\r\nContent-Length: 2\r\n", b"a=b")
+    assert b" 411 " in raw(port, kind, b"a=b")
+    chunked = "Transfer-Encoding: chunked\r\nContent-Length: 3\r\n"
+    assert b" 411 " in raw(port, f"{kind}{chunked}", b"a=b")
+
+
+def test_a_request_that_drips_is_ended() -> None:
+    with serving(seconds=0.5) as port, socket.create_connection(("127.0.0.1", port)) as drip:
+        drip.settimeout(0.05)
+        # 20 seconds: each byte comes well within the limit
+        assert any(ended_after_a_byte(drip) for _ in range(400)), "the server still listens"
+
+
+def ended_after_a_byte(connection: socket.socket) -> bool:
+    try:
+        connection.send(b"G")
+        return connection.recv(1) == b""
+    except TimeoutError:
+        return False
+    except ConnectionError:
+        return True
+
+
+def test_connections_have_an_end() -> None:
+    with serving(connections=2) as port:
+        waiting = [socket.create_connection(("127.0.0.1", port)) for _ in range(2)]
+        assert ask(port, "GET", "/")[0] == 503
+        waiting.pop().close()
+        for _ in range(1000):  # until the server has seen that it closed
+            if ask(port, "GET", "/")[0] == 200:
+                break
+        else:
+            raise AssertionError("no room is made")
+        waiting.pop().close()
 
 
 def test_long_texts_are_refused(port: int) -> None:

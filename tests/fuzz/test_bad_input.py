@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import subprocess
@@ -89,12 +88,15 @@ def answered(result: Result, *statuses: int) -> None:
     assert "this is a bug" not in result.err
 
 
-def assembled(folder: Path, model: str, config: str | None, platform: str) -> None:
-    """Do all that `generate` does before it renders."""
+def refused(folder: Path, model: str, config: str | None, platform: str) -> bool:
+    """Do all that `generate` does before it renders; tell whether it refuses the files."""
     configs = [folder / config] if config else []
-    with contextlib.suppress(EddiError):
+    try:
         monitors, problems = monitors_of(folder / model, configs)
         assemble(monitors, platforms()[platform], folder / "packages", problems)
+    except EddiError:
+        return True
+    return False
 
 
 @given(data=mutations(XML))
@@ -102,7 +104,8 @@ def test_damaged_xml(folder: Path, data: bytes) -> None:
     (folder / "damaged.xml").write_bytes(data)
     answered(run("check", "damaged.xml", "consert_a_config.yml", "-v", cwd=folder), 0, 1)
     answered(run("show", "damaged.xml", cwd=folder), 0, 1, 2)
-    assembled(folder, "damaged.xml", None, "plain")
+    if refused(folder, "damaged.xml", None, "plain"):
+        answered(run("check", "damaged.xml", "--platform", "plain", cwd=folder), 1)
 
 
 @given(data=st.one_of(mutations(YAML), mutations(YAML[: YAML.index(b"evidence")])))
@@ -111,14 +114,17 @@ def test_damaged_consert_yaml(folder: Path, data: bytes) -> None:
     answered(run("check", "damaged.yml", "-v", cwd=folder), 0, 1)
     answered(run("show", "damaged.yml", cwd=folder), 0, 1, 2)
     answered(run("compose", "a=damaged.yml", "ConSertB.yml", cwd=folder), 0, 1, 2)
-    assembled(folder, "damaged.yml", None, "plain")
+    if refused(folder, "damaged.yml", None, "plain"):
+        answered(run("check", "damaged.yml", "--platform", "plain", cwd=folder), 1)
 
 
 @given(data=mutations(CONFIG))
 def test_damaged_config(folder: Path, data: bytes) -> None:
     (folder / "damaged_config.yml").write_bytes(data)
-    answered(run("check", "damaged_config.yml", "two_conserts.xml", "-v", cwd=folder), 0, 1)
-    assembled(folder, "two_conserts.xml", "damaged_config.yml", "ros1")
+    is_refused = refused(folder, "two_conserts.xml", "damaged_config.yml", "ros1")
+    statuses = [1] if is_refused else [0, 1]
+    command = ("check", "damaged_config.yml", "two_conserts.xml", "-v")
+    answered(run(*command, cwd=folder), *statuses)
 
 
 @given(data=mutations(RECORDING))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree as ET
 from xml.sax.saxutils import quoteattr
@@ -15,6 +16,7 @@ from xml.sax.saxutils import quoteattr
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from markdown_it import MarkdownIt
 
 from eddi_scaffold.assembly import assemble, monitors_of
 from eddi_scaffold.generation import bring
@@ -22,50 +24,15 @@ from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.yaml_text import dump_plain
 from tests.cli.command import XML_HEAD, XML_TAIL, template
+from tests.hostile_texts import HOSTILE
+
+try:
+    import tomllib
+except ImportError:  # Python 3.10
+    tomllib = None  # type: ignore[assignment]
 
 FEW = max(8, settings.default.max_examples // 25)
 WORDS = ["model", "first", "second", "text", "mm", "category", "topic", "source", "file"]
-HOSTILE = [
-    "'''\nimport os\n'''",
-    '"""',
-    "a'b",
-    'a"b',
-    "a\\",
-    "a\n    import os",
-    "a\r\nimport os",
-    "# region: x",
-    "'''-----Manual edit end-----'''",
-    "{{ 7*7 }}",
-    "{% raw %}{% include 'x' %}",
-    "{# x",
-    "import",
-    "__class__",
-    "self",
-    "bind",
-    "states",
-    "process_E",
-    "1a",
-    "-->",
-    "]]>",
-    "<x/>",
-    "&amp;",
-    "$(arg x)",
-    "$ENV{HOME}",
-    "${x}",
-    ")\nmessage(FATAL_ERROR x",
-    "../../x",
-    "\u2028x",
-    "\x85x",
-    "\x00",
-    "\ud800",
-    "ä",
-    "ﬁ",
-    "\u202ex",
-    " ",
-    "%s",
-    "*/",
-    "x" * 300,
-]
 TEXT = st.one_of(
     st.sampled_from(HOSTILE),
     st.text(max_size=12),
@@ -173,8 +140,7 @@ def shapes(files: dict[str, bytes]) -> dict[str, str]:
     return {
         path.rpartition("/")[2]: shape(data)
         for path, data in files.items()
-        if path.endswith(("EDDIInput.py", "EDDIMonitor.py", "RosNode.py", "setup.py"))
-        and "/.eddi/" not in path
+        if path.endswith(".py") and not {".eddi", "eddi_runtime"} & set(Path(path).parts)
     }
 
 
@@ -194,13 +160,29 @@ def shape(data: bytes) -> str:
 
 def check(folder: Path, files: dict[str, bytes], sound: dict[str, bytes]) -> None:
     assert shapes(files) == shapes(sound)
+    check_texts(files)
+    assert not (folder / "out").exists()
+
+
+def check_texts(files: dict[str, bytes]) -> None:
+    """Every other language takes its files, and Markdown shows nothing but text."""
     for path, data in files.items():
-        if path.endswith((".xml", ".launch")):
+        if path.endswith((".xml", ".launch", ".test")):
             ET.fromstring(data)
         if path.endswith(("model.json", "manifest.json")):
             json.loads(data)
+        if path.endswith(".toml") and tomllib is not None:
+            tomllib.loads(data.decode())
+        if path.endswith("README.md"):
+            assert not {"html_block", "html_inline", "link_open", "image"} & set(shown(data))
         assert ".." not in Path(path).parts
-    assert not (folder / "out").exists()
+
+
+def shown(markdown: bytes) -> Iterator[str]:
+    """Yield what Markdown makes of a text: types of blocks, and of what is in a line."""
+    for token in MarkdownIt("commonmark").enable("table").parse(markdown.decode()):
+        yield token.type
+        yield from (child.type for child in token.children or ())
 
 
 @pytest.mark.parametrize("platform", ["plain", "ros1"])

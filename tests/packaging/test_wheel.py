@@ -94,6 +94,9 @@ def test_main_job(installed: Installed, tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
     sources = ("-m", tmp_path / "example" / "two_conserts.xml")
     config = ("-c", tmp_path / "example" / "consert_a_config.yml")
+    before = tree(installed.folder / "home")
+    installed.eddi("generate", "-w", tmp_path, *sources, *config, "--dry-run")
+    assert tree(installed.folder / "home") == before
     installed.eddi("generate", "-w", tmp_path, *sources, *config)
     package = tmp_path / "src" / "eddi_monitor" / "conserta"
     answers = (package / ".copier-answers.yml").read_text("utf-8")

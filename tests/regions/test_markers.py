@@ -7,7 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.regions.document import parse, split_lines
-from eddi_scaffold.regions.markers import begin_marker, decode_id, encode_id, end_marker, with_sig
+from eddi_scaffold.regions.markers import (
+    begin_marker,
+    decode_id,
+    encode_id,
+    end_marker,
+    read_marker,
+    with_sig,
+)
+from tests.fuzz.damage import watched
 
 BEGIN, END = "'''-----Manual edit begin-----'''", "'''-----Manual edit end-----'''"
 
@@ -112,3 +120,30 @@ def test_sig_is_replaced_in_every_form() -> None:
 @given(st.text())
 def test_lines_join_to_the_text(text: str) -> None:
     assert "".join(split_lines(text)) == text
+
+
+MANY = 50_000
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "-" * MANY,
+        " " * MANY,
+        "# " + " " * MANY + "x",
+        "-" * MANY + " Manual edit begin",
+        "-----Manual edit begin" + "-" * MANY + "x",
+        "# " + " " * MANY + "Manual edit begin",
+        "-----Manual edit begin-----" + " " * MANY + "x",
+        "<!--" * (MANY // 4) + "Manual edit begi",
+        "<!--" + " " * MANY + "Manual edit begin" + " " * MANY + "x-->",
+        "-----Manual edit begin----- region: a was: " + "b," * (MANY // 2) + "b b",
+        "-----Manual edit begin----- region: a was: b" + " " * MANY + "sig: x",
+        "-----Manual edit begin----- region: a " + "sig: " * (MANY // 5),
+    ],
+)
+def test_a_long_line_is_read_at_once(line: str) -> None:
+    """A pattern that goes back for every character takes ten seconds and more."""
+    with watched(5.0):
+        read_marker(line, 1)
+        with_sig(line, "1a2b3c4d")

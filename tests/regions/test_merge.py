@@ -363,3 +363,23 @@ def test_a_rename_may_be_declared_later() -> None:
     gone = merged(text(A), edit(text(A), "a", "hand = 1\n"), text(z))
     back = merged(text(z), gone.text, text(renamed(A, "z")), orphans=gone.orphans)
     assert body(back, "input:z") == "        hand = 1\n"
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        f"x = {'-' * 200_000}1",
+        f"x = 1{' + 1' * 500}",
+        f"a{'.a' * 500} = 1",
+        f"x: a{'.a' * 500} = 1",
+        f"f(0x{'f' * 9000})",
+        f"from a import b as b{'1' * 9000}",
+    ],
+    ids=["minus", "sum", "attributes", "annotation", "number", "name"],
+)
+def test_what_is_too_deep_to_be_merged_is_kept_beside(statement: str) -> None:
+    base = text(A, B)
+    mine = base.replace("\n\nclass", f"\n{statement}\n\nclass", 1)
+    result = merge(INPUT, base, mine, text(A, C, version=2))
+    assert isinstance(result, Merged)
+    assert statement in f"{result.text}{result.patch}"

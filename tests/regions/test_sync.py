@@ -252,7 +252,7 @@ def test_file_that_copier_removed_is_read_from_git(package: Path) -> None:
     git(package.parent, "commit", "-qm", "x")
     render(package, replace(Package((A, B)), files=tuple(f for f in FILES if f != INPUT)))
     (package / INPUT).unlink()
-    sync_package(package)
+    assert command.main(["sync"], package) == 0
     assert [o.body.strip() for o in load_orphans(package).values()] == ["hand = 1"]
     assert "self.after" in (package / f".eddi/rejects/{INPUT}.patch").read_text()
 
@@ -285,6 +285,10 @@ def test_orphans_and_rejects_are_never_overwritten(tmp_path: Path) -> None:
     long = replace(one, id="x:" + "é" * 200)
     place = save_orphan(tmp_path, long)
     assert load_orphans(tmp_path)[place] == long
+    for odd in ("", ".", ".."):
+        place = save_orphan(tmp_path, replace(one, id=odd))
+        assert place.parent == tmp_path / ".eddi" / "orphans"
+        assert load_orphans(tmp_path)[place].id == odd
     names = [save_reject(tmp_path, "d/x.py", data).name for data in (b"1", b"2", b"1", b"3")]
     assert names == ["x.py.patch", "x.py.2.patch", "x.py.patch", "x.py.3.patch"]
 
@@ -292,10 +296,10 @@ def test_orphans_and_rejects_are_never_overwritten(tmp_path: Path) -> None:
 def test_link_stays_a_link(tmp_path: Path) -> None:
     (tmp_path / "real").write_text("old")
     (tmp_path / "link").symlink_to("real")
-    assert write_file(tmp_path / "link", b"new")
+    assert write_file(tmp_path, "link", b"new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "real").read_bytes() == b"new"
-    assert not write_file(tmp_path / "link", b"new")
+    assert not write_file(tmp_path, "link", b"new")
 
 
 def test_states_and_review(package: Path) -> None:

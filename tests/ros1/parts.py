@@ -8,10 +8,13 @@ import threading
 import time
 
 import eddi_messages.msg
+import rospy
 import std_msgs.msg
+from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.ros1 import Input, Output, health, report, schedule, settings, subscriptions
-from eddi_runtime.ros1.publications import Converter, MessageError, picked
+from eddi_runtime.ros1.conversion import Converter, MessageError
 from eddi_runtime.ros1.publications import check_outputs as refuse_outputs
+from eddi_runtime.ros1.publications import picked
 
 
 def refused(function, *words):
@@ -50,18 +53,39 @@ def check_messages_are_filled_completely_and_checked():
     refused(lambda: convert.message(plain), "ConSertOutput.guarantees")
 
 
-def check_one_value_of_a_result_is_published_alone():
+class Beside:
+    """A monitor that says more than its result."""
+
+    def status_message(self):
+        return "ConSertOutput", {"guarantees": [("Guarantee", {"id": "H", "active": False})]}
+
+
+def check_one_value_of_a_message_is_published_alone():
     convert = Converter(eddi_messages.msg)
     tree = ("ConSertOutput", {"guarantees": [("Guarantee", {"id": "G", "active": True})]})
     field = ("guarantees", ("id", "G"), "active")
     output = Output("g", "/g", std_msgs.msg.Bool, field=field)
-    assert picked(convert.message(tree), output, "/g").data is True
     first = output._replace(field=("guarantees", 0, "active"))
-    assert picked(convert.message(tree), first, "/g").data is True
-    refuse_outputs(convert, tree, None, [output])
+    for one in (output, first):
+        assert picked(convert.message(tree), one).data is True
+        refuse_outputs(convert, tree, Beside(), [one])
     other = output._replace(field=("guarantees", ("id", "H"), "active"))
-    refused(lambda: refuse_outputs(convert, tree, None, [other]), "/g", "H")
-    refused(lambda: refuse_outputs(convert, tree, None, [output._replace(field=("no",))]), "no")
+    refused(lambda: refuse_outputs(convert, tree, Beside(), [other]), "/g", "H")
+    refuse_outputs(convert, tree, Beside(), [other._replace(of="status")])
+    refused(lambda: refuse_outputs(convert, tree, Beside(), [output._replace(field=("no",))]), "no")
+
+
+def check_messages_beside_the_result_have_topics_of_their_own():
+    convert = Converter(eddi_messages.msg)
+    fitting, wrong = eddi_messages.msg.ConSertOutput, eddi_messages.msg.Guarantee
+    row = Output("g", "/g", fitting, of="status")
+    old = Output("g", "/g", fitting, "/g/status", fitting)
+    for output in (row, old):
+        refuse_outputs(convert, None, Beside(), [output])
+    other = old._replace(status_type=wrong)
+    refused(lambda: refuse_outputs(convert, None, Beside(), [other]), "carries", "Guarantee")
+    unknown = row._replace(of="evidence")
+    refused(lambda: refuse_outputs(convert, None, Beside(), [unknown]), "no message 'evidence'")
 
 
 def check_a_step_gives_several_messages_or_none():
@@ -86,6 +110,30 @@ def check_no_message_is_skipped():
         slot.receive(std_msgs.msg.Bool(False))
     assert slots.dropped() == {"sample": 5}
     assert len(slots.new_messages()["sample"]) == 1000
+
+
+def check_the_age_of_a_latched_message():
+    def received(message, header):
+        message._connection_header = header
+        slot.receive(message)
+        return slots.receipts()["sample"]
+
+    slots = subscriptions.Subscriptions(lambda: None)
+    slot = subscriptions._Slot(Input("sample", "/s", std_msgs.msg.Bool), slots._lock, lambda: None)
+    slots._slots["sample"] = slot
+    latching, other = {"callerid": "/a", "latching": "1"}, {"callerid": "/b", "latching": "0"}
+    first = received(std_msgs.msg.Bool(True), latching)
+    assert first.latched
+    assert first.age_at(first.at + 1.0) == UNKNOWN_AGE
+    assert not received(std_msgs.msg.Bool(True), latching).latched
+    assert not received(std_msgs.msg.Bool(True), other).latched
+    rospy.rostime.set_rostime_initialized(True)
+    for made, low, high in ((-2.0, 2.0, 3.0), (60.0, UNKNOWN_AGE, UNKNOWN_AGE)):
+        message = eddi_messages.msg.ConSertStatus()
+        message.header.stamp = rospy.Time.from_sec(time.time() + made)
+        stamped = received(message, dict(latching))
+        assert low <= stamped.age_at(stamped.at) <= high
+    assert received(eddi_messages.msg.ConSertStatus(), dict(latching)).latched
 
 
 def check_numbers():

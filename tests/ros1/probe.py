@@ -52,9 +52,11 @@ def subscribe(topic, kind):
     rospy.Subscriber(topic, message_class(kind), received, tcp_nodelay=True)
 
 
-def publish(topic, kind, fields, latch=False):
+def publish(topic, kind, fields, latch=False, connected=False):
     if topic not in _publishers:
         _publishers[topic] = rospy.Publisher(topic, message_class(kind), queue_size=10, latch=latch)
+    while connected and not _publishers[topic].get_num_connections():
+        time.sleep(0.01)
     message = build(kind, fields)
     _publishers[topic].publish(message)
     say(event="published", topic=topic, t=time.monotonic())

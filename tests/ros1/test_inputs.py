@@ -206,3 +206,20 @@ def test_latched_evidence_after_a_respawn(world, master, probe, model_files):
     probe.diagnostics("/again/tester", lambda lv, t, v: v.get("F") == "ok", after=mark)
     assert second.end()[0] == 0
     probe.do("stop", topic="/again/flag")
+
+
+def test_latched_evidence_with_a_limit(world, master, probe, model_files):
+    """It may be of any age: it counts from the second message on."""
+    start = probe.mark()
+    probe.subscribe("/old/guarantees")
+    probe.publish("/old/flag", BOOL, {"data": True}, latch=True)
+    node = world.node(master, "tester", f"_model:={model_files['tester_half']}", "__ns:=/old")
+    _level, text, _ = probe.diagnostics(
+        "/old/tester", lambda lv, t, v: v.get("F") == "stale", after=start
+    )
+    assert "the last message was latched, its age is not known" in text
+    assert all("G_F" not in active_ids(event) for event in probe.outputs("/old/guarantees", start))
+    mark = probe.mark()
+    probe.publish("/old/flag", BOOL, {"data": True})
+    probe.active("/old/guarantees", {"G_F"}, after=mark)
+    assert node.end()[0] == 0

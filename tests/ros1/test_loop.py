@@ -47,7 +47,7 @@ def test_rates_bursts_and_on_change(world, master, probe, model_files):
     delays = []
     for value in [True, False] * 5:
         mark = probe.mark()
-        sent = probe.publish("/change/flag", BOOL, {"data": value}, latch=True)
+        sent = probe.publish("/change/flag", BOOL, {"data": value}, connected=True)
         expected = {"G_F"} if value else set()
         delays.append(probe.active("/change/guarantees", expected, after=mark)["t"] - sent["t"])
     assert sorted(delays)[5] < 0.2  # one period of the rate is 2 s

@@ -134,7 +134,7 @@ def test_simulated_time(world, model_files):
     for topic, kind in (("/guarantees", OUT), ("/diagnostics", "diagnostic_msgs/DiagnosticArray")):
         probe.subscribe(topic, kind)
     node = world.node(master, "tester", f"_model:={model_files['tester_half']}")
-    probe.publish("/flag", BOOL, {"data": True}, latch=True)
+    probe.publish("/flag", BOOL, {"data": True}, connected=True)
     probe.active("/guarantees", {"G_F"}, after=0)
     mark = probe.mark()
     probe.active("/guarantees", set(), after=mark)  # the limit of 0.5 s is real time

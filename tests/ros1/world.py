@@ -173,9 +173,10 @@ class Probe:
                     raise AssertionError(f"not within {timeout} s; last events: {last}")
                 self._more.wait(left)
 
-    def publish(self, topic, kind, fields, *, latch=False):
+    def publish(self, topic, kind, fields, *, latch=False, connected=False):
         mark = self.mark()
-        self.do("publish", topic=topic, kind=kind, fields=fields, latch=latch)
+        options = {"latch": latch, "connected": connected}
+        self.do("publish", topic=topic, kind=kind, fields=fields, **options)
         return self.wait(lambda e: e["event"] == "published" and e["topic"] == topic, after=mark)
 
     def subscribe(self, topic, kind="eddi_messages/ConSertOutput"):

@@ -15,7 +15,9 @@ from jinja2 import Environment, meta, nodes
 from tests.checkouts import HERE
 
 TEMPLATES = HERE / "copier_templates"
-FILES = sorted(path for path in TEMPLATES.rglob("*.jinja") if path.is_file())
+SHAPES = TEMPLATES / "shapes.jinja"
+"""What the validators of the questions share; it renders nothing."""
+FILES = sorted(path for path in TEMPLATES.rglob("*.jinja") if path.is_file() and path != SHAPES)
 NAMES = sorted({part for path in TEMPLATES.rglob("*") for part in path.parts if "{" in part})
 TAGS = {"for", "endfor", "if", "else", "endif", "include", "raw", "endraw"}
 FILTERS = {
@@ -87,6 +89,16 @@ def test_only_answers_are_seen(path: Path) -> None:
     assert meta.find_undeclared_variables(parsed) <= questions() | of_the_name
     if path.name != ANSWERS_FILE:
         assert "_copier_answers" not in meta.find_undeclared_variables(parsed)
+
+
+def test_what_a_file_shows_is_checked() -> None:
+    asked = yaml.safe_load((TEMPLATES / "questions.yml").read_text("utf-8"))
+    free = {name for name, question in asked.items() if not {"validator", "choices"} & {*question}}
+    assert free == {"config_json", "default_guarantees"}, "only our own commands read these"
+    seen = [
+        meta.find_undeclared_variables(environment().parse(p.read_text("utf-8"))) for p in FILES
+    ]
+    assert not free & set().union(*seen)
 
 
 @ids

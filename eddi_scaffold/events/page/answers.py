@@ -113,7 +113,7 @@ def download(files: Mapping[str, str]) -> tuple[str, bytes]:
 
 
 def _plot(analysis: Analysis, rows: Rows) -> str:
-    held: dict[str, Any] = {variable.name: None for variable in analysis.variables}
+    held: dict[str, Any] = {variable.name: None for variable in analysis.inputs}
     inputs = []
     for t, samples in rows:
         held = {**held, **samples}

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from importlib.resources import files
+from io import BufferedReader
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -18,6 +20,7 @@ from eddi_scaffold.events.page.answers import (
     download,
 )
 from eddi_scaffold.events.page.html import Page, render
+from eddi_scaffold.events.page.limits import LimitedServer, TimedInput
 from eddi_scaffold.events.report import as_json
 from eddi_scaffold.events.targets import generate
 from eddi_scaffold.problems import EddiError, error
@@ -26,7 +29,7 @@ HOST = "127.0.0.1"
 MAX_BODY = 64 * 1024
 _DRAINED = 4 * 1024 * 1024
 """Bytes of a body that is too long which are still read, so that the answer arrives."""
-_NAMES = frozenset({"localhost", HOST})
+_LENGTH = re.compile(r"[0-9]{1,18}")
 _HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; style-src 'self'; script-src 'self'; img-src data:; "
@@ -42,24 +45,26 @@ _HTML = "text/html; charset=utf-8"
 _FILES = {"/style.css": "text/css; charset=utf-8", "/page.js": "text/javascript; charset=utf-8"}
 
 
-def open_server(port: int, read_signal: ReadSignal) -> ThreadingHTTPServer:
+def open_server(
+    port: int, read_signal: ReadSignal, *, seconds: float = 20.0, connections: int = 32
+) -> LimitedServer:
     """Return a server that listens on the loopback interface and is not serving yet.
 
     Args:
         port: 0 for any that is free.
         read_signal: reads recorded values.
+        seconds: within which a request has come and its answer is taken, or the connection ends.
+        connections: at once; a further one is told to come back.
 
     Raises:
         EddiError: the port is taken (E024).
     """
-    handler = type("Handler", (_Handler,), {"read_signal": staticmethod(read_signal)})
+    parts = {"read_signal": staticmethod(read_signal), "seconds": seconds}
     try:
-        server = ThreadingHTTPServer((HOST, port), handler)
+        return LimitedServer((HOST, port), type("Handler", (_Handler,), parts), connections)
     except OSError as problem:
         message = f"the port {port} cannot be used: {problem.strerror or problem}"
         raise EddiError(error("E024", message, hint="choose another one with --port")) from None
-    server.daemon_threads = True
-    return server
 
 
 class _Refused(Exception):  # noqa: N818 - an answer, not an error
@@ -72,10 +77,18 @@ class _Refused(Exception):  # noqa: N818 - an answer, not an error
 class _Handler(BaseHTTPRequestHandler):
     """Answers one connection."""
 
+    server: LimitedServer
     read_signal: ReadSignal
+    seconds: float
     server_version = "eddi-scaffold"
     sys_version = ""
-    timeout = 20
+
+    def setup(self) -> None:
+        """Let the time of the request begin."""
+        super().setup()
+        self.rfile.close()
+        self._input = TimedInput(self.connection, self.seconds)
+        self.rfile = BufferedReader(self._input)
 
     def do_GET(self) -> None:
         """Answer with the page, or one of its two files."""
@@ -100,8 +113,9 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _check_origin(self) -> None:
         """Refuse what a page from elsewhere sends, also by a name that it points at us."""
-        host = self.headers.get("Host", "")
-        if host.rpartition(":")[0] not in _NAMES and host not in _NAMES:
+        hosts = self.headers.get_all("Host", [])
+        host = hosts[0] if len(hosts) == 1 else ""
+        if host not in self.server.names:
             raise _Refused(HTTPStatus.FORBIDDEN, "this page is for localhost only")
         origin = self.headers.get("Origin")
         if origin not in (None, "null", f"http://{host}") or (
@@ -162,21 +176,31 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(HTTPStatus.OK, "application/json", json.dumps(found).encode())
 
     def _body(self) -> bytes:
-        length = self.headers.get("Content-Length", "")
-        if not length.isdecimal():
-            raise _Refused(HTTPStatus.LENGTH_REQUIRED, "how long the body is must be said")
-        if int(length) > MAX_BODY:
-            left = min(int(length), _DRAINED)
+        length = self._length()
+        if length > MAX_BODY:
+            left = min(length, _DRAINED)
             while left > 0:
                 block = self.rfile.read(min(left, MAX_BODY))
                 left = left - len(block) if block else 0
             text = f"more than {MAX_BODY} bytes are not taken: go back and shorten the text"
             raise _Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)
-        return self.rfile.read(int(length))
+        body = self.rfile.read(length)
+        if len(body) < length:
+            raise _Refused(HTTPStatus.BAD_REQUEST, "the body is shorter than it says")
+        return body
+
+    def _length(self) -> int:
+        said = self.headers.get_all("Content-Length", [])
+        if "Transfer-Encoding" in self.headers or not said:
+            raise _Refused(HTTPStatus.LENGTH_REQUIRED, "how long the body is must be said")
+        if len(said) > 1 or not _LENGTH.fullmatch(said[0]):
+            raise _Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is no number of bytes")
+        return int(said[0])
 
     def _send(
         self, status: HTTPStatus, kind: str, data: bytes, more: Mapping[str, str] | None = None
     ) -> None:
+        self._input.limit()
         self.send_response(status)
         headers = {"Content-Type": kind, "Content-Length": str(len(data)), **_HEADERS}
         for name, value in {**headers, **(more or {})}.items():

@@ -19,13 +19,13 @@ def example_signal(analysis: Analysis, rate: float | None) -> str:
     In its last part one sample of each number is missing.
     """
     rows = _rows(analysis)
-    lines = [",".join(["t", *(variable.name for variable in analysis.variables)])]
+    lines = [",".join(["t", *(variable.name for variable in analysis.inputs)])]
     for row in range(rows):
         part = row / rows
         missing = row == rows * 4 // 5
         cells = [
             "nan" if missing and _kind(variable) == "number" else _cell(variable, part, k, analysis)
-            for k, variable in enumerate(analysis.variables)
+            for k, variable in enumerate(analysis.inputs)
         ]
         lines.append(",".join([number_text(round(row / (rate or 1.0), 9)), *cells]))
     return "\n".join(lines) + "\n"
@@ -35,7 +35,7 @@ def _rows(analysis: Analysis) -> int:
     assert analysis.form is not None
     longest: int = max((node.get("window", 0) for node in analysis.form["nodes"]), default=0)
     wanted: int = 6 * longest // max(1, analysis.form["period"])
-    room = _CELLS // (len(analysis.variables) + 1)
+    room = _CELLS // (len(analysis.inputs) + 1)
     return max(2, min(max(wanted, MIN_ROWS), MAX_ROWS, room))
 
 

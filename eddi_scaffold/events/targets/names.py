@@ -77,9 +77,3 @@ def _plain_word(name: str) -> str:
 
 def _is_taken(word: str) -> bool:
     return word in _TAKEN or _C_INTEGER.fullmatch(word) is not None
-
-
-def one_line(text: str) -> str:
-    """Return a text that can stand in a comment or a docstring of any target."""
-    plain = re.sub(r"[^ -~]+", " ", text).replace("\\", "/").replace('"', "'")
-    return plain.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").strip()

@@ -5,15 +5,16 @@ from __future__ import annotations
 import inspect
 import re
 
-from eddi_runtime.event import stacks, values, windows
-from eddi_runtime.event.form import BUFFERED, WINDOWS
+from eddi_runtime.event import elements, reduction, stacks, values, windows
+from eddi_runtime.event.form import BUFFERED, WINDOWS, Variable
 from eddi_runtime.event.source import CLASSES, class_lines
 
-from eddi_scaffold.events.targets.monitor_model import MonitorModel, describe
+from eddi_scaffold.escaping import python_literal
+from eddi_scaffold.events.targets.monitor_model import Given, MonitorModel
 from eddi_scaffold.events.targets.regions import HEADER, region
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
-_KIND = {"number": "NumVal", "bool": "BoolVal", "enum": "str"}
+_KIND = {"number": "NumVal", "bool": "BoolVal", "enum": "str", "text": "str"}
 
 
 def python_module(model: MonitorModel) -> dict[str, str]:
@@ -38,13 +39,19 @@ def _head(model: MonitorModel) -> list[str]:
         "import time",
         "from bisect import bisect_left, insort",
         "from collections import deque",
-        "from typing import Any, Callable, Deque, List, Optional, Tuple",
+        f"from typing import {', '.join(_typing(model))}",
         "",
         f"PERIOD_NS = {model.form.period}",
         "NEVER = -(1 << 64)",
         "nan = math.nan",
         "",
     ]
+
+
+def _typing(model: MonitorModel) -> list[str]:
+    names = {"Any", "Callable", "Deque", "List", "Optional", "Tuple"}
+    more = {"Mapping", "Sequence", "Union"} if _needs_reductions(model) else set()
+    return sorted(names | more)
 
 
 def _title(number: int, name: str) -> list[str]:
@@ -57,18 +64,16 @@ def _variables(model: MonitorModel) -> list[str]:
         "class Variables:",
         '    """Where the values come from; each is read once in a step."""',
     ]
-    for k, name in enumerate(model.variables):
-        variable = model.form.variables[k]
-        kind = _KIND[variable.type]
-        lines += ["", f"    def read_{name}(self) -> {kind}:"]
-        lines += [f'        """Return {describe(model, k)}.', ""]
+    for one in model.given:
+        kind = "Sequence" if one.input.list else _KIND[one.input.type]
+        lines += ["", f"    def read_{one.word}(self) -> {kind}:"]
+        lines += [f'        """Return {one.description}.', ""]
         lines += ["        None, NaN and what is of a wrong type are UNKNOWN."]
-        if variable.stamped:
+        if one.stamped:
             lines += ["        (value, t_ns) says when it was sampled; without it: now."]
         lines += ['        """']
-        body = [f"raise NotImplementedError({variable.name!a})"]
-        body = [f"        {line}" for line in body]
-        lines += region(f"variable:{variable.name}", body, indent="        ")
+        body = [f"        raise NotImplementedError({python_literal(one.input.name)})"]
+        lines += region(f"variable:{one.input.name}", body, indent="        ")
     for k, name in enumerate(model.events if not model.numeric else ()):
         event = model.form.outputs[k]
         for what in ("raised", "cleared"):
@@ -92,11 +97,27 @@ def _functions(model: MonitorModel) -> list[str]:
     # As they stand in the library: a base class comes first.
     order = sorted(used, key=lambda cls: (cls.__module__ == stacks.__name__, _line(cls)))
     lines = _title(2, "Functions")
+    if _needs_reductions(model):
+        lines += [*_reductions(), "", ""]
     for cls in order:
         lines += [*_source(cls), "", ""]
     arguments = [f"v_{name}" for name in model.variables]
     lines += class_lines(model.form, "Engine", arguments)
     return lines
+
+
+def _needs_reductions(model: MonitorModel) -> bool:
+    return model.has_lists or any(variable.text for variable in model.form.variables)
+
+
+def _reductions() -> list[str]:
+    """Return the modules of lists, without their heads."""
+    found = []
+    for module in (elements, reduction):
+        lines = _NOQA.sub("", inspect.getsource(module)).rstrip().split("\n")
+        first = next(k for k, line in enumerate(lines) if line.startswith("MAX_"))
+        found += ["", "", *lines[first:]]
+    return found[2:]
 
 
 def _types() -> list[str]:
@@ -145,12 +166,26 @@ def as_sample(value, t_ns):
 '''
 
 
+_SAMPLES = '''
+
+def as_samples(values, t_ns):
+    """Return a list and when it was sampled."""
+    if isinstance(values, tuple) and len(values) == 2 and hasattr(values[0], "__len__"):
+        return values[0], t_ns if values[1] is None else values[1]
+    return values, t_ns
+'''
+
+
 def _main(model: MonitorModel) -> list[str]:
-    lines = [*_title(4, "Main"), *_CONVERSIONS.split("\n"), ""]
+    conversions = _CONVERSIONS + (_SAMPLES if model.has_lists else "")
+    lines = [*_title(4, "Main"), *conversions.split("\n"), ""]
     lines += ["class Monitor(Variables):"]
     lines += ['    """The monitor: reads the variables, evaluates, calls what is raised."""', ""]
     lines += ["    def __init__(self):", "        self.engine = Engine()"]
     lines += ["        self.evaluate = self.engine.evaluate"]
+    for name, variable in zip(model.variables, model.form.variables, strict=True):
+        if variable.reduction is not None:
+            lines += [f"        self.reduce_{name} = Reduction({variable.reduction.row!r}).value"]
     lines += [f"        self.verdicts = {tuple(1 for _ in model.events)!r}", ""]
     lines += ["    def reset(self):", '        """Forget everything of former steps."""']
     lines += ["        self.engine.reset()"]
@@ -159,15 +194,8 @@ def _main(model: MonitorModel) -> list[str]:
     result = "the number, NaN for UNKNOWN" if model.numeric else "event -> BoolVal"
     lines += [f'        """Evaluate once at a time in nanoseconds, and return {result}."""']
     lines += ["        if t_ns is None:", "            t_ns = time.monotonic_ns()"]
-    calls = []
-    for k, name in enumerate(model.variables):
-        variable = model.form.variables[k]
-        value = f"self.read_{name}()"
-        if variable.stamped:
-            lines += [f"        value_{name}, stamp_{name} = as_sample({value}, t_ns)"]
-            value = f"value_{name}"
-        calls.append(_conversion(variable.type, value, variable.literals))
-        calls += [f"stamp_{name}"] if variable.stamped else []
+    more, calls = _arguments(model)
+    lines += more
     lines += ["        values = self.evaluate(", "            t_ns,"]
     lines += [f"            {call}," for call in calls] + ["        )"]
     lines += _results(model)
@@ -180,10 +208,45 @@ def _main(model: MonitorModel) -> list[str]:
     return lines
 
 
-def _conversion(kind: str, value: str, literals: tuple[str, ...]) -> str:
-    if kind == "enum":
-        return f"as_literal({value}, {literals!r})"
-    return f"as_{'number' if kind == 'number' else 'truth'}({value})"
+def _arguments(model: MonitorModel) -> tuple[list[str], list[str]]:
+    """Return the lines that read what lists and stamps need, and the arguments of a step."""
+    lines: list[str] = []
+    calls: list[str] = []
+    values = {}
+    for one in model.given:
+        word, value = one.word, f"self.read_{one.word}()"
+        if one.stamped:
+            take = "as_samples" if one.input.list else "as_sample"
+            lines += [f"        value_{word}, stamp_{word} = {take}({value}, t_ns)"]
+            value = f"value_{word}"
+        elif model.has_lists:  # several reductions may read it
+            lines += [f"        value_{word} = {value}"]
+            value = f"value_{word}"
+        values[word] = value
+    for k, name in enumerate(model.variables):
+        variable = model.form.variables[k]
+        used = [model.given[number] for number in model.sampling.uses[k]]
+        value = values[used[0].word]
+        if variable.reduction is not None:
+            parts = "".join(f"{_part(one, values[one.word])}, " for one in used)
+            lines += [f"        value_{name}, _ = self.reduce_{name}(({parts.rstrip()}))"]
+            value = f"value_{name}"
+        calls.append(_conversion(variable, value))
+        calls += [f"stamp_{used[0].word}"] if variable.stamped else []
+    return lines, calls
+
+
+def _part(one: Given, value: str) -> str:
+    """Return what a reduction takes: lists as they are, numbers without NumVal."""
+    return f"as_number({value})" if not one.input.list and one.input.type == "number" else value
+
+
+def _conversion(variable: Variable, value: str) -> str:
+    if variable.text:
+        return f"number_in({value})"
+    if variable.type == "enum":
+        return f"as_literal({value}, {variable.literals!r})"
+    return f"as_{'number' if variable.type == 'number' else 'truth'}({value})"
 
 
 def _results(model: MonitorModel) -> list[str]:
@@ -197,5 +260,5 @@ def _results(model: MonitorModel) -> list[str]:
         lines += [f"            self.on_cleared_{name}(t_ns)"]
     lines += ["        return {"]
     for k, output in enumerate(model.form.outputs):
-        lines += [f"            {output.id!a}: BoolVal.of(values[{k}]),"]
+        lines += [f"            {python_literal(output.id)}: BoolVal.of(values[{k}]),"]
     return [*lines, "        }"]

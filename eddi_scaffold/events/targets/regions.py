@@ -103,17 +103,20 @@ def keep_in_folder(files: Mapping[str, str], folder: Path) -> tuple[dict[str, st
         if not path.is_file():
             found[name] = text
             continue
-        try:
-            old = read_source(path).data.decode("utf-8")
-        except UnicodeDecodeError:
-            raise EddiError(error("E021", "the file is not UTF-8 text", Place(str(path)))) from None
-        kept = keep_regions(text, old, str(path))
+        kept = keep_regions(text, _text(path), str(path))
         found[name] = kept.text
         if kept.lost:
             lost.append(f"{name}.kept.txt")
             before = folder / lost[-1]
-            earlier = before.read_text("utf-8") if before.is_file() else ""
+            earlier = _text(before) if before.is_file() else ""
             found[lost[-1]] = earlier + "".join(
                 f"region {one}\n{body}\n" for one, body in sorted(kept.lost.items())
             )
     return found, lost
+
+
+def _text(path: Path) -> str:
+    try:
+        return read_source(path).data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise EddiError(error("E021", "the file is not UTF-8 text", Place(str(path)))) from None

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.kinds import Alias, Kind
+from eddi_scaffold.kinds.bayesian_network.claims import MEANINGS, accepted, lag, support
 from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ _HEAD = 65536
 _ROOT = re.compile(rb"<(?:smile|BIF)[\s>/]")
 _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
-    "renamed",
+    "renamed", "evidence",
 )  # fmt: skip
 
 
@@ -57,7 +58,7 @@ KIND = Kind(
     runtime_model=_later("functions", "runtime_model"),
     messages=MESSAGES,
     output_message="BayesianNetworkOutput",
-    status_message="BayesianNetworkStatus",
+    beside=_later("functions", "beside"),
     options=_KEYS,
     configure=_later("options", "configure"),
     inputs_of_model=False,
@@ -75,5 +76,11 @@ KIND = Kind(
     cross_check=_later("crosscheck", "cross_check"),
     readme=_later("functions", "readme"),
     diagram=_later("picture", "diagram"),
+    outputs=_later("functions", "outputs"),
+    ids=_later("functions", "ids"),
+    accepted=accepted,
+    lag=lag,
+    support=support,
+    meanings=lambda _document, _part: MEANINGS,
 )
 """What the generator knows of Bayesian networks."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice, product
 
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network, Node, in_digits
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.problems import NearNames, Place, Problem, error, has_errors, warning
 
 TOLERANCE = 1e-6
 """A row may be off by so much: published networks are off by up to 3e-7."""
@@ -24,7 +24,8 @@ def check_network(
     """Check the drafts of a network's nodes (B101 to B114)."""
     if not drafts:
         return None, [error("B101", "the network has no nodes", place)]
-    check = _Check({draft.id: draft for draft in reversed(drafts)})
+    known = {draft.id: draft for draft in reversed(drafts)}
+    check = _Check(known, NearNames(known))
     check.names(drafts)
     for draft in drafts:
         check.states(draft)
@@ -39,6 +40,7 @@ def check_network(
 @dataclass
 class _Check:
     known: dict[str, Draft]
+    near: NearNames
     problems: list[Problem] = field(default_factory=list)
 
     def names(self, drafts: Iterable[Draft]) -> None:
@@ -71,8 +73,7 @@ class _Check:
         for parent in draft.parents:
             if parent.text not in self.known:
                 message = f"{draft.id!r} has the parent {parent.text!r}, which is no node"
-                hint = did_you_mean(parent.text, self.known)
-                self._error("B108", message, parent.place, hint)
+                self._error("B108", message, parent.place, self.near.hint(parent.text))
             elif parent.text in seen:
                 message = f"{parent.text!r} is a parent of {draft.id!r} twice"
                 self._error("B105", message, parent.place)

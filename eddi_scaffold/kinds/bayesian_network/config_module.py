@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from eddi_scaffold.escaping import python_comment, python_literal
 from eddi_scaffold.kinds import EditableMethod, EditableModule, Model
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
@@ -38,7 +39,10 @@ def config_module(model: Model) -> EditableModule:
 
 def _method(node: Node, attribute: str, settings: Settings) -> EditableMethod:
     outcomes = [f"outcome_{name}" for name in identifiers(node.states)]
-    pairs = [f"    {state!a}: {name}," for state, name in zip(node.states, outcomes, strict=True)]
+    pairs = [
+        f"    {python_literal(state)}: {name},"
+        for state, name in zip(node.states, outcomes, strict=True)
+    ]
     former = settings.renamed.get(node.id)
     return EditableMethod(
         name=f"node_{attribute}",
@@ -54,14 +58,18 @@ def _method(node: Node, attribute: str, settings: Settings) -> EditableMethod:
 
 
 def _comments(node: Node, settings: Settings) -> list[str]:
-    lines = [f"States of {_clean(node.id)}: {_clean(', '.join(node.states))}."]
+    lines = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
     if node.id in settings.outputs:
         lines.append("Declared as an output.")
     declared = next((one for one in settings.declarations if one.node == node.id), None)
     if declared is not None:
-        lines.append(f"Declared: discretised from {_clean(declared.input)}, unless set here.")
+        lines.append(
+            f"Declared: discretised from {python_comment(declared.input)}, unless set here."
+        )
     elif node.id in settings.direct:
-        lines.append(f"Declared: taken from {_clean(settings.direct[node.id])}, unless set here.")
+        lines.append(
+            f"Declared: taken from {python_comment(settings.direct[node.id])}, unless set here."
+        )
     if declared is None:
         edges = proposed_bins(node.states)
         if edges is not None:
@@ -70,8 +78,3 @@ def _comments(node: Node, settings: Settings) -> list[str]:
                 f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
             )
     return lines
-
-
-def _clean(text: str) -> str:
-    """Return text that can stand in a comment."""
-    return "".join(char if char.isprintable() else "?" for char in text)

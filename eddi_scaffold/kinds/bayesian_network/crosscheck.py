@@ -44,7 +44,7 @@ def cross_check(model: Model, model_json: str) -> CrossCheck:
     peer = Peer(network)
     largest = 0.0
     for case in cases:
-        largest = max(largest, _difference(monitor, peer, settings.outputs, case))
+        largest = max(largest, _difference(monitor, peer, settings.inferred, case))
     if largest > TOLERANCE:
         message = f"the compiled network differs from pgmpy by {largest:.3g}"
         hint = "please report it with the network: nothing was written"

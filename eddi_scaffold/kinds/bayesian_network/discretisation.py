@@ -25,7 +25,7 @@ _KEYS = (
 _CHOICES = {
     "closed": ("right", "left"),
     "out_of_range": (UNOBSERVED, "clamp"),
-    "missing": (UNOBSERVED, "default", "hold"),
+    "missing": (UNOBSERVED, "prior", "default", "hold"),
 }
 
 

@@ -6,7 +6,15 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import PurePath
 
-from eddi_scaffold.kinds import EditableModule, JsonValue, Model, ModelInput, Reading
+from eddi_scaffold.escaping import markdown_code
+from eddi_scaffold.kinds import (
+    EditableModule,
+    JsonValue,
+    Model,
+    ModelInput,
+    ModelOutput,
+    Reading,
+)
 from eddi_scaffold.kinds.bayesian_network.config_module import config_module
 from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
 from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
@@ -16,6 +24,7 @@ from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
 from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import settings_of
+from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
 from eddi_scaffold.problems import Problem, in_order, warning
@@ -91,6 +100,7 @@ def outline(model: Model) -> Sequence[str]:
     lines.append(
         f"largest table of the inference, all nodes observable: {in_digits(width.largest)} entries"
     )
+    lines += [f"evidence {one.id}: {one.text()}" for one in settings.thresholds]
     return lines
 
 
@@ -110,6 +120,7 @@ def runtime_model(model: Model) -> dict[str, JsonValue]:
     network: Network = model.data
     settings = settings_of(model)
     attributes = node_attributes(network)
+    thresholds = [one.document() for one in settings.thresholds]
     return {
         "nodes": [
             {
@@ -129,12 +140,42 @@ def runtime_model(model: Model) -> dict[str, JsonValue]:
         "observed": None if settings.foreseen is None else list(settings.foreseen),
         "discretisation": {one.node: dict(one.data) for one in settings.declarations},
         "direct": dict(settings.direct),
+        **({"thresholds": thresholds} if thresholds else {}),
     }
 
 
 def settings(model: Model) -> dict[str, JsonValue]:
     """Return the ``settings`` part of ``config/model.json``."""
     return dict(settings_of(model).evidence)
+
+
+def beside(model: Model) -> Mapping[str, str]:
+    """Return the messages that the monitor publishes beside its output."""
+    evidence = {"evidence": "BayesianNetworkEvidence"} if settings_of(model).thresholds else {}
+    return {"status": "BayesianNetworkStatus", **evidence}
+
+
+def outputs(model: Model) -> Sequence[ModelOutput]:
+    """Return the topics of thresholds that have one."""
+    return [
+        ModelOutput(
+            one.id, one.topic, ("evidence", ("id", one.id), "active"), one.place, "evidence"
+        )
+        for one in settings_of(model).thresholds
+        if one.topic is not None
+    ]
+
+
+def ids(model: Model) -> Mapping[str, Sequence[str]]:
+    """Return the thresholds, the titles of the outputs, and the outcomes of each."""
+    settings = settings_of(model)
+    nodes = {node.id: node for node in model.data.nodes}
+    outputs = [nodes[name] for name in settings.outputs]
+    return {
+        "evidence": [one.id for one in settings.thresholds],
+        "output_nodes": [node.title for node in outputs],
+        **{f"output_nodes[{node.title}].outcomes": node.states for node in outputs},
+    }
 
 
 def modules(model: Model) -> Sequence[EditableModule]:
@@ -146,8 +187,11 @@ def readme(model: Model) -> Sequence[str]:
     """Return what the package's README says about the network."""
     settings = settings_of(model)
     width = settings.width
-    observed = ", ".join(f"`{name}`" for name in settings.observed) or "none (write the methods)"
-    outputs = ", ".join(f"`{name}`" for name in settings.outputs)
+    observed = (
+        ", ".join(f"`{markdown_code(name)}`" for name in settings.observed)
+        or "none (write the methods)"
+    )
+    outputs = ", ".join(f"`{markdown_code(name)}`" for name in settings.outputs)
     text = (
         f"Outputs: {outputs}. Observed by declaration: {observed}. A missing input leaves its node "
         "unobserved; the posterior is exact for what is known."
@@ -158,4 +202,18 @@ def readme(model: Model) -> Sequence[str]:
         text,
         "",
         f"The largest table of the inference has {in_digits(width.largest)} entries.",
+        *_evidence(settings.thresholds),
     )
+
+
+def _evidence(thresholds: Sequence[Threshold]) -> Sequence[str]:
+    """Return what the package's README says about the evidence."""
+    if not thresholds:
+        return ()
+    text = (
+        "Evidence holds for every state that unknown inputs may have; of what is not known, only a "
+        "prior that the configuration accepts by name counts. The posteriors themselves are no "
+        "evidence. After a step in Python, `EDDIMonitor.monitor.claims()` returns it."
+    )
+    rows = [f"| `{one.id}` | {one.text()} |" for one in thresholds]
+    return ("", text, "", "| evidence | active while |", "|---|---|", *rows)

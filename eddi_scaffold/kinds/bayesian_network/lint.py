@@ -14,6 +14,7 @@ from pathlib import PurePath
 
 from eddi_scaffold.kinds.bayesian_network import lint_ways as ways
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.regions.python_text import parse_shallow
 from eddi_scaffold.source import Source
 
 FILE = "bayesian_network_config.py"
@@ -39,12 +40,10 @@ def is_config_module(name: str) -> bool:
 def lint(source: Source) -> list[Problem]:
     """Return what looks wrong (B406, B410 to B417), or that the file is no Python (B418)."""
     try:
-        tree = ast.parse(source.data)
+        tree = parse_shallow(source.data)
     except SyntaxError as fault:
         place = Place(source.name, fault.lineno or 1, fault.offset or 1)
         return [error("B418", f"this is no Python: {fault.msg}", place)]
-    except (ValueError, RecursionError, MemoryError) as fault:
-        return [error("B418", f"this is no Python: {fault}", Place(source.name, 1))]
     lines = source.data.decode("utf-8", "replace").splitlines()
     found: list[Problem] = []
     for item in ast.walk(tree):

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_of
 
+from eddi_scaffold.claims import Use
 from eddi_scaffold.identifiers import attribute, free_name
 from eddi_scaffold.kinds import InputType, JsonValue, Model, ModelInput, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
+from eddi_scaffold.kinds.bayesian_network.doubts import doubts
+from eddi_scaffold.kinds.bayesian_network.influence import without_influence
 from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import node_attributes
-from eddi_scaffold.problems import Problem, did_you_mean, error, has_errors, info, warning
+from eddi_scaffold.kinds.bayesian_network.thresholds import (
+    Threshold,
+    read_thresholds,
+)
+from eddi_scaffold.problems import Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.units import accepted
 
 _CHOICES = {"evidence_mode": ("virtual", "d7.2"), "on_inconsistent": ("silent", "prior", "hold")}
 
@@ -31,6 +39,7 @@ class Settings:
         renamed: node -> its former name; its hand-written body moves along.
         evidence: ``evidence_mode``, ``on_inconsistent`` and ``explain``.
         width: what inference will cost.
+        thresholds: what is given as evidence for ConSerts.
     """
 
     outputs: tuple[str, ...]
@@ -42,25 +51,46 @@ class Settings:
     foreseen: tuple[str, ...] | None = None
     renamed: Mapping[str, str] = field(default_factory=dict)
     evidence: Mapping[str, JsonValue] = field(default_factory=dict)
+    thresholds: tuple[Threshold, ...] = ()
+
+    @property
+    def inferred(self) -> tuple[str, ...]:
+        """The nodes whose posteriors are computed: the outputs, and what evidence is made of."""
+        return tuple(dict.fromkeys([*self.outputs, *(one.node for one in self.thresholds)]))
 
 
 def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
-    """Take the configuration into the model (B301 to B305, B401 to B405)."""
+    """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B427)."""
     network: Network = model.data
+    settings, problems = _settings(network, options)
+    if settings is not None:
+        problems += _too_wide(settings.width, options)
+        problems += without_influence(network, _judged(settings), settings.observed, options)
+    if settings is None or has_errors(problems):
+        return None, problems
+    return replace(model, name=options.id or model.name, options=settings), problems
+
+
+def _settings(network: Network, options: Options) -> tuple[Settings | None, list[Problem]]:
+    """Return the settings, also of a network that is too wide for them."""
     declarations, problems = read_discretisation(network, options)
     problems += _wrong_choices(options)
+    discretised = {one.node for one in declarations}
+    thresholds, wrong = read_thresholds(network, options, discretised)
+    problems += wrong
     direct = _direct(network, options, declarations)
-    inputs = _apart(_inputs(network, options, declarations, direct))
+    inputs = _with_uses(_apart(_inputs(network, options, declarations, direct)), declarations)
+    if thresholds:
+        inputs = _judged_by_default(inputs, {*direct.values(), *(d.input for d in declarations)})
     foreseen = _named(network, options, "observed", problems)
-    fed = {one.node for one in declarations} | set(direct) | set(foreseen or ())
+    fed = discretised | set(direct) | set(foreseen or ())
     observed = [node for node in network.names() if node in fed]
     outputs = _outputs(network, options, observed, problems)
     renamed = _renamed(network, options, problems)
     if has_errors(problems):
         return None, problems
-    width = _width(network, outputs, observed)
-    problems += _too_wide(width, options)
-    problems += _without_influence(network, outputs, observed, options)
+    judged = [*outputs, *(one.node for one in thresholds)]
+    problems += doubts(network, thresholds, declarations, observed, options)
     values = options.values
     evidence = {
         "evidence_mode": values.get("evidence_mode", "virtual"),
@@ -73,24 +103,26 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
         tuple(declarations),
         direct,
         inputs,
-        width,
+        _width(network, judged, observed),
         None if foreseen is None else tuple(foreseen),
         renamed,
         evidence,
+        tuple(thresholds),
     )
-    if has_errors(problems):
-        return None, problems
-    name = options.id or model.name
-    return replace(model, name=name, options=settings), problems
+    return settings, problems
+
+
+def _judged(settings: Settings) -> list[str]:
+    """Return the nodes whose posteriors count: the outputs and those of thresholds."""
+    return [*settings.outputs, *(one.node for one in settings.thresholds)]
 
 
 def settings_of(model: Model) -> Settings:
     """Return the settings of a model, by default those without a configuration."""
-    if model.options is None:
-        configured, _ = configure(model, Options())
-        assert configured is not None, "a checked network needs no configuration"
-        model = configured
-    settings: Settings = model.options
+    settings: Settings | None = model.options
+    if settings is None:
+        settings, _ = _settings(model.data, Options())
+        assert settings is not None, "a checked network needs no configuration"
     return settings
 
 
@@ -159,13 +191,37 @@ def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
     return tuple(found)
 
 
+def _judged_by_default(
+    inputs: Sequence[ModelInput], feeding: Container[str]
+) -> tuple[ModelInput, ...]:
+    """Say that any default of what feeds a node may make evidence active before a message."""
+    return tuple(
+        replace(one, is_good=lambda _: True) if one.id in feeding else one for one in inputs
+    )
+
+
+def _with_uses(
+    inputs: Sequence[ModelInput], declarations: Sequence[Declaration]
+) -> tuple[ModelInput, ...]:
+    """Say of inputs that are mapped which values say something: the others leave a node open."""
+    mapped = {
+        one.input: [value for value, _ in one.data["map"]]
+        for one in declarations
+        if "map" in one.data and "bins" not in one.data
+    }
+    return tuple(
+        replace(one, uses=(Use(mapped[one.id].__contains__),)) if one.id in mapped else one
+        for one in inputs
+    )
+
+
 def _direct_input(network: Network, node: str, name: str) -> ModelInput:
     states = ", ".join(network.node(node).states)
     return ModelInput(name, "state", description=f"a state of {node} ({states}), or likelihoods")
 
 
 def _input(name: str, of: InputType, unit: str | None, text: str) -> ModelInput:
-    return ModelInput(name, of, unit=unit, units={unit: (1, 1)} if unit else None, description=text)
+    return ModelInput(name, of, unit=unit, units=accepted(unit), description=text)
 
 
 def _named(
@@ -245,40 +301,3 @@ def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
         "decompose the network in GeNIe"
     )
     yield level(code, message, options.place(), hint)
-
-
-def _without_influence(
-    network: Network, outputs: Sequence[str], observed: Sequence[str], options: Options
-) -> Iterable[Problem]:
-    """Tell of observed nodes that no output depends on (B305)."""
-    if not options.inputs:
-        return
-    near = _neighbours(network, network.ancestors([*outputs, *observed]))
-    for name in observed:
-        if name not in outputs and not _connected(near, name, outputs):
-            message = f"the observed node {name!r} cannot influence any output"
-            yield info("B305", message, options.place("discretisation", name))
-
-
-def _neighbours(network: Network, known: set[str]) -> dict[str, set[str]]:
-    """Return the neighbours of each node among the known ones."""
-    found: dict[str, set[str]] = {name: set() for name in known}
-    for node in network.nodes:
-        for parent in node.parents if node.id in known else ():
-            found[node.id].add(parent)
-            found[parent].add(node.id)
-    return found
-
-
-def _connected(near: Mapping[str, set[str]], name: str, outputs: Sequence[str]) -> bool:
-    """Tell whether evidence on a node can reach an output, whatever else is observed.
-
-    Among the ancestors of what is observed or asked for, every common child is, or leads to, an
-    output or an observed node; so each way can be open, in one step or another.
-    """
-    seen, waiting = {name}, [name]
-    while waiting:
-        for one in near[waiting.pop()] - seen:
-            seen.add(one)
-            waiting.append(one)
-    return not seen.isdisjoint(outputs)

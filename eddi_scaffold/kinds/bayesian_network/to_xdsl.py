@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.sax.saxutils import escape
 
+from eddi_scaffold.escaping import xml_text
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
 from eddi_scaffold.kinds.bayesian_network.names import xdsl_ids
 
@@ -30,7 +30,7 @@ def number(value: float) -> str:
 def _lines(network: Network) -> Iterator[str]:
     ids = xdsl_ids(network.names())
     order = network.in_order()
-    name = _quoted(next(iter(xdsl_ids([network.name]).values())))
+    name = xml_text(next(iter(xdsl_ids([network.name]).values())))
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     yield f'<smile version="1.0" id="{name}" numsamples="10000" discsamples="10000">'
     yield "\t<nodes>"
@@ -38,10 +38,10 @@ def _lines(network: Network) -> Iterator[str]:
         yield from _node(node, ids)
     yield "\t</nodes>"
     yield "\t<extensions>"
-    yield f'\t\t<genie version="1.0" app="eddi-scaffold" name="{_quoted(network.name)}">'
+    yield f'\t\t<genie version="1.0" app="eddi-scaffold" name="{xml_text(network.name)}">'
     for node, (left, top) in zip(order, _places(order), strict=True):
         yield f'\t\t\t<node id="{ids[node.id]}">'
-        yield f"\t\t\t\t<name>{escape(node.title)}</name>"
+        yield f"\t\t\t\t<name>{xml_text(node.title)}</name>"
         yield '\t\t\t\t<interior color="e5f6f7" />'
         yield '\t\t\t\t<outline color="000080" />'
         yield '\t\t\t\t<font color="000000" name="Arial" size="8" />'
@@ -76,7 +76,3 @@ def _places(order: list[Node]) -> list[tuple[int, int]]:
         count[row] = column + 1
         found.append((40 + 180 * column, 40 + 120 * row))
     return found
-
-
-def _quoted(text: str) -> str:
-    return escape(text, {'"': "&quot;"})

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from xml.sax.saxutils import escape
 
+from eddi_scaffold.escaping import xml_text
 from eddi_scaffold.kinds.bayesian_network.model import Network
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import number
 
@@ -19,18 +19,18 @@ def _lines(network: Network) -> Iterator[str]:
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     yield '<BIF VERSION="0.3">'
     yield "<NETWORK>"
-    yield f"<NAME>{escape(network.name)}</NAME>"
+    yield f"<NAME>{xml_text(network.name)}</NAME>"
     for node in order:
         yield '<VARIABLE TYPE="nature">'
-        yield f"\t<NAME>{escape(node.id)}</NAME>"
+        yield f"\t<NAME>{xml_text(node.id)}</NAME>"
         for state in node.states:
-            yield f"\t<OUTCOME>{escape(state)}</OUTCOME>"
+            yield f"\t<OUTCOME>{xml_text(state)}</OUTCOME>"
         yield "</VARIABLE>"
     for node in order:
         yield "<DEFINITION>"
-        yield f"\t<FOR>{escape(node.id)}</FOR>"
+        yield f"\t<FOR>{xml_text(node.id)}</FOR>"
         for parent in node.parents:
-            yield f"\t<GIVEN>{escape(parent)}</GIVEN>"
+            yield f"\t<GIVEN>{xml_text(parent)}</GIVEN>"
         yield f"\t<TABLE>{' '.join(number(p) for p in node.table)}</TABLE>"
         yield "</DEFINITION>"
     yield "</NETWORK>"

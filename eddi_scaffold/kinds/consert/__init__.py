@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds import Kind, Model, Reading
+from eddi_scaffold.kinds import Kind, Model, Reading, with_status
 from eddi_scaffold.kinds.consert.check import check_consert
+from eddi_scaffold.kinds.consert.claims import MEANINGS, support, unfulfilled
 from eddi_scaffold.kinds.consert.from_yaml import read_draft
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.marks import mark_defaults
 from eddi_scaffold.kinds.consert.messages import MESSAGES
-from eddi_scaffold.kinds.consert.options import KEYS, configure, settings
+from eddi_scaffold.kinds.consert.options import KEYS, accepted, configure, lag, settings
 from eddi_scaffold.kinds.consert.outline import counts, outline
 from eddi_scaffold.kinds.consert.picture import diagram
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
@@ -97,12 +98,19 @@ KIND = Kind(
     runtime_model=lambda model: runtime_model(_consert(model)),
     messages=MESSAGES,
     output_message="ConSertOutput",
-    status_message="ConSertStatus",
+    beside=with_status("ConSertStatus"),
     options=KEYS,
     configure=configure,
     without_input="no guarantee that needs it becomes active",
     settings=settings,
     diagram=lambda model: diagram(_consert(model)),
     ids=lambda model: {"guarantees": [one.id for one in _consert(model).guarantees]},
+    meanings=lambda _document, _part: MEANINGS,
+    accepted=accepted,
+    lag=lag,
+    support=support,
+    unfulfilled=lambda provider, output, user, item: unfulfilled(
+        _consert(provider), output, _consert(user), item
+    ),
 )
 """What the generator knows of ConSerts."""

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from eddi_scaffold.kinds.consert.graph import cycles, inputs_of, reached
-from eddi_scaffold.kinds.consert.near import NearNames
-from eddi_scaffold.problems import Place, Problem, error, info, warning
+from eddi_scaffold.graphs import cycles, reached
+from eddi_scaffold.kinds.consert.graph import inputs_of
+from eddi_scaffold.problems import NearNames, Place, Problem, error, info, warning
 from eddi_scaffold.yaml_nodes import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from eddi_scaffold.kinds.consert.graph import Graph
+    from eddi_scaffold.graphs import Graph
     from eddi_scaffold.kinds.consert.model import ConSert, Gate, Guarantee, Propagation
 
 NodeKind = Literal["evidence", "demand", "gate", "guarantee"]

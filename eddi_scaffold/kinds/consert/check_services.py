@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.near import NearNames
-from eddi_scaffold.problems import Place, Problem, error, warning
+from eddi_scaffold.problems import NearNames, Place, Problem, error, warning
 from eddi_scaffold.yaml_nodes import shown
 
 if TYPE_CHECKING:

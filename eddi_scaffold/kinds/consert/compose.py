@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.graph import cycles
+from eddi_scaffold.graphs import cycles
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
 from eddi_scaffold.kinds.consert.paths import constants
 from eddi_scaffold.problems import Problem, error

@@ -19,7 +19,7 @@ from eddi_scaffold.kinds.consert.model import (
     Range,
 )
 from eddi_scaffold.kinds.consert.names import class_name
-from eddi_scaffold.kinds.consert.units import find as find_unit
+from eddi_scaffold.units import find as find_unit
 
 # The first of this order that occurs anywhere wins, as in the peer.
 _OPERATORS = ("<=", ">=", "<", ">", "bound to")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
+from eddi_scaffold import units
+from eddi_scaffold.claims import Use
 from eddi_scaffold.kinds import InputType, ModelInput
-from eddi_scaffold.kinds.consert import units
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     CategoricalDimension,
@@ -32,7 +33,8 @@ def inputs(consert: ConSert) -> Sequence[ModelInput]:
             "bool",
             description=demand.description,
             covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
-            is_good=lambda value: value is True,
+            is_good=_is_true,
+            uses=(Use(_is_true),),
         )
         for demand in consert.demands
     )
@@ -51,7 +53,7 @@ def covered_text(dimension: Dimension) -> str:
 
 def _evidence(evidence: Evidence) -> ModelInput:
     dimension = evidence.dimension
-    covered = covered_text(dimension)
+    covered, good = covered_text(dimension), partial(_is_covered, dimension)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
         type_: InputType = "bool" if isinstance(dimension, BinaryDimension) else "str"
         return ModelInput(
@@ -59,7 +61,8 @@ def _evidence(evidence: Evidence) -> ModelInput:
             type_,
             description=evidence.description,
             covered=covered,
-            is_good=partial(_is_covered, dimension),
+            is_good=good,
+            uses=(Use(good),),
         )
     return ModelInput(
         evidence.id,
@@ -68,8 +71,13 @@ def _evidence(evidence: Evidence) -> ModelInput:
         units=units.convertible(dimension.uom),
         description=evidence.description,
         covered=covered,
-        is_good=partial(_is_covered, dimension),
+        is_good=good,
+        uses=(Use(good),),
     )
+
+
+def _is_true(value: object) -> bool:
+    return value is True
 
 
 def _is_covered(dimension: Dimension, value: object) -> bool:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from eddi_scaffold.claims import Acceptance
 from eddi_scaffold.kinds import JsonValue, Model, Options
 from eddi_scaffold.problems import Problem, error
 
@@ -35,6 +36,21 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
 def settings(model: Model) -> dict[str, JsonValue]:
     """Return the ``settings`` part of ``config/model.json``."""
     return dict(model.options or {"guarantee_ids": "source", "filter": dict(_NO_FILTER)})
+
+
+def accepted(document: JsonValue, frequency: float) -> Sequence[Acceptance]:
+    """Return what a filter by majority accepts: the majority of old steps."""
+    seconds = lag(document, frequency)
+    if not seconds:
+        return ()
+    key, what = "filter: majority", "the majority of old steps"
+    return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
+
+
+def lag(document: JsonValue, frequency: float) -> float:
+    """Return for how many seconds a majority may hold after it was lost: half of its window."""
+    filtering = document["settings"]["filter"]
+    return filtering.get("window", 1) // 2 / frequency if filtering["kind"] == "majority" else 0.0
 
 
 def _wrong(options: Options) -> Iterable[Problem]:

@@ -7,14 +7,16 @@ each step. Sets are bit masks over the leaves in file order.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.graph import in_order, inputs_of
+from eddi_scaffold.graphs import in_order
+from eddi_scaffold.kinds.consert.graph import inputs_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from eddi_scaffold.kinds.consert.graph import Graph
+    from eddi_scaffold.graphs import Graph
     from eddi_scaffold.kinds.consert.model import ConSert
 
 CAP = 256
@@ -133,12 +135,26 @@ def redundant_inputs(
     work: Work,
 ) -> set[str]:
     """Return the inputs of a node without any of which its path sets stay the same."""
-    sources = inputs[id_]
-    if len(sources) < 2 or found[id_] is None:
+    sources, whole = inputs[id_], found[id_]
+    given = [found[source] for source in sources]
+    if len(sources) < 2 or whole is None:
         return set()
-    return {
-        source
-        for source in sources
-        if combined([found[s] for s in sources if s != source], is_or=is_or, work=work)
-        == found[id_]
-    }
+    if is_or:
+        count = Counter(mask for sets in given for mask in sets or ())
+        return {
+            source
+            for source, sets in zip(sources, given, strict=True)
+            if all(count[mask] > (mask in (sets or ())) for mask in whole)
+        }
+    before = _running(given, work)
+    behind = _running(given[::-1], work)[::-1]
+    others = zip(sources, before, behind[1:], strict=False)
+    return {s for s, *rest in others if combined(rest, is_or=False, work=work) == whole}
+
+
+def _running(given: Sequence[Sets | None], work: Work) -> list[Sets | None]:
+    """Return the And of none, of the first, of the first two ... of some nodes."""
+    found: list[Sets | None] = [frozenset({0})]
+    for sets in given:
+        found.append(combined([found[-1], sets], is_or=False, work=work))
+    return found

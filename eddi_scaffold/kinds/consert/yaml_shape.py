@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from eddi_scaffold import yaml_nodes as y
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, nearest, warning
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -97,11 +97,10 @@ class Shape:
                 hint = _missing_hint(key, found)
                 self.report("C002", f"{what} has no key {key!r}", node.place, hint)
         absent = [key for key in known if key not in present]
-        for name, _ in node.entries:
+        for index, (name, _) in enumerate(node.entries):
             if name.text not in known and name.text not in instead:
-                message = f"unknown key {y.shown(name.text)} in {what} is ignored"
-                hint = did_you_mean(name.text, absent)
-                self.problems.append(warning("C004", message, name.place, hint))
+                hint = _comma_hint(node, index) or did_you_mean(name.text, absent)
+                self.report("C004", f"unknown key {y.shown(name.text)} in {what}", name.place, hint)
 
     def items(self, node: y.Node, what: str) -> tuple[y.Node, ...] | None:
         """Read a list, C003 for anything else."""
@@ -184,6 +183,17 @@ class Shape:
         words = f"{', '.join(allowed[:-1])} and {allowed[-1]}"
         message = f"unknown {title} {y.shown(text)}: there are {words}"
         self.report("C005", message, place, hint or did_you_mean(text, allowed))
+
+
+def _comma_hint(node: y.Map, index: int) -> str | None:
+    """Return what to do where a decimal comma has made a key: ``{start: 1,5}``."""
+    name, value = node.entries[index]
+    if index == 0 or not (name.text.isdecimal() and y.is_null(value)):
+        return None
+    key, before = node.entries[index - 1]
+    if not isinstance(before, y.Scalar) or y.as_integer(before) is None:
+        return None
+    return f"a decimal point, not a comma: `{key.text}: {before.text}.{name.text}`"
 
 
 def _missing_hint(key: str, found: str | None) -> str | None:

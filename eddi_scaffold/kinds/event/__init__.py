@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Kind, Reading
+from eddi_scaffold.kinds.event.claims import acceptances, limits, meanings, support
 from eddi_scaffold.kinds.event.messages import MESSAGES
 from eddi_scaffold.kinds.event.model import (
     NAME,
@@ -58,5 +59,9 @@ KIND = Kind(
     configure=configure,
     readme=readme,
     parts=parts,
+    meanings=meanings,
+    accepted=acceptances,
+    limits=limits,
+    support=support,
 )
 """What the generator knows of events."""

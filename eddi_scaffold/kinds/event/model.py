@@ -6,17 +6,22 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from eddi_scaffold.escaping import markdown_code, markdown_text
 from eddi_scaffold.events.analysis import Analysis, analyse
 from eddi_scaffold.events.report import cost_line
-from eddi_scaffold.events.units import same_dimension
+from eddi_scaffold.events.scope import Variable
+from eddi_scaffold.events.syntax import is_list_path
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, Reading
+from eddi_scaffold.kinds.event.claims import uses_of
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import Source
+from eddi_scaffold.units import accepted
 
 NAME = "event"
 DEFAULT_RATE = 10.0
 """Steps per second where no configuration says another number."""
-_TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool", "enum": "str"}
+_TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
+_LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 
 @dataclass(frozen=True)
@@ -69,15 +74,19 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
 
 def inputs(model: Model) -> Sequence[ModelInput]:
     """Return one input for each variable, in the order of their first use."""
+    analysis = events_of(model).analysis
+    assert analysis.form is not None
+    uses = uses_of(analysis.form)
     return [
         ModelInput(
             variable.name,
-            _TYPES[variable.type.kind if variable.type else "number"],
+            _input_type(variable),
             unit=variable.unit or ("" if _is_number(variable.type) else None),
-            units=same_dimension(variable.unit) if _is_number(variable.type) else None,
+            units=_units(variable),
             covered=_covered(variable.range, variable.unit),
+            uses=uses.get(variable.name, ()),
         )
-        for variable in events_of(model).analysis.variables
+        for variable in analysis.inputs
     ]
 
 
@@ -91,7 +100,7 @@ def model_part(model: Model) -> dict[str, Any]:
 def counts(model: Model) -> Mapping[str, int]:
     """Return how many events and variables there are."""
     analysis = events_of(model).analysis
-    return {"events": len(analysis.events), "variables": len(analysis.variables)}
+    return {"events": len(analysis.events), "variables": len(analysis.inputs)}
 
 
 def outline(model: Model) -> Sequence[str]:
@@ -113,7 +122,9 @@ def readme(model: Model) -> Sequence[str]:
     lines = ["| event | UNKNOWN counts as | condition |", "|---|---|---|"]
     for event in events.analysis.events:
         counts_as = "active" if event.polarity == "HAZARD" else "not active"
-        lines.append(f"| {event.id} | {counts_as} | `{event.canonical}` |")
+        lines.append(
+            f"| {markdown_text(event.id)} | {counts_as} | `{markdown_code(event.canonical)}` |"
+        )
     assert events.analysis.form is not None
     return [*lines, "", f"{events.rate:g} steps a second; {cost_line(events.analysis.form)}."]
 
@@ -135,6 +146,16 @@ def _one_topic(model: Model, analysis: Analysis, parts: Sequence[str | None]) ->
 def parts(model: Model) -> Sequence[str]:
     """Return the ids of the events, each of which is a message of its own."""
     return [event.id for event in events_of(model).analysis.events]
+
+
+def _input_type(variable: Variable) -> InputType:
+    kind = variable.type.kind if variable.type else "number"
+    return (_LISTS if is_list_path(variable.name) else _TYPES).get(kind, "str")
+
+
+def _units(variable: Variable) -> Mapping[str, tuple[int, int]] | None:
+    """Return the units in which a value may be given: none for what has no unit."""
+    return accepted(variable.unit) if _is_number(variable.type) else None
 
 
 def _is_number(type_: Any) -> bool:

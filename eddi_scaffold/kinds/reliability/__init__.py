@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.kinds import Kind
+from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
 from eddi_scaffold.kinds.reliability.messages import MESSAGES
 
 if TYPE_CHECKING:
@@ -70,5 +71,7 @@ KIND = Kind(
     readme=_later("readme"),
     diagram=_later("diagram"),
     ids=_later("ids"),
+    support=support,
+    meanings=lambda _document, _part: MEANINGS,
 )
 """What the generator knows of reliability."""

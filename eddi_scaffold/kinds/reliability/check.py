@@ -20,7 +20,10 @@ from eddi_scaffold.kinds.reliability.model import (
     System,
 )
 from eddi_scaffold.kinds.reliability.runtime_model import gate_name, gates_of, runtime_model, used
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.problems import NearNames, Place, Problem, error, has_errors, warning
+
+_ALL = "\0"
+"""Stands above all models; no model is called so."""
 
 
 def check_system(system: System) -> list[Problem]:
@@ -60,19 +63,17 @@ def _open_ports(system: System) -> Iterator[Problem]:
 
 def _references(system: System) -> Iterator[Problem]:
     names = list(system.components)
+    near = NearNames(names, "there are")
     for component in system.components.values():
         for below in component.below:
             if below not in system.components:
                 message = f"model {component.name!r} uses {below!r}, which is not there"
-                hint = did_you_mean(below, names) or f"there are: {', '.join(names)}"
-                yield error("R001", message, _place_of_use(component, below), hint)
+                yield error("R001", message, _place_of_use(component, below), near.hint(below))
     below_all = {name: one.below for name, one in system.components.items()}
-    for name in names:
-        cycle = order(name, below_all)[1]
-        if cycle:
-            place = system.components[cycle[0]].place
-            yield error("R012", f"models use each other in a cycle: {_shown(cycle)}", place)
-            return
+    cycle = order(_ALL, {_ALL: names, **below_all})[1]
+    if cycle:
+        place = system.components[cycle[0]].place
+        yield error("R012", f"models use each other in a cycle: {_shown(cycle)}", place)
 
 
 def _place_of_use(component: Component, model: str) -> Place:
@@ -223,7 +224,9 @@ def _no_bounds(component: Component, tree: FaultTree) -> Problem:
     if odd is not None:
         message = f"gate {odd.name!r} of tree {name!r} is {odd.type}, so that cut sets do not bound"
         return error("R010", f"{message} it", odd.place, "leave out `approximation`")
-    message = f"tree {name!r} has more than {LIMIT:,} minimal cut sets"
+    message = (
+        f"tree {name!r} has more than {LIMIT:,} minimal cut sets, or takes too long to find them"
+    )
     hint = "leave out `approximation`, raise node_limit, or make parts share fewer events"
     return error("R010", message, tree.bounds_place, hint)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from eddi_scaffold.kinds.reliability.model import Law
-from eddi_scaffold.kinds.reliability.quantities import (
+from eddi_scaffold.kinds.reliability.values import code_of
+from eddi_scaffold.quantities import (
     Quantity,
     QuantityError,
     duration,
@@ -53,7 +54,7 @@ class Laws:
             if distributions:
                 return self._distribution(distributions[0], what)
         except QuantityError as problem:
-            self._findings.error(problem.code, f"{what}: {problem}", failure, problem.hint)
+            self._findings.error(code_of(problem), f"{what}: {problem}", failure, problem.hint)
             return None
         # the metamodel writes no 0.0: a rate of zero was not given
         return Law("exponential", (plain,)) if plain else None
@@ -75,7 +76,7 @@ class Laws:
             if given is not None:
                 return self._rate(element, given, what)
         except QuantityError as problem:
-            self._findings.error(problem.code, f"{what}: {problem}", element, problem.hint)
+            self._findings.error(code_of(problem), f"{what}: {problem}", element, problem.hint)
             return None
         self._findings.error("X020", f"{what} has no rate", element, 'write transition="..."')
         return None
@@ -110,7 +111,7 @@ class Laws:
                 hours = duration(scale, self._unit(element, of_rate=False))
                 self._assumed(hours, element, what, "h")
                 if hours.value <= 0.0:
-                    raise QuantityError("R002", f"the scale {scale!r} is not above 0")
+                    raise QuantityError(f"the scale {scale!r} is not above 0")
                 return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
         shown = ", ".join(f"{k}={v}" for k, v in texts.items())
         message = f"{what}: the distribution {given!r} ({shown}) is not understood"

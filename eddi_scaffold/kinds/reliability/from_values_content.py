@@ -15,8 +15,8 @@ from eddi_scaffold.kinds.reliability.model import (
     Law,
     Observation,
 )
-from eddi_scaffold.kinds.reliability.quantities import duration, rate
 from eddi_scaffold.kinds.reliability.values import KEY, Values
+from eddi_scaffold.quantities import duration, rate
 
 _TREE_KEYS = (
     "type",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
@@ -29,7 +28,7 @@ from eddi_scaffold.problems import (
     warning,
 )
 from eddi_scaffold.readers.eddi import EddiDocument, read_document
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.source import Source, beside, read_source
 from eddi_scaffold.yaml_nodes import Items, Map, Node, read_map, value_11
 
 
@@ -81,7 +80,7 @@ def _library(values: Values, source: Source) -> Mapping[str, System]:
     if name is None:
         return {}
     try:
-        eddi = read_source(Path(source.name).parent / name)
+        eddi = read_source(beside(source.name, name))
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
         values.error("R001", f"file {name!r}: {reasons}", "file")

@@ -6,10 +6,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
+from eddi_scaffold.claims import Use
 from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.kinds.reliability.model import Chain, Component, FaultTree, System
+from eddi_scaffold.units import accepted
 
 MISSION_END = "mission_end"
+_COHERENT = ("AND", "OR", "VOTE")
 
 
 def inputs_of(system: System) -> list[ModelInput]:
@@ -24,7 +27,21 @@ def inputs_of(system: System) -> list[ModelInput]:
         found[MISSION_END] = ModelInput(
             MISSION_END, "float", unit="s", description=text, sample=left
         )
-    return list(found.values())
+    inputs = list(found.values())
+    return [_with_uses(one) for one in inputs] if _is_coherent(system) else inputs
+
+
+def _is_coherent(system: System) -> bool:
+    """Tell whether a failure of a part never makes the system better: AND, OR and VOTE only."""
+    trees = [c.content for c in system.components.values() if isinstance(c.content, FaultTree)]
+    return all(gate.type in _COHERENT for tree in trees for gate in tree.gates.values())
+
+
+def _with_uses(one: ModelInput) -> ModelInput:
+    """Say that a threshold gains only from parts that work, where that is one of two values."""
+    if one.type != "bool" or one.is_good is None:
+        return one
+    return replace(one, uses=(Use(one.is_good),))
 
 
 def input_id(model: str, rest: str) -> str:
@@ -48,7 +65,7 @@ def _inputs(component: Component) -> Iterator[ModelInput]:
         yield from _motors(component)
     elif component.type == "battery":
         text = "State of charge in percent"
-        yield _number(name, "level", text, 100.0, "above 25", unit="%")
+        yield _number(name, "level", text, 100.0, "above 25", unit="percent")
         if "t_ref" in values:
             yield _temperature(component, "Temperature of the battery")
     elif component.type == "processor":
@@ -94,7 +111,13 @@ def _number(
     model: str, rest: str, text: str, sample: float, covered: str, unit: str | None = None
 ) -> ModelInput:
     return ModelInput(
-        input_id(model, rest), "float", unit=unit, description=text, covered=covered, sample=sample
+        input_id(model, rest),
+        "float",
+        unit=unit,
+        units=accepted(unit),
+        description=text,
+        covered=covered,
+        sample=sample,
     )
 
 

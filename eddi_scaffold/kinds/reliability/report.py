@@ -9,6 +9,7 @@ from typing import Any
 from eddi_runtime.reliability.cut_sets import minimal_cut_sets
 from eddi_runtime.reliability.diagram import NODE_LIMIT, build
 
+from eddi_scaffold.escaping import markdown_code, markdown_text
 from eddi_scaffold.kinds.reliability.model import Chain, Component, Event, FaultTree, System
 from eddi_scaffold.kinds.reliability.runtime_model import gates_of, runtime_model
 from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
@@ -133,14 +134,16 @@ def readme(system: System) -> list[str]:
         probability = f"from {start.p_fail_low:.6g} to {start.p_fail_high:.6g}"
         shown = f"at least {shown}" if life is not None else shown
     first = (
-        f"`{system.top}` fails within {system.horizon:g} h ({until}) with probability "
-        f"{probability} at mission start, everything in order; mean time to failure: {shown}."
+        f"`{markdown_code(system.top)}` fails within {system.horizon:g} h ({until}) with "
+        f"probability {probability} at mission start, everything in order; mean time to failure: "
+        f"{shown}."
     )
     lines = [first, ""]
     if system.thresholds:
         lines += ["| evidence | active at p_fail up to | gone above | hold |", "|---|---|---|---|"]
         lines += [
-            f"| {t.id} | {t.activate:g} | {t.release:g} | {t.hold:g} s |" for t in system.thresholds
+            f"| {markdown_text(t.id)} | {t.activate:g} | {t.release:g} | {t.hold:g} s |"
+            for t in system.thresholds
         ]
         unknown = "its worst case counts" if system.worst_case else "no evidence is active"
         lines += ["", f"While an input is unknown, {unknown}.", ""]
@@ -155,11 +158,12 @@ def readme(system: System) -> list[str]:
 
 
 def _cut_sets(component: Component) -> list[str]:
-    names = cut_sets(component)
+    names, tree = cut_sets(component), f"`{markdown_code(component.name)}`"
     if names is None:
-        return [f"`{component.name}` has NOT or XOR, or more than 10,000 minimal cut sets.", ""]
-    lines = [f"Minimal cut sets of `{component.name}`: {len(names)}", ""]
-    lines += [f"- {', '.join(one)}" for one in names[:_SHOWN]]
+        reason = "has NOT or XOR, more than 10,000 minimal cut sets, or they take too long to find"
+        return [f"{tree} {reason}.", ""]
+    lines = [f"Minimal cut sets of {tree}: {len(names)}", ""]
+    lines += [f"- {markdown_text(', '.join(one))}" for one in names[:_SHOWN]]
     if len(names) > _SHOWN:
         lines.append(f"- and {len(names) - _SHOWN} more")
     return [*lines, ""]

@@ -19,6 +19,12 @@ from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _TOO_MANY = 300
+_STEPS = 2000
+"""Evaluations for one mean life; four times what a smooth reliability needs."""
+
+
+class _TooRoughError(Exception):
+    """The integral needs more evaluations than there may be."""
 
 
 def at_start(
@@ -42,7 +48,8 @@ def mean_life(system: System) -> float | None:
     """Return the mean time to failure of the top in hours from the start of the mission.
 
     The integral of the reliability with everything in order (adaptive Gauss-Legendre, relative
-    1e-9); None for models that are too large to be evaluated that often, or without a limit.
+    1e-9); None for models that are too large or too rough to be evaluated that often, or without a
+    limit.
     """
     first = at_start(system)
     if not math.isnan(first.mttf):
@@ -51,12 +58,18 @@ def mean_life(system: System) -> float | None:
         return None
     values = SimpleNamespace(**_start(system))
     monitor = ReliabilityMonitor(_model_file(replace(system, mission_end=False, thresholds=())))
+    left = iter(range(_STEPS))
 
     def reliability(hours: float) -> float:
+        if next(left, None) is None:
+            raise _TooRoughError
         monitor.look_ahead(hours)
         return monitor.execute_step(values, 0).reliability
 
-    return _integral(reliability)
+    try:
+        return _integral(reliability)
+    except _TooRoughError:
+        return None
 
 
 def _integral(reliability: Any) -> float | None:
@@ -71,7 +84,7 @@ def _integral(reliability: Any) -> float | None:
     total, left, width = 0.0, 0.0, scale / 2.0
     for _ in range(80):
         whole = _gauss(reliability, left, left + width)
-        part = _panel(reliability, left, left + width, whole, 6)
+        part = _panel(reliability, left, left + width, whole, total, 6)
         total += part
         left += width
         width *= 1.5
@@ -80,14 +93,17 @@ def _integral(reliability: Any) -> float | None:
     return None
 
 
-def _panel(reliability: Any, left: float, right: float, whole: float, depth: int) -> float:
+def _panel(
+    reliability: Any, left: float, right: float, whole: float, before: float, depth: int
+) -> float:
+    """Return the integral from left to right, as exact as the sum with what is before needs it."""
     middle = 0.5 * (left + right)
     low, high = _gauss(reliability, left, middle), _gauss(reliability, middle, right)
     halves = low + high
-    if depth == 0 or abs(whole - halves) <= 1e-11 * abs(halves) or halves == 0.0:
+    if depth == 0 or abs(whole - halves) <= 1e-11 * abs(before + halves):
         return halves
-    below = _panel(reliability, left, middle, low, depth - 1)
-    return below + _panel(reliability, middle, right, high, depth - 1)
+    below = _panel(reliability, left, middle, low, before, depth - 1)
+    return below + _panel(reliability, middle, right, high, before + below, depth - 1)
 
 
 def _gauss(reliability: Any, left: float, right: float) -> float:

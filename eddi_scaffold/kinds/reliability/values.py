@@ -5,17 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.kinds.reliability.quantities import (
+from eddi_scaffold.problems import (
+    NearNames,
+    Place,
+    Problem,
+    error,
+    has_errors,
+    warning,
+)
+from eddi_scaffold.quantities import (
     Quantity,
     QuantityError,
+    UnitError,
     number,
     temperature,
 )
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
 
 KEY = -1
 """Last part of a path that asks where a key stands, not its value."""
 _Read = Callable[[object], Quantity]
+
+
+def code_of(problem: QuantityError) -> str:
+    """Return the code of the diagnostic: R004 for a unit, R002 for everything else."""
+    return "R004" if isinstance(problem, UnitError) else "R002"
 
 
 class Values:
@@ -73,17 +86,16 @@ class Values:
         self, key: str, given: str, what: str, known: Iterable[str], *, is_key: bool = False
     ) -> None:
         """Report that a value, or a key, is none of those that are known (R001)."""
-        names = list(known)
-        hint = did_you_mean(given, names) or f"there are: {', '.join(names) or 'none'}"
+        hint = NearNames(list(known), "there are").hint(given)
         path = (key, KEY) if is_key else (key,)
         self.error("R001", f"there is no {what} {given!r}", *path, hint=hint)
 
     def only(self, known: Sequence[str]) -> None:
         """Report the keys that are not known (R001)."""
+        near = NearNames(known, "known keys")
         for key in self.names():
             if key not in known:
-                hint = did_you_mean(key, known) or f"known keys: {', '.join(known)}"
-                self.error("R001", f"unknown key {key!r}", key, KEY, hint=hint)
+                self.error("R001", f"unknown key {key!r}", key, KEY, hint=near.hint(key))
 
     def map(self, key: str) -> Values | None:
         """Return the map below a key, None where there is none."""
@@ -191,7 +203,7 @@ class Values:
         try:
             found = read(given)
         except QuantityError as problem:
-            self.error(problem.code, f"{keys[0]}: {problem}", *keys, hint=problem.hint)
+            self.error(code_of(problem), f"{keys[0]}: {problem}", *keys, hint=problem.hint)
             return None
         if found.has_unit or (needs_unit and found.value == 0.0):
             return found.value
@@ -239,5 +251,5 @@ class Values:
         try:
             return read(given)
         except QuantityError as problem:
-            self.error(problem.code, f"{key}: {problem}", key, hint=problem.hint)
+            self.error(code_of(problem), f"{key}: {problem}", key, hint=problem.hint)
             return None

@@ -11,7 +11,8 @@ import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.kinds import Kind, Reading
+from eddi_scaffold.kinds import Kind, Reading, with_status
+from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
 from eddi_scaffold.kinds.safeml.messages import MESSAGES
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ KIND = Kind(
     runtime_model=_later("model_part"),
     messages=MESSAGES,
     output_message="SafeMLOutput",
-    status_message="SafeMLStatus",
+    beside=with_status("SafeMLStatus"),
     configure=_later("configure"),
     settings=_later("settings"),
     requirements=("numpy",),
@@ -66,5 +67,8 @@ KIND = Kind(
     readme=_later("readme"),
     diagram=_later("diagram"),
     named_by_config=True,
+    limits=limits,
+    support=support,
+    meanings=lambda _document, _part: MEANINGS,
 )
 """What the generator knows of SafeML."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
@@ -16,7 +15,7 @@ from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.source import Source, beside, read_source
 
 NAME = "safeml"
 DEFAULT_INPUT = "sample"
@@ -32,8 +31,8 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
     if settings is None:
         return Reading((), tuple(in_order(problems)))
     where = settings.place("reference_sample_file")
-    path = Path(source.name).parent / settings.reference_sample_file
     try:
+        path = beside(source.name, settings.reference_sample_file)
         reference, found = read_reference(read_source(path, MAX_BYTES))
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)

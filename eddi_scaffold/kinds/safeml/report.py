@@ -8,6 +8,7 @@ from statistics import NormalDist
 import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
 
+from eddi_scaffold.escaping import markdown_text
 from eddi_scaffold.kinds.safeml.model import METRIC_NAMES, Plan, SafeMLFile
 
 _LARGEST_SHIFT = 100.0
@@ -45,7 +46,7 @@ def readme(plan: Plan, frequency: float | None) -> Sequence[str]:
     lines = [
         f"{metric} of the last {settings.window_size} samples to {plan.n} reference samples:",
         "",
-        *(f"- {line}" for line in _facts(plan)),
+        *(f"- {markdown_text(line)}" for line in _facts(plan)),
         f"- {false_alarms(plan, frequency)}",
     ]
     shift = detectable_shift(plan)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,15 +9,15 @@ from pathlib import Path
 from eddi_scaffold.answers import shared_answers
 from eddi_scaffold.binding import InputBinding, Monitor
 from eddi_scaffold.config import Config
-from eddi_scaffold.identifiers import RESERVED
+from eddi_scaffold.escaping import python_literal, toml_text
+from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import Problem
 
 
 def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers = shared_answers(monitor, "plain_monitor")
-    # printable characters only: then a JSON text is a TOML text as well
-    answers["description_literal"] = json.dumps(answers["description"], ensure_ascii=False)
+    answers["description_literal"] = toml_text(answers["description"])
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
@@ -31,18 +30,19 @@ def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
 def _sample(binding: InputBinding) -> str:
     """Return an input with a value as the README's example sets it; None is unknown."""
     value = binding.model.sample if binding.factor is None else None
-    return f"{binding.attribute}={value!a}"
+    return f"{binding.attribute}={python_literal(value)}"
 
 
 def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:
     return []
 
 
-def _taken_names(_root: Path) -> Mapping[str, str]:
+def _taken_names(_root: Path | None) -> Mapping[str, str]:
     reason = "it would hide a module of Python's standard library"
     words = dict.fromkeys(RESERVED, "it is a word of Python")
     modules = dict.fromkeys(sys.stdlib_module_names, reason)
-    return {**modules, **words, "numpy": "it would hide numpy"}
+    startup = dict.fromkeys(STARTUP_MODULES, "every Python would import it at its start")
+    return {**modules, **words, **startup, "numpy": "it would hide numpy"}
 
 
 PLATFORM = Platform(

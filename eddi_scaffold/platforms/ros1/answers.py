@@ -8,16 +8,13 @@ from eddi_scaffold import __version__
 from eddi_scaffold.answers import identity_answers, shared_answers
 from eddi_scaffold.binding import Monitor
 from eddi_scaffold.config import Config, ConfigFile, SimulatorOutput
+from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.message_types import packages_of
 from eddi_scaffold.platforms import PackageAnswers
-from eddi_scaffold.platforms.ros1.outputs import (
-    MESSAGE_PACKAGE,
-    Publication,
-    publication_answers,
-    publications,
-)
+from eddi_scaffold.platforms.ros1.outputs import publication_answers, rows
 from eddi_scaffold.problems import Problem, error
+from eddi_scaffold.publications import MESSAGE_PACKAGE, Publication, publications
 
 _RELEASE = ".".join(__version__.split(".")[:3])
 """Version of the packages that all monitors share: they come with the generator."""
@@ -27,11 +24,11 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     """Return the answers of one monitor package; the configuration is there (``needs_config``)."""
     assert monitor.config is not None, "the ros1 platform needs a configuration"
     config = monitor.config.config
-    published, problems = publications(monitor, monitor.config)
+    found, problems = publications(monitor, monitor.config)
+    published = rows(found)
     heard = [source.type for source in config.SimulatorOutputs if _used(monitor, source.id)]
     classes = _class_names([*heard, *(p.type for p in published if p.path)])
-    output = monitor.kind.output_message
-    classes[f"{MESSAGE_PACKAGE}/{output}"] = f"{MESSAGE_PACKAGE}.msg.{output}"
+    classes |= {p.type: p.type.replace("/", ".msg.") for p in published if not p.path}
     answers = shared_answers(monitor, "ros1_monitor")
     answers["message_packages"] = sorted(
         {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
@@ -42,15 +39,15 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["message_imports"] = _imports(classes)
     answers["subscriptions"] = [
         {
-            "id": ascii(source.id),
-            "topic": ascii(source.topic),
+            "id": python_literal(source.id),
+            "topic": python_literal(source.topic),
             "message_class": classes[source.type],
             "more": ", every_message=True" if _takes_every(monitor, source.id) else "",
         }
         for source in _subscribed(monitor)
     ]
     answers["publications"] = [
-        publication_answers(publication, classes, monitor.kind.status_message)
+        publication_answers(publication, classes, monitor.kind.beside(monitor.model))
         for publication in published
     ]
     files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
@@ -150,7 +147,7 @@ def _imports(classes: dict[str, str]) -> list[str]:
 def _check(config: ConfigFile, published: Sequence[Publication]) -> Iterable[Problem]:
     if not config.config.EDDIOutputs:
         message = "EDDIOutputs names no topic: the result would not be published"
-        hint = "add `- id: ...` with `topic: ...`"
+        hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
         yield error("K030", message, config.place("EDDIOutputs"), hint)
     heard = {source.topic for source in config.config.SimulatorOutputs}
     types: dict[str, str] = {}

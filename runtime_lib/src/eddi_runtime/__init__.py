@@ -4,7 +4,7 @@
 it once. Pure Python 3.8; only ``eddi_runtime.ros1`` knows ROS.
 """
 
-from .access import by_id, joined
+from .access import by_id, by_key, by_name, joined
 from .inputs import EDDIInputBase, InputSpec, InputState
 from .model_file import ModelError
 from .monitor import Monitor, load
@@ -18,6 +18,8 @@ __all__ = [
     "Monitor",
     "__version__",
     "by_id",
+    "by_key",
+    "by_name",
     "joined",
     "load",
 ]

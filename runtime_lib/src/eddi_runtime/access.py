@@ -2,28 +2,121 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterable, List, TypeVar
+from operator import attrgetter
+from typing import Any, Iterable, List, Sequence, TypeVar, Union
 
 T = TypeVar("T")
+Step = Union[str, int, Sequence[Union[str, int]]]
+"""One step of a path into a message, see ``follow``."""
 
 
 def by_id(items: Iterable[T], wanted: str) -> T:
-    """Return the first element whose ``id`` equals ``wanted``.
+    """Return the only element whose ``id`` equals ``wanted``.
 
     A ``ConSertOutput`` lists guarantees in an order that its author may change; an index, as in
     SESAME D7.2 Fig 44, would then read another guarantee without a word.
 
     Raises:
-        LookupError: no element has that id; the message names the ids that are there.
+        LookupError: no element has that id, or several have; the message names what is there.
     """
-    there = []
-    for item in items:
-        found = getattr(item, "id", None)
-        if found == wanted:
-            return item
-        there.append(str(found))
-    listed = ", ".join(there) if there else "nothing"
-    raise LookupError(f"no element has the id {wanted!r}; there: {listed}")
+    return by_key(items, "id", wanted)
+
+
+def by_key(items: Iterable[T], key: str, wanted: Union[str, int]) -> T:
+    """Return the only element whose field ``key`` (``title``, ``header.frame_id``) is ``wanted``.
+
+    Raises:
+        LookupError: no element has that key, or several have: none of them is the one that is
+            meant.
+    """
+    take = attrgetter(key)
+    keyed = [(take(item) if hasattr(item, key.partition(".")[0]) else None, item) for item in items]
+    found = [item for one, item in keyed if one == wanted]
+    if len(found) == 1:
+        return found[0]
+    raise _not_one(f"the {key}", wanted, len(found), [str(one) for one, _ in keyed])
+
+
+def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
+    """Return the value that stands where ``wanted`` stands in the list of names.
+
+    Raises:
+        LookupError: there is no such name, or there are two, or as many names as values there
+            are not (an ``effort`` that is left empty).
+    """
+    if len(values) != len(names):
+        raise LookupError(f"{len(values)} values have {len(names)} names")
+    found = [k for k, name in enumerate(names) if name == wanted]
+    if len(found) == 1:
+        return values[found[0]]
+    raise _not_one("the name", wanted, len(found), names)
+
+
+def follow(message: Any, path: Iterable[Step]) -> Any:
+    """Return what stands at the end of a path in a message.
+
+    A step is the name of a field, an index, ``[key, wanted]`` (see ``by_key``), or
+    ``[values, names, wanted]`` (see ``by_name``).
+
+    Raises:
+        LookupError: an element is not there, or not alone.
+        AttributeError: a message has no such field.
+    """
+    for step in path:
+        if isinstance(step, str):
+            message = getattr(message, step)
+        elif isinstance(step, int):
+            message = message[step]
+        elif len(step) == 2:
+            message = by_key(message, str(step[0]), step[1])
+        else:
+            values, names, wanted = (str(part) for part in step)
+            message = by_name(getattr(message, values), getattr(message, names), wanted)
+    return message
+
+
+def gather(message: Any, path: Sequence[Step]) -> List[Any]:
+    """Return all that stands at the end of a path with ``["*"]``, every element of a list.
+
+    ``["*", first, last]`` is a part of a list, both ends included. An element that cannot be
+    followed further is None.
+
+    Raises:
+        LookupError: the list itself is not there, or is shorter than the part.
+        AttributeError: a message has no such field.
+    """
+    for k, step in enumerate(path):
+        if isinstance(step, (list, tuple)) and step[0] == "*":
+            items = _part(follow(message, path[:k]), step)
+            rest = path[k + 1 :]
+            if not rest:
+                return items
+            if any(isinstance(one, (list, tuple)) and one[0] == "*" for one in rest):
+                return [value for item in items for value in gather(item, rest)]
+            return [_followed(item, rest) for item in items]
+    return [follow(message, path)]
+
+
+def _part(items: Any, step: Sequence[Union[str, int]]) -> List[Any]:
+    items = items.tolist() if hasattr(items, "tolist") else list(items)
+    if len(step) == 1:
+        return items  # type: ignore[no-any-return]  # a list of whatever a message holds
+    first, last = int(step[1]), int(step[2])
+    if last >= len(items):
+        raise LookupError(f"[{first}..{last}] is beyond the {len(items)} elements")
+    return items[first : last + 1]  # type: ignore[no-any-return]  # the same
+
+
+def _followed(item: Any, path: Sequence[Step]) -> Any:
+    try:
+        return follow(item, path)
+    except (AttributeError, LookupError):
+        return None
+
+
+def _not_one(key: str, wanted: object, count: int, there: Sequence[str]) -> LookupError:
+    what = f"{count} elements have" if count else "no element has"
+    return LookupError(f"{what} {key} {wanted!r}; there: {', '.join(there) or 'nothing'}")
 
 
 def joined(*parts: Any) -> List[Any]:

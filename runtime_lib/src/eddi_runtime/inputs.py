@@ -12,6 +12,9 @@ RESERVED_ATTRIBUTES = frozenset(
 )
 """Members of ``EDDIInputBase``: no input can be held in an attribute of these names."""
 
+UNKNOWN_AGE = float("inf")
+"""Age of a message that was latched on subscription: above every limit until the next one comes."""
+
 _NO_AGES: Dict[str, float] = {}
 _NO_MESSAGES: Dict[str, Sequence[Any]] = {}
 
@@ -111,7 +114,8 @@ class EDDIInputBase:
         """Begin a step.
 
         Args:
-            ages: SimulatorOutput id -> age of its latest message in seconds; absent means fresh.
+            ages: SimulatorOutput id -> age of its latest message in seconds, ``UNKNOWN_AGE`` when
+                it can be of any; absent means fresh.
             new: SimulatorOutput id -> the messages since the last step, oldest first, for inputs
                 that take every message; None: the latest message is the only new one.
             t_ns: time of the step in nanoseconds, for expressions; None: the monotonic clock.
@@ -209,13 +213,19 @@ class EDDIInputBase:
             if getattr(self, attribute, None) is not None:
                 after = InputState("ok", "", max(ages, default=0.0), before.errors)
             elif received.state == "ok":
-                after = InputState("invalid", "unknown as yet", received.age, before.errors)
+                reason = self.__reason(input_id)
+                after = InputState("invalid", reason, received.age, before.errors)
             else:
                 after = received
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             setattr(self, attribute, None)
             after = _invalid(problem, before)
         self.states[input_id] = after
+
+    def __reason(self, input_id: str) -> str:
+        """Return why an expression gives nothing."""
+        compiled = self.__expressions.get(input_id)
+        return getattr(compiled, "reason", "") or "unknown as yet"
 
     def __received(
         self,
@@ -284,17 +294,20 @@ def _aged(ages: Sequence[float], limit: Union[float, str, None], before: InputSt
     if limit is None or isinstance(limit, str) or all(one <= limit for one in ages):
         return InputState("ok", "", age, before.errors)
     reason = f"the last message is {age:.3g} s old, the limit is {limit:g} s"
+    if age == UNKNOWN_AGE:
+        reason = "the last message was latched, its age is not known"
     return InputState("stale", reason, age, before.errors)
 
 
 def _invalid(problem: Exception, before: InputState) -> InputState:
-    reason = _one_line(problem)
+    reason = one_line(problem)
     repeated = before.state == "invalid" and before.reason == reason
     detail = before.detail if repeated else _traceback(problem)
     return InputState("invalid", reason, None, before.errors + 1, detail)
 
 
-def _one_line(problem: BaseException) -> str:
+def one_line(problem: BaseException) -> str:
+    """Return a problem in one line; never raises."""
     try:
         text = " ".join(str(problem).split())[:300]
     except Exception:  # noqa: BLE001 - an exception may fail to print itself

@@ -57,7 +57,11 @@ class Monitor(Protocol):
         """
 
     def status_message(self) -> Optional[Tree]:
-        """Return the facts behind the last step, without a header; ``None`` if there are none."""
+        """Return the facts behind the last step, without a header; ``None`` if there are none.
+
+        A kind that publishes more messages beside its result has a method for each, called as the
+        message with ``_message`` behind it.
+        """
 
     def blocked(self, not_good: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
         """Return input id -> outputs that are not given because this input is not known now.

@@ -29,6 +29,10 @@ DANGER = node(
 )
 ALARM = node("Alarm", "on off", "Danger", [0.9, 0.1, 0.01, 0.99])
 NODES = (SPEED, GAP, DANGER, ALARM)
+NEAR = node("Near", "yes no", (), [0.3, 0.7])
+HUMAN = node("Human", "yes no", (), [0.2, 0.8])
+RISK = node("Risk", "High Low", "Near Human", [0.9, 0.1, 0.4, 0.6, 0.2, 0.8, 0.05, 0.95])
+RISKS = (NEAR, HUMAN, RISK)
 SPEED_BINS = {"input": "v", "scale": 3.6, "bins": [0.5, 20.0]}
 GAP_BINS = {"input": "d", "bins": [2.0], "order": ["near", "far"]}
 BINS = {"Speed": SPEED_BINS, "Gap": GAP_BINS}
@@ -42,6 +46,7 @@ def document(
     observed=None,
     inputs=None,
     specs=None,
+    thresholds=None,
     **settings,
 ):
     """Return a model document; inputs are those that ``bins`` and ``direct`` name."""
@@ -65,10 +70,18 @@ def document(
             "observed": None if observed is None else list(observed),
             "discretisation": bins,
             "direct": direct,
+            **({} if thresholds is None else {"thresholds": thresholds}),
         },
         "settings": settings,
     }
     return dict(data, sha256=digest_of(data))
+
+
+def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, **limit):
+    """Return a threshold: ``at_most`` or ``at_least``, and ``release``, by default the same."""
+    (activate,) = (value for key, value in limit.items() if key != "release")
+    entry = {"id": name, "node": node, "states": list(states), "hold_ns": int(hold_s * 1e9)}
+    return {**entry, "release": activate, **limit}
 
 
 def monitor(*args, hooks=None, **kwargs):

@@ -362,6 +362,10 @@ def test_messages():
         "bayesian_network_id": "net",
         "status": out.OK,
         "unobserved": [],
+        "valid": True,
+        "unknown_inputs": [],
+        "undecided": [],
+        "accepted": [],
         "relevance_nodes": [],
         "relevance": [],
     }

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 from eddi_runtime.event.expression import InputExpression, read_path, source_of
 from eddi_runtime.event.monitor import build
-from eddi_runtime.inputs import EDDIInputBase, InputState
+from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
 from eddi_runtime.model_file import ModelError
 
 from .event_documents import SECOND, form, model_file
@@ -128,6 +128,7 @@ def test_ages_come_from_the_input():
         (1.0, [True, True]),
         (2.5, [None, True]),
         (3.0, [None, False]),
+        (UNKNOWN_AGE, [None, None]),
     ):
         source.states["x"] = InputState("ok", "", age)
         monitor.reset()
@@ -195,6 +196,7 @@ def test_ages_of_messages_end_them():
     one = expression("bool", part)
     assert one.value(0, {"x": 6.0}, {"x": 0.5}) is True
     assert one.value(1, {"x": 6.0}, {"x": 1.5}) is None
+    assert one.value(2, {"x": 6.0}, {"x": UNKNOWN_AGE}) is None
 
 
 @pytest.mark.parametrize(
@@ -207,8 +209,19 @@ def test_wrong_expressions(kind, parts):
 
 
 def test_paths():
-    assert source_of("a.b[2][0].c") == ("a", ("b", 2, 0, "c"))
+    assert source_of("a.b[2][0].c")[:2] == ("a", ("b", 2, 0, "c"))
     stamp = SimpleNamespace(stamp=SimpleNamespace(to_sec=lambda: 1.5))
     assert read_path(stamp, ("stamp",)) == 1.5
-    assert read_path(stamp, ("other", 1)) is None
-    assert read_path(Hostile(), ()) is None
+
+
+def test_elements_by_key_and_why_there_is_none():
+    name = 'x.status["a.b"].level'
+    part = {"form": form(("gt", "x", 5), variables=("x",), x={"name": name})}
+    one = expression("bool", part, paths={name: ["status", ["name", "a.b"], "level"]})
+    assert one.requires == ("x",)
+    good = SimpleNamespace(name="a.b", level=6)
+    assert (one.value(0, messages(status=[good])), one.reason) == (True, "")
+    assert one.value(1, messages(status=[good, good])) is None
+    assert one.reason == "LookupError: 2 elements have the name 'a.b'; there: a.b, a.b"
+    assert one.value(2, {"x": Hostile()}) is None
+    assert (one.value(3, {}), one.reason) == (None, "")

@@ -8,9 +8,9 @@ import pytest
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
 from eddi_runtime.reliability import chain as chains  # noqa: E402 - numpy comes first
-from eddi_runtime.reliability.components import MarkovChain  # noqa: E402 - as above
 from eddi_runtime.reliability.estimate import Moment  # noqa: E402 - as above
 from eddi_runtime.reliability.markov import generator, mean_times, propagator  # noqa: E402 - as above
+from eddi_runtime.reliability.observed import MarkovChain  # noqa: E402 - as above
 
 from runtime_lib.tests.reliability.reliability_models import chain, monitor  # noqa: E402 - as above
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above

@@ -56,6 +56,17 @@ def rows_of(value, features=2, *, single=False):
         ([1.0, None], [], ["wrong_length"]),
         ([10**400, 1], [], ["wrong_length"]),
         ([1j, 2], [], ["wrong_length"]),
+        ([True, False], [], ["wrong_length"]),
+        ([1.0, True], [], ["wrong_length"]),
+        ([1.0, np.bool_(1)], [], ["wrong_length"]),
+        (np.array([True, False]), [], ["wrong_length"]),
+        (multi_array((1.0, True)), [], ["wrong_length"]),
+        ([[1.0, 2.0], [True, 2.0]], [[1.0, 2.0]], ["wrong_length"]),
+        ([[[1.0], [2.0]]], [], ["wrong_length"]),
+        (Messages([[[1.0], [2.0]]]), [], ["wrong_length"]),
+        (Messages([[[1.0, 2.0], [3.0, 4.0]]]), [], ["wrong_length"]),
+        (Messages([[1.0, (2.0,)]]), [], ["wrong_length"]),
+        (Messages([np.array([[1.0, 2.0]])]), [[1.0, 2.0]], []),
         ({1: 2}, [], ["wrong_length"]),
         (object(), [], ["wrong_length"]),
         (7.0, [], ["wrong_length"]),
@@ -65,6 +76,21 @@ def rows_of(value, features=2, *, single=False):
 )
 def test_values(value, rows, bad):
     assert rows_of(value) == (rows, bad)
+
+
+@pytest.mark.parametrize(
+    ("value", "fault"),
+    [
+        ([1.0, True], "numbers are expected, not Booleans"),
+        (np.array([True, True]), "numbers are expected, not Booleans"),
+        ([[[1.0], [2.0]]], "numbers are expected, not lists in a list"),
+        (["1", "2"], "numbers are expected, not list"),
+        ([1.0, None], "numbers are expected, not list"),
+        ("12", "numbers are expected, not str"),
+    ],
+)
+def test_what_is_no_number_is_told(value, fault):
+    assert take(value, 2, single=False).fault == fault
 
 
 def test_one_feature_may_be_a_plain_number():

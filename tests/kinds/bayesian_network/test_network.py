@@ -26,7 +26,7 @@ from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
 from eddi_scaffold.problems import Place
 from eddi_scaffold.source import Source
-from tests.cli.command import ROOT
+from tests.cli.command import ROOT, run
 from tests.fuzz.mutations import mutations
 from tests.interpreters import old_python
 from tests.kinds.bayesian_network.networks import (
@@ -208,6 +208,19 @@ def grid(side: int, card: int) -> str:
             text = f"{states}{given}<probabilities>{values}</probabilities>"
             nodes.append(f'<cpt id="G{i}_{j}">{text}</cpt>')
     return f'<smile version="1.0" id="Grid"><nodes>{"".join(nodes)}</nodes></smile>'
+
+
+def test_a_network_that_is_too_wide_is_shown_and_drawn(tmp_path: Path) -> None:
+    (tmp_path / "grid.xdsl").write_text(grid(6, 8))
+    shown = run("show", "grid.xdsl", cwd=tmp_path)
+    assert shown.status == 0, shown.err
+    assert "G5_5: s0, s1, s2, s3, s4, s5, s6, s7" in shown.out
+    assert "grid.xdsl:1: warning: the largest table of the inference has" in shown.err
+    assert "[B302]" in shown.err
+    drawn = run("diagram", "grid.xdsl", "-o", "grid.svg", cwd=tmp_path)
+    assert drawn.status == 0, drawn.err
+    assert "[B302]" in drawn.err
+    assert "G5_5" in (tmp_path / "grid.svg").read_text("utf-8")
 
 
 @pytest.mark.parametrize(("side", "card", "code"), [(5, 8, "B301"), (6, 8, "B302")])

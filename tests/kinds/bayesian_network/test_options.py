@@ -52,7 +52,15 @@ def config(values: dict[str, object]) -> str:
     st.sets(st.sampled_from(list(ENTRY)), max_size=2),
     st.dictionaries(
         st.sampled_from(
-            ["outputs", "observed", "evidence_mode", "on_inconsistent", "explain", "renamed"]
+            (
+                "outputs",
+                "observed",
+                "evidence_mode",
+                "on_inconsistent",
+                "explain",
+                "renamed",
+                "evidence",
+            )
         ),
         VALUES,
         max_size=1,
@@ -70,6 +78,28 @@ def test_any_values_give_a_monitor_or_problems(
     machine = running(monitor)
     for value in (None, 0.5, -1, float("inf"), 1e308, "more_than_2_m", True):
         machine.execute_step(SimpleNamespace(value=value))
+
+
+THRESHOLD = {"id": "Low", "node": "Critical", "state": "Yes", "at_most": 0.3, "hold": "1 s"}
+
+
+@given(
+    st.dictionaries(st.sampled_from([*THRESHOLD, "at_least", "release", "topic"]), VALUES),
+    st.sets(st.sampled_from(list(THRESHOLD)), max_size=2),
+)
+def test_any_evidence_gives_a_monitor_or_problems(
+    changed: dict[str, object], gone: set[str]
+) -> None:
+    entry = {key: value for key, value in THRESHOLD.items() if key not in gone} | changed
+    text = config({"discretisation": {"Distance_to_Pedestrian": ENTRY}, "evidence": [entry]})
+    monitor, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
+    if monitor is None:
+        assert any(problem.level == "error" for problem in problems)
+        return
+    machine = running(monitor)
+    machine.execute_step(SimpleNamespace(value=0.5), 0)
+    (claim,) = machine.claims()
+    assert claim.low <= claim.high
 
 
 def test_observed_nodes_are_foreseen_by_the_robot() -> None:

@@ -65,7 +65,7 @@ def test_inputs_are_demands_then_evidence():
         "Distance",
         "float",
         "",
-        {"": (1, 1)},
+        {"": (1, 1), "fraction": (1, 1), "percent": (1, 100), "pct": (1, 100)},
     )
     assert (lidar.id, lidar.type, lidar.unit, lidar.units) == ("Lidar", "bool", None, None)
     assert lidar.description == 'The lidar\'s "self test": passed'
@@ -77,10 +77,8 @@ def test_units_of_a_velocity():
     distance = KIND.inputs(read(text))[1]
     assert distance.unit == "kilometer_per_hour"
     assert distance.units == {
-        "kilometer_per_hour": (1, 1),
-        "km/h": (1, 1),
-        "meter_per_second": (18, 5),
-        "m/s": (18, 5),
+        **dict.fromkeys(("km/h", "kilometer_per_hour", "kmph"), (1, 1)),
+        **dict.fromkeys(("m/s", "meter_per_second", "mps"), (18, 5)),
     }
 
 

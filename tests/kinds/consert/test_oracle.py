@@ -11,12 +11,19 @@ from eddi_scaffold.problems import worst
 from eddi_scaffold.source import Source
 from tests.kinds.consert.oracle import as_source, oracle
 
+MORE_UNITS = {"P_uom_percent", "P_uom_rad"}
+"""Units of robots that conserts-rs, and so the oracle, does not have."""
+
 
 def test_parse_gives_the_wanted_severity_and_code():
     wrong = []
     for case in oracle()["parse"]:
         problems = KIND.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
         want, codes = case["want"], {problem.code for problem in problems}
+        if case["id"] in MORE_UNITS:
+            want = {"result": "ok"}
+        if want.get("code") == "C004":  # stricter than the oracle: a lost key may be a lost unit
+            want = {**want, "result": "error"}
         result = worst(problems) or "ok"
         if result != want["result"] or ("code" in want and want["code"] not in codes):
             wrong.append((case["id"], want, result, sorted(codes)))

@@ -151,3 +151,34 @@ def test_the_model_is_the_same_every_time(folder: Path) -> None:
     (text,) = texts
     assert build(parse_model(text)).kind == "event"
     assert "500ms" not in text  # nothing of the text becomes code
+
+
+SCAN = """\
+VAR scan.ranges[*] : NUMBER UNIT m TIMEOUT 1s ALLOW INF
+EVENT free (EVIDENCE) := MIN(scan.ranges[*], COVERAGE 0.5) > 80 cm
+"""
+SCAN_CONFIG = """\
+Model: {id: scanner, type: Event, frequency: 10, parameters: [{file: scanner.events}]}
+SimulatorOutputs:
+  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
+EDDIInputs:
+  - {id: "scan.ranges[*]", type: "float[]", requires: [scan], field: ranges}
+EDDIOutputs:
+  - {id: scanner, topic: /events}
+"""
+
+
+def test_a_list_is_an_input_of_a_monitor(tmp_path: Path) -> None:
+    (tmp_path / "scanner.events").write_text(SCAN)
+    (tmp_path / "eddi_config.yml").write_text(SCAN_CONFIG)
+    rows = ["0,1 2 nan", "0.1,1 nan nan", "0.2,0.5 2 inf", "0.3,", "0.4,"]
+    (tmp_path / "values.csv").write_text("\n".join(["t,scan.ranges[*]", *rows]) + "\n")
+    assert run("check", "eddi_config.yml", "scanner.events", cwd=tmp_path).status == 0
+    found = run("run", "eddi_config.yml", "--inputs", "values.csv", "--json", cwd=tmp_path)
+    verdicts = [json.loads(line)["outputs"][0]["verdict"] for line in found.out.splitlines()]
+    assert verdicts == [True, None, False, False, False]
+    words = ("generate", "--platform", "plain", "-o", "out", "-m", "scanner.events")
+    made = run(*words, "-c", "eddi_config.yml", cwd=tmp_path)
+    assert made.status == 0, made.err
+    (text,) = [file.read_text() for file in (tmp_path / "out").rglob("scanner/EDDIInput.py")]
+    assert "= scan.ranges" in text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability import KIND, trial
+from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 
 EVENTS = 7
@@ -128,6 +130,40 @@ def test_many_cut_sets_are_found_soon() -> None:
     assert CutSetBounds([sorted(one) for one in wide]).upper(np.full(9000, 1e-12)) < 1.1e-8
 
 
+def _entangled(events: int, size: int, gates: int) -> list[Gate]:
+    """An AND of ORs that share events: few minimal cut sets, and very many on the way."""
+    chance = Random(1)
+    ors = [Gate("OR", tuple(chance.sample(range(events), size))) for _ in range(gates)]
+    return [*ors, Gate("AND", tuple(range(events, events + gates)))]
+
+
+def test_the_way_to_few_cut_sets_is_bounded() -> None:
+    gates = _entangled(20, 5, 21)
+    assert cut_sets_of_gates(20, gates, 41) is None
+    diagram = build(20, gates, 41)
+    found = minimal_cut_sets(diagram)
+    assert found is not None
+    assert cut_sets_of_gates(20, gates, 41, work=10**9) == found
+    assert minimal_cut_sets(diagram, work=100_000) is None
+
+
+def test_a_small_file_with_an_entangled_tree_is_refused() -> None:
+    gates = _entangled(20, 5, 21)
+    names = [*(f"E{i}" for i in range(20)), *(f"G{i}" for i in range(22))]
+    lines = [
+        f"      G{i}: {{type: {gate.type}, of: [{', '.join(names[n] for n in gate.of)}]}}"
+        for i, gate in enumerate(gates)
+    ]
+    events = [f"      {name}: {{p: 1e-6}}" for name in names[:20]]
+    text = (
+        "horizon: 1 h\nmodels:\n  t:\n    type: fault_tree\n    approximation: cut_sets\n"
+        "    top: G21\n    gates:\n" + "\n".join(lines) + "\n    events:\n" + "\n".join(events)
+    )
+    (problem,) = [one for one in everything(text) if one.level == "error"]
+    assert problem.code == "R010"
+    assert "or takes too long to find them" in problem.message
+
+
 def test_damaged_cut_sets_are_refused() -> None:
     part = KIND.runtime_model(sound(VOTES))
     cases: list[tuple[Any, str]] = [
@@ -139,3 +175,21 @@ def test_damaged_cut_sets_are_refused() -> None:
         component = {**part["components"][0], "cut_sets": broken}
         with pytest.raises(ModelError, match=reason):
             read_plan({**part, "components": [component]})
+
+
+def test_a_mean_life_takes_few_evaluations() -> None:
+    asked: list[float] = []
+
+    def reliability(hours: float) -> float:
+        asked.append(hours)
+        return 2 * math.exp(-hours / 100) - math.exp(-hours / 50)
+
+    assert _integral(reliability) == pytest.approx(150, rel=1e-9)
+    assert len(asked) < 1000
+
+
+def test_a_life_that_is_too_rough_has_no_mean(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = sound(VOTES.replace("p: 1e-6}", "rate: 1e-3 1/h}", 4))
+    assert mean_life(model.data) is not None
+    monkeypatch.setattr(trial, "_STEPS", 100)
+    assert mean_life(model.data) is None

@@ -10,16 +10,16 @@ from typing import Any
 
 import pytest
 import yaml
-from eddi_runtime.reliability.evidence import Evidence, Threshold
 from eddi_runtime.reliability.proximity import proximity
 from eddi_runtime.reliability.structures import CONFIGURATIONS
+from eddi_runtime.thresholds import Evidence, Threshold
 
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import KIND
 from eddi_scaffold.kinds.reliability.model import FaultTree, Law
-from eddi_scaffold.kinds.reliability.quantities import rate
 from eddi_scaffold.kinds.reliability.report import cut_sets
 from eddi_scaffold.kinds.reliability.trial import mean_life
+from eddi_scaffold.quantities import rate
 from tests.kinds.reliability.monitors import at_start, everything, models_of, sound
 from tests.shared_data import shared
 

@@ -30,7 +30,8 @@ class Declaration:
         clamp: values outside are taken as the nearest limit, otherwise they are unobserved.
         allow_inf: infinite values fall into the outermost bin.
         hysteresis: how far beyond the near edge of the previous bin a value keeps it.
-        policy: when there is no value: ``unobserved``, ``default`` or ``hold``.
+        policy: when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``;
+            ``prior`` is ``unobserved`` by name: thresholds may rest on it.
         special: type -> value -> state: sentinels and the map.
     """
 
@@ -94,7 +95,7 @@ class _Reader:
             clamp=self._choice("out_of_range", (UNOBSERVED, "clamp")) == "clamp",
             allow_inf=given.get("allow_inf") is True,
             hysteresis=self._number("hysteresis", 0.0),
-            policy=self._choice("missing", (UNOBSERVED, "default", "hold")),
+            policy=self._choice("missing", (UNOBSERVED, "prior", "default", "hold")),
             special=self._special(),
         )
 

@@ -7,16 +7,22 @@ find narrower orders than the joining of pairs when tables are large.
 
 from __future__ import annotations
 
+import heapq
 from typing import Callable, Dict, List, Sequence, Tuple
 
 from .graph import bits, size_of
 
+_WIDE = 64
+"""Neighbours beyond which no table over them can be made: they need not be counted one by one."""
 Rule = Callable[[int, Dict[int, int], Sequence[int]], int]
 
 
 def fewest_edges(node: int, around: Dict[int, int], cards: Sequence[int]) -> int:
     """Return how many edges the elimination of a node adds, twice, weighted by their tables."""
     mask = around[node]
+    count = bin(mask).count("1")
+    if count > _WIDE:
+        return 1 << count
     added = 0
     for other in bits(mask):
         missing = mask & ~around[other] & ~(1 << other)
@@ -42,16 +48,29 @@ def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) ->
         for node in bits(mask):
             around[node] = around.get(node, 0) | mask & ~(1 << node)
     price = {node: rule(node, around, cards) for node in sorted(around)}
+    cheapest = [(value, node) for node, value in price.items()]
+    heapq.heapify(cheapest)
     order: List[int] = []
     while price:
-        node = min(price, key=lambda one: (price[one], one))
+        value, node = heapq.heappop(cheapest)
+        if price.get(node) != value:
+            continue  # eliminated, or priced anew since
         order.append(node)
         del price[node]
-        near = around.pop(node)
-        changed = 0
-        for other in bits(near):
-            around[other] = (around[other] | near) & ~(1 << other) & ~(1 << node)
-            changed |= around[other] | 1 << other
-        for other in bits(changed):
+        for other in bits(_without(node, around)):
             price[other] = rule(other, around, cards)
+            heapq.heappush(cheapest, (price[other], other))
     return tuple(order)
+
+
+def _without(node: int, around: Dict[int, int]) -> int:
+    """Take a node out and connect its neighbours; return the nodes whose price may be another."""
+    near = around.pop(node)
+    changed, added = near, False
+    for other in bits(near):
+        before = around[other] & ~(1 << node)
+        around[other] = (before | near) & ~(1 << other)
+        added = added or around[other] != before
+    for other in bits(near) if added else ():
+        changed |= around[other]
+    return changed

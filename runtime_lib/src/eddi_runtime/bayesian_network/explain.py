@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Dict, List, Mapping, Sequence, Tuple, Union
 
+from .claims import Claim
 from .engine import Engine, Posteriors
+from .knowledge import Facts
+
+_ALL_KNOWN = Facts(valid=True, unknown_inputs=(), undecided={}, accepted=())
 
 
 @dataclass(frozen=True)
@@ -18,11 +23,15 @@ class Explanation:
         relevance: observed node -> total variation distance between the posterior with all
             evidence and without that of this node, 0 to 1; the largest over the outputs. Empty if
             the evidence has probability zero.
+        facts: which inputs are known, and what is accepted for others.
+        claims: what each threshold says.
     """
 
     evidence: Mapping[str, Union[str, Tuple[float, ...]]]
     unobserved: Tuple[str, ...]
     relevance: Mapping[str, float]
+    facts: Facts = _ALL_KNOWN
+    claims: Tuple[Claim, ...] = ()
 
     def text(self) -> str:
         """Return the explanation for people, the most relevant node first."""
@@ -33,7 +42,19 @@ class Explanation:
             moved = f", moves an output by {self.relevance[name]:.3g}" if self.relevance else ""
             lines.append(f"{name}: {shown}{moved}")
         lines += [f"{name}: not observed" for name in self.unobserved]
+        facts = self.facts
+        lines += [f"{name}: {' or '.join(states)}" for name, states in facts.undecided.items()]
+        lines += [f"unknown: {', '.join(facts.unknown_inputs)}"] if facts.unknown_inputs else []
+        lines += [f"accepted: {one}" for one in facts.accepted]
+        lines += [_of_claim(one) for one in self.claims]
         return "\n".join(lines)
+
+
+def _of_claim(one: Claim) -> str:
+    bounds = f"{one.low:.3g}" if one.low == one.high else f"{one.low:.3g} to {one.high:.3g}"
+    shown = "" if math.isnan(one.low) else f", {bounds}"
+    reason = f" ({one.reason})" if one.reason else ""
+    return f"{one.id}: {'active' if one.active else 'not active'}{shown}{reason}"
 
 
 def explain(

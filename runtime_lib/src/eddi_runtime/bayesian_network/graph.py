@@ -5,7 +5,19 @@ Sets of nodes are bits of an int: fast, and without an order that a hash seed co
 
 from __future__ import annotations
 
-from typing import Dict, FrozenSet, Iterable, Iterator, List, NamedTuple, Sequence, Set, Tuple
+from typing import (
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Sequence,
+    Set,
+    Tuple,
+    Union,
+)
 
 
 class Shape(NamedTuple):
@@ -55,7 +67,7 @@ def mask_of(numbers: Iterable[int]) -> int:
     return mask
 
 
-def size_of(mask: int, cards: Sequence[int]) -> int:
+def size_of(mask: int, cards: Union[Sequence[int], Mapping[int, int]]) -> int:
     """Return the number of entries of a table over a set of nodes."""
     size = 1
     while mask:

@@ -8,7 +8,7 @@ tabulated over their states and "not observed".
 
 from __future__ import annotations
 
-from typing import Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from .graph import Component, bits, mask_of, size_of
 from .tree import TABLE, UNIT, Tree
@@ -55,15 +55,14 @@ class Program(NamedTuple):
         evidence: for a part without outputs: the two messages whose product, summed, is the
             probability of the evidence (one of them for a single leaf).
         tabulated: the messages that depend on few inputs.
-        cases: of each node when it is observable: its states, and "not observed" where that may
-            be.
+        cases: of each node that may be observed: its states, and "not observed" where that may be.
     """
 
     messages: Dict[Edge, Message]
     answers: Dict[int, Edge]
     evidence: Tuple[Edge, ...]
     tabulated: Set[Edge]
-    cases: Tuple[int, ...]
+    cases: Dict[int, int]
 
 
 def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
@@ -80,8 +79,8 @@ def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
     messages: Dict[Edge, Message] = {}
     for edge in (*targets.values(), *evidence):
         _collect(edge, tree, around, messages)
-    given = mask_of(part.given)
-    cases = tuple(card + (not given >> node & 1) for node, card in enumerate(cards))
+    given = frozenset(part.given)
+    cases = {node: cards[node] + (node not in given) for node in (*part.inputs, *part.given)}
     return Program(messages, targets, evidence, _tabulated(messages, cards, cases), cases)
 
 
@@ -162,7 +161,7 @@ def _message(
 
 
 def _tabulated(
-    messages: Dict[Edge, Message], cards: Sequence[int], cases_of_each: Sequence[int]
+    messages: Dict[Edge, Message], cards: Sequence[int], cases_of_each: Mapping[int, int]
 ) -> Set[Edge]:
     found: Set[Edge] = set()
     for edge, message in messages.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from typing import Any, Dict, Iterator, List, Set, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, Sequence, Set, Tuple, Union
 
 from .evidence import EvidenceError, outcomes_finding
 from .model import Network
@@ -27,6 +27,35 @@ class Answer:
         self.outputs: Set[int] = set()
         self.problems: Dict[int, str] = {}
 
+    def put(
+        self,
+        positions: Mapping[int, int],
+        missing: Sequence[int],
+        states: List[int],
+        weights: Dict[int, List[float]],
+    ) -> None:
+        """Put what the methods said in the place of what was declared.
+
+        Args:
+            positions: node -> its position among the observable ones.
+            missing: "not observed" for each of them.
+            states: of the observable nodes; changed.
+            weights: likelihoods, by position; changed.
+        """
+        for node in self.problems:  # it would have said what is not known
+            if node in positions:
+                position = positions[node]
+                states[position] = missing[position]
+                weights.pop(position, None)
+        for node, finding in self.findings.items():
+            position = positions[node]
+            if isinstance(finding, int):
+                states[position] = finding
+                weights.pop(position, None)
+            else:
+                states[position] = missing[position]
+                weights[position] = finding
+
 
 class _Data:
     """What ``update_dra_data`` gets: D7.2's methods take ``.data`` of it."""
@@ -42,6 +71,7 @@ class Methods:
 
     Attributes:
         observed: nodes whose method sets an outcome, as far as the source tells.
+        doubtful: nodes whose method may set one, although its source does not show it.
         outputs: nodes whose method sets ``is_bn_output``.
     """
 
@@ -54,6 +84,7 @@ class Methods:
         self._names: List[Tuple[int, str]] = []
         self._constant = Answer()
         self.observed: Set[int] = set()
+        self.doubtful: Set[int] = set()
         self.outputs: Set[int] = set()
         for node, name in enumerate(names):
             if not hasattr(hooks, name):
@@ -65,6 +96,7 @@ class Methods:
             # What cannot change is asked once: mostly the methods that nobody has written in.
             if not _is_constant(tree) or self._ask_one(node, name, self._constant):
                 self._names.append((node, name))
+                self.doubtful.update([] if _returns_outcomes(tree) else [node])
 
     def ask(self, eddi_input: object) -> Answer:
         """Call every method that may change what it says, once.
@@ -173,6 +205,19 @@ def _assigned(tree: ast.AST) -> Tuple[bool, bool]:
         elif target == "is_bn_output":
             output |= constant is not False
     return observed, output
+
+
+def _returns_outcomes(tree: ast.Module) -> bool:
+    """Tell whether a method returns its variables ``outcome_*`` and nothing else."""
+    found = [item.value for item in ast.walk(tree) if isinstance(item, ast.Return)]
+    dicts = [one.elts[-1] for one in found if isinstance(one, ast.Tuple) and one.elts]
+    return bool(found) and len(dicts) == len(found) and all(map(_is_of_outcomes, dicts))
+
+
+def _is_of_outcomes(value: ast.expr) -> bool:
+    return isinstance(value, ast.Dict) and all(
+        isinstance(one, ast.Name) and one.id.startswith("outcome_") for one in value.values
+    )
 
 
 def _assignments(tree: ast.AST) -> Iterator[Tuple[str, ast.expr | None]]:

@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from ..model_file import ModelError, ModelFile, take
 from .graph import Shape
+from .thresholds import StateThreshold, read_thresholds
 
 _LIST, _TEXT, _OBJECT = list, str, dict
 _TOLERANCE = 1e-6
@@ -46,6 +47,7 @@ class BayesianNetworkModel:
         on_inconsistent: what is given on evidence of probability zero: ``silent``, ``prior`` or
             ``hold``.
         explain: the status message has the relevance of each observed node.
+        thresholds: what is given as evidence for ConSerts.
     """
 
     network: Network
@@ -56,6 +58,7 @@ class BayesianNetworkModel:
     virtual: bool
     on_inconsistent: str
     explain: bool
+    thresholds: Tuple[StateThreshold, ...]
 
 
 def read_model_part(model_file: ModelFile) -> BayesianNetworkModel:
@@ -85,6 +88,7 @@ def read_model_part(model_file: ModelFile) -> BayesianNetworkModel:
         virtual=_choice(settings, "evidence_mode", _MODES) == "virtual",
         on_inconsistent=_choice(settings, "on_inconsistent", _ON_INCONSISTENT),
         explain=settings.get("explain") is True,
+        thresholds=read_thresholds(model.get("thresholds", []), list(names), network.states),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from typing import (
     Any,
     Dict,
@@ -11,7 +12,6 @@ from typing import (
     List,
     Mapping,
     Optional,
-    Sequence,
     Set,
     Tuple,
     Union,
@@ -22,9 +22,11 @@ from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
 from . import outputs as out
+from .claims import ERROR, UNKNOWN, Claim, Claims
 from .engine import Posteriors
 from .explain import Explanation, explain
 from .inference import Evidence, Inference
+from .knowledge import NO_ANSWER, Facts, Knowledge, Step
 from .methods import Answer, Methods
 from .model import read_model_part
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
@@ -35,7 +37,6 @@ Output = List[BayesianNetworkOutput]
 _ACTOR = 0
 _NO_TIME = math.nan  # neither before nor behind any time
 _UNKNOWN: Posteriors = []
-_NO_ANSWER = Answer()
 
 
 def build(model_file: ModelFile, hooks: Any = None) -> BayesianNetworkMonitor:
@@ -49,20 +50,6 @@ def build(model_file: ModelFile, hooks: Any = None) -> BayesianNetworkMonitor:
         ModelError: the model is wrong or too wide, or needs numpy and it is not installed.
     """
     return BayesianNetworkMonitor(model_file, hooks)
-
-
-class _Step:
-    """What the last step saw."""
-
-    __slots__ = ("answer", "inconsistent", "problem", "raw", "states", "weights")
-
-    def __init__(self, missing: Sequence[int]) -> None:
-        self.raw: List[object] = []
-        self.states = list(missing)
-        self.weights: Dict[int, List[float]] = {}
-        self.answer = _NO_ANSWER
-        self.inconsistent = False
-        self.problem = ""
 
 
 class BayesianNetworkMonitor(Monitor):
@@ -87,6 +74,8 @@ class BayesianNetworkMonitor(Monitor):
         self._model = model = read_model_part(model_file)
         self._sources = make_sources(model, self.inputs)
         self._timed = any(source.reader.timed for source in self._sources)
+        self._timed |= any(one.limits.hold_ns for one in model.thresholds)
+        self._claims = Claims(model.thresholds) if model.thresholds else None
         self._methods = None
         outputs: Set[int] = set(model.outputs)
         observed: Set[int] = {source.node for source in self._sources}
@@ -94,9 +83,13 @@ class BayesianNetworkMonitor(Monitor):
         if hooks is not None:
             self._methods = Methods(hooks, model.network, virtual=model.virtual)
             observed |= self._methods.observed
+            observed |= self._methods.doubtful if model.thresholds else set()
             outputs |= self._methods.outputs
+        self._knowledge = Knowledge(self._sources, observed)
+        judged = {one.node for one in model.thresholds}
+        self._judged_only = judged - outputs
         try:
-            self.inference = Inference(model.network, outputs, observed)
+            self.inference = Inference(model.network, outputs | judged, observed)
         except (TooWideError, ImportError) as problem:
             raise ModelError(model_file.path, str(problem)) from None
         self._good: Optional[Tuple[Posteriors, Set[int]]] = None
@@ -122,11 +115,13 @@ class BayesianNetworkMonitor(Monitor):
         if self._timed:
             time = step_time(t_ns)
             now = _NO_TIME if time is None else time
-        answer = _NO_ANSWER
+        answer = NO_ANSWER
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)
             self._last.answer = answer
             if not self._foreseen(answer) and not self._grow(answer.outputs, answer.findings):
+                if self._claims is not None:
+                    self._claims.lose(ERROR)
                 return []
         last = self._last
         last.answer, last.problem = answer, ""
@@ -145,10 +140,13 @@ class BayesianNetworkMonitor(Monitor):
                 states[position] = found
             else:
                 weights[position] = found  # type: ignore[assignment]  # a list, then
-        if answer is not _NO_ANSWER:
-            self._take(answer, states, weights)
+        if answer is not NO_ANSWER:
+            answer.put(self._positions, self._missing, states, weights)
         last.raw, last.states, last.weights = raw, states, weights
         rows = self._posteriors(states, weights)
+        if self._claims is not None:
+            opened = self._knowledge.opened(states, weights, answer)
+            self._claims.step(now, rows, states, weights, opened)
         last.inconsistent = rows is None
         if rows is not None:
             self._good = rows, flagged
@@ -159,25 +157,7 @@ class BayesianNetworkMonitor(Monitor):
         return [] if rows is None else self._output(rows, flagged)
 
     def _foreseen(self, answer: Answer) -> bool:
-        known = self._positions.keys()
-        return answer.outputs <= self._known and answer.findings.keys() <= known
-
-    def _take(self, answer: Answer, states: List[int], weights: Dict[int, List[float]]) -> None:
-        """Put what the methods said in the place of what was declared."""
-        positions, missing = self._positions, self._missing
-        for node in answer.problems:  # it would have said what is not known
-            if node in positions:
-                position = positions[node]
-                states[position] = missing[position]
-                weights.pop(position, None)
-        for node, finding in answer.findings.items():
-            position = positions[node]
-            if isinstance(finding, int):
-                states[position] = finding
-                weights.pop(position, None)
-            else:
-                states[position] = missing[position]
-                weights[position] = finding
+        return answer.outputs <= self._known and self._knowledge.covers(answer.findings)
 
     def _posteriors(
         self, states: List[int], weights: Mapping[int, List[float]]
@@ -193,18 +173,27 @@ class BayesianNetworkMonitor(Monitor):
                 self._known_rows[key] = rows
         return rows
 
+    def _tried(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Posteriors]:
+        """Return the posteriors of a case that is only thought of: it is not worth remembering."""
+        rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
+        return self.inference.engine.infer(states, weights) if rows is _UNKNOWN else rows
+
     def as_json(self, output: Output) -> Optional[List[Dict[str, Any]]]:
         """Return an output as JSON; None when no posterior was given."""
         return out.as_json(output)
 
     def series(self, output: Output) -> Dict[str, Union[bool, float, str, None]]:
-        """Return ``Node=state`` -> probability; None for what was not given."""
+        """Return ``Node=state`` -> probability, None for what was not given; and each threshold."""
         found: Dict[str, Union[bool, float, str, None]] = {
-            f"{title}={name}": None for _, title, states in self._titles for name in states
+            f"{title}={name}": None
+            for node, title, states in self._titles
+            if node not in self._judged_only
+            for name in states
         }
         for one in output:
-            for node in one.output_nodes:
-                found.update((f"{node.title}={two.name}", two.value) for two in node.outcomes)
+            for given in one.output_nodes:
+                found.update((f"{given.title}={two.name}", two.value) for two in given.outcomes)
+        found.update((one.id, one.active) for one in self.claims())
         return found
 
     def message(self, output: Any) -> Union[Tree, List[Tree], None]:
@@ -241,11 +230,35 @@ class BayesianNetworkMonitor(Monitor):
 
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
-        relevance = self.explain().relevance if self._model.explain else {}
-        return out.status_message(self.model_id, self.status(), self._unobserved(), relevance)
+        relevance = self._explained().relevance if self._model.explain else {}
+        unobserved = self._unobserved()
+        return out.status_message(self.model_id, self.status(), unobserved, self.facts(), relevance)
+
+    def evidence_message(self) -> Tree:
+        """Return the thresholds as a ``BayesianNetworkEvidence`` without header."""
+        return out.evidence_message(self.model_id, self.facts(), self.claims())
+
+    def claims(self) -> List[Claim]:
+        """Return what each threshold said in the last step, in the order of the configuration."""
+        return [] if self._claims is None else self._claims.rows()
+
+    def beside_json(self) -> Dict[str, Any]:
+        """Return what is said beside the posteriors, as ``json`` can write it."""
+        return out.evidence_json(self.facts(), self.claims()) if self._claims is not None else {}
+
+    def facts(self) -> Facts:
+        """Return which inputs were known in the last step, and what was accepted for others."""
+        facts, last = self._knowledge.facts(self._last), self._last
+        if not last.inconsistent or self._model.on_inconsistent == "silent":
+            return facts
+        key = f"on_inconsistent: {self._model.on_inconsistent}"
+        return facts._replace(accepted=(*facts.accepted, key))
 
     def explain(self) -> Explanation:
         """Return what was known in the last step, and how much each observed node mattered."""
+        return replace(self._explained(), facts=self.facts(), claims=tuple(self.claims()))
+
+    def _explained(self) -> Explanation:
         return explain(self.inference.engine, self._last.states, self._last.weights)
 
     def posteriors(self, evidence: Mapping[str, Evidence]) -> Dict[str, Tuple[float, ...]]:
@@ -260,8 +273,20 @@ class BayesianNetworkMonitor(Monitor):
         return found
 
     def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
-        """Return nothing: a node that is not observed keeps no posterior from being given."""
-        return {}
+        """Return input id -> thresholds that are not active; see ``Monitor``.
+
+        A node that is not observed keeps no posterior from being given.
+        """
+        if self._claims is None:
+            return {}
+        rows = self.claims()
+        found: Dict[str, Tuple[str, ...]] = {}
+        if lost := tuple(one.id for one in rows if one.reason in UNKNOWN):
+            found = dict.fromkeys(self.facts().unknown_inputs, lost)
+        if inactive := tuple(one.id for one in rows if not one.active):
+            fed = {source.spec.id for source in self._sources}
+            found.update((name, inactive) for name in not_good if name in fed)
+        return found
 
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
@@ -279,25 +304,27 @@ class BayesianNetworkMonitor(Monitor):
         """Forget former steps."""
         for source in self._sources:
             source.reader.reset()
+        if self._claims is not None:
+            self._claims.reset()
         self._good, self._output_faults = None, ()
-        self._last = _Step(self._missing)
+        self._last = Step(self._missing)
 
     def _grow(self, flagged: Iterable[int], findings: Iterable[int]) -> bool:
         """Compile again for more nodes; False when the network is too wide for it."""
         try:
             self.inference.grow(flagged, findings)
         except (TooWideError, ImportError) as problem:
-            fresh = _Step(self._missing)
+            fresh = Step(self._missing)
             fresh.answer, fresh.problem = self._last.answer, str(problem)
             self._last = fresh
             return False
         self._good, answer = None, self._last.answer
-        self._prepare()
+        self._prepare(findings)
         self._last.answer = answer
         return True
 
-    def _prepare(self) -> None:
-        """Take over what depends on the compiled engine."""
+    def _prepare(self, inputs: Iterable[int] = ()) -> None:
+        """Take over what depends on the compiled engine, and nodes that turned out to be inputs."""
         engine, network = self.inference.engine, self._model.network
         names, states = network.shape.names, network.states
         self._missing = engine.missing
@@ -312,7 +339,10 @@ class BayesianNetworkMonitor(Monitor):
             (self._positions[one.node], one.spec.attribute, one.reader.read, one.reader)
             for one in self._sources
         ]
-        self._last = _Step(self._missing)
+        self._knowledge.prepare(engine, inputs)
+        if self._claims is not None:
+            self._claims.prepare(engine.outputs, self._tried)
+        self._last = Step(self._missing)
 
     def _output(self, rows: Posteriors, flagged: Set[int]) -> Output:
         given = self._model.outputs
@@ -324,7 +354,7 @@ class BayesianNetworkMonitor(Monitor):
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
     def _evidence(self) -> Mapping[str, object]:
-        return explain(self.inference.engine, self._last.states, self._last.weights).evidence
+        return self._explained().evidence
 
     def _unobserved(self) -> List[str]:
         last, names = self._last, self._model.network.shape.names

@@ -8,6 +8,8 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ..monitor import Tree
 from ..plain_values import plain
+from .claims import Claim
+from .knowledge import Facts
 
 OK, PARTIAL, PRIOR, INCONSISTENT, ERROR = range(5)
 """Status: all observed; some not; none; evidence of probability zero; a person's method failed."""
@@ -92,17 +94,49 @@ def output_message(output: Any) -> Tuple[Union[Tree, List[Tree], None], Tuple[st
 
 
 def status_message(
-    network_id: str, status: int, unobserved: Sequence[str], relevance: Mapping[str, float]
+    network_id: str,
+    status: int,
+    unobserved: Sequence[str],
+    facts: Facts,
+    relevance: Mapping[str, float],
 ) -> Tree:
     """Return the ``BayesianNetworkStatus`` tree without header."""
     fields = {
         "bayesian_network_id": network_id,
         "status": status,
         "unobserved": list(unobserved),
+        "valid": facts.valid,
+        "unknown_inputs": list(facts.unknown_inputs),
+        "undecided": [f"{node}: {', '.join(states)}" for node, states in facts.undecided.items()],
+        "accepted": list(facts.accepted),
         "relevance_nodes": list(relevance),
         "relevance": list(relevance.values()),
     }
     return "BayesianNetworkStatus", fields
+
+
+def evidence_json(facts: Facts, claims: Sequence[Claim]) -> Dict[str, Any]:
+    """Return the thresholds as ``json`` can write them; a bound that was not computed is None."""
+    rows = [one._asdict() for one in claims]
+    for row in rows:
+        row.update((k, None) for k in ("low", "high") if not math.isfinite(row[k]))
+    return {
+        "valid": facts.valid,
+        "unknown_inputs": list(facts.unknown_inputs),
+        "accepted": list(facts.accepted),
+        "evidence": rows,
+    }
+
+
+def evidence_message(network_id: str, facts: Facts, claims: Sequence[Claim]) -> Tree:
+    """Return the ``BayesianNetworkEvidence`` tree without header."""
+    fields = {
+        "bayesian_network_id": network_id,
+        "valid": facts.valid,
+        "unknown_inputs": list(facts.unknown_inputs),
+        "evidence": [("BayesianNetworkThreshold", one._asdict()) for one in claims],
+    }
+    return "BayesianNetworkEvidence", fields
 
 
 def _node_tree(node: Any) -> Tree:

@@ -1,4 +1,4 @@
-"""From the value of an input to the state of a node: declared bins, maps, and direct inputs.
+"""From the value of an input to the state of a node: declared bins and maps.
 
 A reader never raises for a value of any type; what it cannot use leaves the node unobserved.
 """
@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import Any, Callable, List, Optional, Protocol, Sequence, Tuple, Union
+from typing import Callable, List, Optional, Protocol, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
 from .declaration import Declaration
-from .evidence import EvidenceError, finding
+from .hysteresis import Hysteresis
 
 Reading = Union[int, List[float]]
 """A state, the number of states for "not observed", or likelihoods."""
@@ -27,15 +27,28 @@ class Reader(Protocol):
 
     Attributes:
         timed: it must be told the time.
+        doubtful: it may leave several states possible.
+        prior_accepted: while the input is unknown, the prior of the node is accepted in its place.
+        possible: states in which the node may be, if there are several, in spite of the one that
+            was returned last.
     """
 
     timed: bool
+    doubtful: bool
+    prior_accepted: bool
+    possible: Sequence[int]
 
     def read(self, raw: object, now: float) -> Reading:
         """Return the evidence in a value at a time in nanoseconds; may raise for hostile ones."""
 
     def absent(self, now: float) -> Reading:
         """Return the evidence when there is no value."""
+
+    def knows(self, raw: object) -> bool:
+        """Tell whether a value by itself says something about the node."""
+
+    def accepted(self, raw: object, reading: Reading) -> str:
+        """Return the key by which a value counted as what was read of it; empty for none."""
 
     def fault(self, raw: object) -> Optional[str]:
         """Return what is wrong with a value; None for a good or a missing one."""
@@ -51,21 +64,22 @@ class _Remembering:
         self._missing = missing
         self._default = default if policy == "default" else missing
         self._hold_ns = hold_ns if policy == "hold" else -1
-        self._last: Tuple[int, float] = (missing, 0)
+        self._last: Tuple[int, float, Sequence[int]] = (missing, 0, ())
 
-    def seen(self, state: int, now: float) -> int:
+    def seen(self, state: int, now: float, possible: Sequence[int] = ()) -> int:
         if self._hold_ns >= 0:
-            self._last = (state, now)
+            self._last = state, now, possible
         return state
 
-    def absent(self, now: float) -> int:
+    def absent(self, now: float) -> Tuple[int, Sequence[int]]:
+        """Return the state, and all that it may be if there are several."""
         if self._hold_ns < 0:
-            return self._default
-        state, then = self._last
-        return state if 0 <= now - then <= self._hold_ns else self._missing
+            return self._default, ()
+        state, then, possible = self._last
+        return (state, possible) if 0 <= now - then <= self._hold_ns else (self._missing, ())
 
     def reset(self) -> None:
-        self._last = (self._missing, 0)
+        self._last = self._missing, 0, ()
 
 
 class Discretiser:
@@ -77,18 +91,23 @@ class Discretiser:
     Args:
         declaration: what is declared.
         spec: the input: its default and its largest age.
+
+    Attributes: see ``Reader``.
     """
 
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
         self._declared = one = declaration
         self._missing = one.missing
         self._special = one.special
-        self._edges = one.edges
+        self._edges, self._order = one.edges or (), one.order
+        self._binning = one.edges is not None
         self._search = bisect_left if one.closed_right else bisect_right
         self._low, self._high = one.limits
-        self._previous = _ABSENT
-        default = self._state_of(spec.default)
-        self._previous = _ABSENT
+        self._bands: Optional[Hysteresis] = None
+        if one.edges is not None and one.hysteresis > 0.0:
+            self._bands = Hysteresis(one.edges, one.hysteresis)
+        state, value = self._judged(spec.default)
+        default = state if value is None else one.order[self._search(self._edges, value)]
         limit = spec.max_age if isinstance(spec.max_age, float) else 0.0
         self._memory = _Remembering(
             self._missing,
@@ -97,6 +116,9 @@ class Discretiser:
             int(min(limit, 1e9) * 1e9),
         )
         self.timed = one.policy == "hold"
+        self.doubtful = self._bands is not None
+        self.prior_accepted = one.policy == "prior"
+        self.possible: Sequence[int] = ()
         self._plain = _plain_bins(one)
 
     def read(self, raw: object, now: float) -> int:
@@ -105,26 +127,48 @@ class Discretiser:
             state = self._plain(raw)
             if state != _ABSENT:
                 return state
-        state = self._state_of(raw)
-        if state == _ABSENT:
-            return self._memory.absent(now)
-        return self._memory.seen(state, now)
+        state, value = self._judged(raw)
+        if value is not None:
+            return self._memory.seen(self._binned(value), now, self.possible)
+        if state in (_ABSENT, self._missing):
+            self._lose()
+        elif self._bands is not None:
+            self._bands.leave()
+            self.possible = ()
+        return self._memory.seen(state, now) if state != _ABSENT else self._without(now)
 
     def absent(self, now: float) -> int:
         """Return the state when there is no value; see ``Reader``."""
-        self._previous = _ABSENT
-        return self._memory.absent(now)
+        self._lose()
+        return self._without(now)
+
+    def knows(self, raw: object) -> bool:
+        """Tell whether a value says something; see ``Reader``."""
+        state, value = self._judged(raw)
+        return value is not None or state not in (_ABSENT, self._missing)
+
+    def accepted(self, raw: object, reading: Reading) -> str:
+        """Return the key that was needed; see ``Reader``."""
+        state, value = self._judged(raw)
+        if value is None:
+            policy = self._declared.policy
+            speaks = policy == "prior" or (state == _ABSENT and reading != self._missing)
+            unknown = state in (_ABSENT, self._missing)
+            return f"missing: {policy}" if unknown and speaks else ""
+        number = plain(raw)
+        if number in (math.inf, -math.inf):
+            return "allow_inf: true"
+        return "" if self._low <= number <= self._high else "out_of_range: clamp"  # type: ignore[operator]  # a number
 
     def fault(self, raw: object) -> Optional[str]:
         """Return what is wrong with a value; see ``Reader``."""
         value = plain(raw)
         if raw is None or (isinstance(value, float) and math.isnan(value)):
             return None
-        previous, state = self._previous, self._state_of(raw)
-        self._previous = previous
-        if 0 <= state < self._missing or self._is_special(value):
+        state, number = self._judged(raw)
+        if number is not None or 0 <= state < self._missing or self._is_special(value):
             return None
-        if self._edges is None:
+        if not self._binning:
             return f"no state is declared for {show(raw)}"
         if state == _ABSENT:
             return f"expected a number, got {show(raw)}"
@@ -132,48 +176,53 @@ class Discretiser:
 
     def reset(self) -> None:
         """Forget former values."""
-        self._previous = _ABSENT
+        self._lose()
         self._memory.reset()
 
-    def _state_of(self, raw: object) -> int:
+    def _without(self, now: float) -> int:
+        state, self.possible = self._memory.absent(now)
+        return state
+
+    def _lose(self) -> None:
+        if self._bands is not None:
+            self._bands.lose()
+            self.possible = ()
+
+    def _judged(self, raw: object) -> Tuple[int, Optional[float]]:
+        """Return (state, None), or a number that falls into the bins; remembers nothing."""
         value = raw if type(raw) is float else plain(raw)
         special = self._special.get(type(value))
         if special:
             state = special.get(value)
             if state is not None:
-                self._previous = _ABSENT
-                return state
-        if self._edges is None or type(value) not in (float, int):
-            self._previous = _ABSENT
-            return _ABSENT
-        return self._bin(float(value), self._edges)  # type: ignore[arg-type]  # a number
+                return state, None
+        if not self._binning or type(value) not in (float, int):
+            return _ABSENT, None
+        return self._number(float(value))  # type: ignore[arg-type]  # a number
 
-    def _bin(self, value: float, edges: Sequence[float]) -> int:
+    def _number(self, value: float) -> Tuple[int, Optional[float]]:
         if value != value:  # noqa: PLR0124 - the test for NaN
-            self._previous = _ABSENT
-            return _ABSENT
+            return _ABSENT, None
         if not -math.inf < value < math.inf:
             if not self._declared.allow_inf:
-                self._previous = _ABSENT
-                return self._missing
+                return self._missing, None
         elif not self._low <= value <= self._high:
             if not self._declared.clamp:
-                self._previous = _ABSENT
-                return self._missing
+                return self._missing, None
             value = min(max(value, self._low), self._high)
         if self._declared.scaled:
             value = value * self._declared.scale + self._declared.offset
-        place = self._search(edges, value)
-        previous = self._previous
-        moved = previous not in (_ABSENT, place) and self._declared.hysteresis > 0.0
-        if moved and self._near(value, previous, place, edges):
-            place = previous
-        self._previous = place
-        return self._declared.order[place]
+        return _ABSENT, value
 
-    def _near(self, value: float, previous: int, place: int, edges: Sequence[float]) -> bool:
-        beyond = value - edges[previous] if place > previous else edges[previous - 1] - value
-        return beyond <= self._declared.hysteresis
+    def _binned(self, value: float) -> int:
+        order, bands = self._order, self._bands
+        place = self._search(self._edges, value)
+        if bands is None:
+            return order[place]
+        place = bands.take(value, place)
+        if bands.possible or self.possible:
+            self.possible = [order[one] for one in bands.possible]
+        return order[place]
 
     def _is_special(self, value: object) -> bool:
         return value in self._special.get(type(value), ())
@@ -194,69 +243,3 @@ def _plain_bins(one: Declaration) -> Optional[Callable[[float], int]]:
         return order[search(edges, value)] if low <= value <= high else _ABSENT
 
     return scaled if one.scaled else unscaled
-
-
-class DirectReader:
-    """An input that holds the name of a state, or one likelihood per state.
-
-    Args:
-        states: names of the states.
-        virtual: see ``finding``.
-    """
-
-    timed = False
-
-    def __init__(self, states: Sequence[str], *, virtual: bool) -> None:
-        self._states = tuple(states)
-        self._number = {state: k for k, state in enumerate(states)}
-        self._virtual = virtual
-
-    def read(self, raw: object, now: float) -> Reading:
-        """Return the state or likelihoods of a value; see ``Reader``."""
-        state = self._number.get(raw) if type(raw) is str else None
-        if state is not None:
-            return state
-        try:
-            found = self._judged(raw)
-        except EvidenceError:
-            found = None
-        return len(self._states) if found is None else found
-
-    def absent(self, now: float) -> Reading:
-        """Return "not observed"; see ``Reader``."""
-        return len(self._states)
-
-    def fault(self, raw: object) -> Optional[str]:
-        """Return what is wrong with a value; see ``Reader``."""
-        try:
-            self._judged(raw)
-        except EvidenceError as problem:
-            return str(problem)
-        return None
-
-    def reset(self) -> None:
-        """Forget nothing: nothing is remembered."""
-
-    def _judged(self, raw: object) -> Union[int, List[float], None]:
-        value = plain(raw)
-        if isinstance(value, str):
-            if value not in self._number:
-                raise EvidenceError(f"there is no state {show(raw)}")
-            return self._number[value]
-        if raw is None or (isinstance(value, float) and math.isnan(value)):
-            return None
-        if value is not None:
-            raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")
-        if not issubclass(type(raw), (list, tuple)):
-            raw = _list_of_array(raw)
-        if not raw:
-            return None
-        return finding(raw, self._states, virtual=self._virtual)  # type: ignore[arg-type]  # a list
-
-
-def _list_of_array(raw: Any) -> List[object]:
-    if type(raw).__name__ in ("ndarray", "array"):
-        values = raw.tolist()
-        if isinstance(values, list):
-            return values
-    raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")

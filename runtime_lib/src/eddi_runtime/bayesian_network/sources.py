@@ -6,8 +6,9 @@ from typing import Dict, NamedTuple, Sequence, Tuple
 
 from ..inputs import InputSpec
 from .declaration import read_declaration
+from .direct import DirectReader
 from .model import BayesianNetworkModel
-from .readers import DirectReader, Discretiser, Reader
+from .readers import Discretiser, Reader
 
 
 class Source(NamedTuple):

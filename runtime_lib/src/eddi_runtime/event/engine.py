@@ -12,11 +12,15 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from ..plain_values import plain, show
 from . import stacks, windows
+from .elements import number_in
 from .form import BOOL, NUMBER, Form, Variable, read_form
+from .sampling import HostInput
 from .source import class_lines
 
 Values = Tuple[Union[float, int], ...]
 """One value per output: 0, 1, 2 for a truth value, NaN for an UNKNOWN number."""
+_FAR_NS = 2**64
+"""Farther in the future than any sample whose clock is a little ahead."""
 
 
 class Engine:
@@ -59,11 +63,22 @@ def _step_lines(form: Form) -> List[str]:
     lines, arguments = ["def step(t, values, stamps=None):"], ["t"]
     for k, variable in enumerate(form.variables):
         lines.append(f"    x{k} = values[{k}]")
-        quick = f"x{k} if type(x{k}) is float else " if variable.type == NUMBER else ""
+        plain = variable.type == NUMBER and not variable.text
+        quick = f"x{k} if type(x{k}) is float else " if plain else ""
         arguments.append(f"{quick}c{k}(x{k})")
         if variable.stamped:
             arguments.append(f"stamp_of(stamps, {k}, t)")
     return [*lines, f"    return evaluate({', '.join(arguments)})"]
+
+
+def stamp_at(t: int, age: Optional[float]) -> Optional[int]:
+    """Return when a sample of an age was made; None when nobody says, which counts as now.
+
+    One that can be of any age lies in the future: behind no limit, and nothing is asked of it.
+    """
+    if age is None:
+        return None
+    return t - round(age * 1e9) if math.isfinite(age) else t + _FAR_NS
 
 
 def _stamp_of(stamps: Optional[Sequence[Optional[int]]], k: int, t: int) -> int:
@@ -83,30 +98,33 @@ def build_engine(document: Mapping[str, Any]) -> Engine:
 def converter(variable: Variable) -> Callable[[object], Union[float, int]]:
     """Return the function that takes a raw value of a variable to ``evaluate``; never raises."""
     if variable.type == NUMBER:
-        return _number
+        return number_in if variable.text else _number
     if variable.type == BOOL:
         return _truth
     return partial(_literal, {text: k for k, text in enumerate(variable.literals)})
 
 
-def fault(variable: Variable, raw: object) -> str:
+def fault(one: HostInput, raw: object) -> str:
     """Return what is wrong with a raw value, empty when it is fine or simply missing."""
     if raw is None:
         return ""
+    if one.list:
+        is_list = hasattr(raw, "__len__") and not isinstance(raw, str)
+        return "" if is_list else f"expected a list, got {show(raw)}"
     try:
         value = plain(raw)
     except Exception:  # noqa: BLE001 - a hostile object
         value = None
     if isinstance(value, float) and math.isnan(value):
         return ""
-    if variable.type == NUMBER and isinstance(value, (int, float)) and not isinstance(value, bool):
+    if one.type == NUMBER and isinstance(value, (int, float)) and not isinstance(value, bool):
         return ""
-    if variable.type == BOOL and isinstance(value, bool):
+    if one.type == BOOL and isinstance(value, bool):
         return ""
-    if isinstance(value, str) and value in variable.literals:
+    if isinstance(value, str) and (one.type == "text" or value in one.literals):
         return ""
-    wanted = {NUMBER: "a number", BOOL: "True or False"}.get(variable.type)
-    return f"expected {wanted or ', '.join(variable.literals)}, got {show(raw)}"
+    wanted = {NUMBER: "a number", BOOL: "True or False", "text": "a text"}.get(one.type)
+    return f"expected {wanted or ', '.join(one.literals)}, got {show(raw)}"
 
 
 def _number(raw: object) -> float:

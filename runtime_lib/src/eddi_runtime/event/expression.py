@@ -6,15 +6,15 @@ The window state lives here, so that a regenerated package and a hand-written re
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
+from ..access import Step, follow, gather
+from ..inputs import one_line
 from ..model_file import ModelError, take
-from .engine import Engine, build_engine
+from .engine import Engine, build_engine, stamp_at
 from .form import BOOL
+from .sampling import Sampling
 
-Step = Union[str, int]
-"""Name of a field, or index into a list."""
-Read = Callable[[Any], Any]
 TYPES = ("bool", "float", "int", "state")
 
 
@@ -23,11 +23,14 @@ class Source(NamedTuple):
 
     Attributes:
         id: of the SimulatorOutput, or of another input.
-        path: fields and indices in its message; empty: the value itself.
+        path: into its message (``access.follow``); empty: the value itself.
+        checks: when it is a measurement: ``within`` with the paths of two limits, ``unless`` with
+            a path and the value that says that it is none.
     """
 
     id: str
     path: Tuple[Step, ...]
+    checks: Tuple[Any, ...] = ()
 
 
 class InputExpression:
@@ -35,8 +38,9 @@ class InputExpression:
 
     Attributes:
         type: ``bool``, ``float``, ``int`` or ``state``.
-        sources: what it reads, by number of the variable; one tuple for each form.
+        sources: what it reads; one tuple for each form.
         requires: the ids of all sources, in order and once each.
+        reason: why a value could not be read in the last step, empty when all could be.
     """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
@@ -50,14 +54,26 @@ class InputExpression:
         if self.type not in TYPES:
             raise ModelError("", f"{where} has the unknown type {self.type!r}")
         self._hazard = document.get("polarity") == "HAZARD"
+        self.reason = ""
+        paths: Mapping[str, Any] = document.get("paths", {})
+        checks: Mapping[str, Any] = document.get("checks", {})
         self._names: List[str] = []
         self._engines: List[Engine] = []
+        self._samplings: List[Sampling] = []
+        self._reduced: Dict[Tuple[int, int], Tuple[Any, Any]] = {}
         self.sources: List[Tuple[Source, ...]] = []
         for part in take(document, "parts", list, where):
             self._names.append(take(part, "state", str, where) if self.type == "state" else "")
             engine = build_engine(take(part, "form", dict, where))
             self._engines.append(engine)
-            self.sources.append(tuple(source_of(v.name) for v in engine.form.variables))
+            sampling = Sampling(engine.form)
+            self._samplings.append(sampling)
+            self.sources.append(
+                tuple(
+                    _source(one.name, paths)._replace(checks=tuple(checks.get(one.name, ())))
+                    for one in sampling.inputs
+                )
+            )
             kind = engine.form.nodes[engine.form.outputs[0].node].type
             if (kind == BOOL) != (self.type in ("bool", "state")):
                 raise ModelError("", f"{where} of type {self.type} gives a {kind}")
@@ -82,14 +98,8 @@ class InputExpression:
             messages: id -> latest message or value; absent: none yet.
             ages: id -> seconds since it was received; absent: fresh.
         """
-        found = [
-            engine.step(
-                t,
-                [read_path(messages.get(source.id), source.path) for source in sources],
-                None if ages is None else [_stamp(t, ages.get(one.id)) for one in sources],
-            )[0]
-            for engine, sources in zip(self._engines, self.sources)
-        ]
+        self.reason = ""
+        found = [self._step(part, t, messages, ages) for part in range(len(self._engines))]
         if self.type == "state":
             return self._state(found)
         if self.type == "bool":
@@ -103,8 +113,51 @@ class InputExpression:
 
     def reset(self) -> None:
         """Forget everything of former steps."""
+        self._reduced = {}
         for engine in self._engines:
             engine.reset()
+
+    def _step(
+        self,
+        part: int,
+        t: int,
+        messages: Mapping[str, Any],
+        ages: Optional[Mapping[str, float]],
+    ) -> Union[float, int]:
+        """Return the value of one form."""
+        engine, sampling, sources = self._engines[part], self._samplings[part], self.sources[part]
+        raws, stamps = [], []
+        for k, variable in enumerate(engine.form.variables):
+            used = [sources[one] for one in sampling.uses[k]]
+            message = messages.get(used[0].id)
+            if variable.reduction is None:
+                raws.append(self._read(message, used[0]))
+            else:
+                raws.append(self._reduction(part, k, message, used))
+            stamps.append(None if ages is None else stamp_at(t, ages.get(used[0].id)))
+        return engine.step(t, raws, None if ages is None else stamps)[0]
+
+    def _reduction(self, part: int, k: int, message: Any, used: Sequence[Source]) -> Any:
+        """Return a reduction of a message; that of the same message as before is not done anew."""
+        before = self._reduced.get((part, k))
+        if before is not None and before[0] is message and message is not None:
+            return before[1]
+        sampling = self._samplings[part]
+        value = sampling.raw(k, [self._read(message, source) for source in used])
+        if message is not None:
+            self.reason = self.reason or sampling.reasons[k]
+        self._reduced[part, k] = (message, value)
+        return value
+
+    def _read(self, message: Any, source: Source) -> Any:
+        """Return a value, None when it cannot be read; the first reason is kept."""
+        if message is None:
+            return None
+        try:
+            return _measured(message, source)
+        except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
+            self.reason = self.reason or one_line(problem)
+            return None
 
     def _state(self, truths: Sequence[Union[float, int]]) -> Optional[str]:
         if truths.count(2) == 1 and truths.count(0) == len(truths) - 1:
@@ -119,19 +172,42 @@ def source_of(name: str) -> Source:
     return Source(str(parts[0]), tuple(parts[1:]))
 
 
+def _source(name: str, paths: Mapping[str, Any]) -> Source:
+    """Return where a variable comes from; names with keys are told by the document."""
+    head = source_of(name.partition(".")[0].partition("[")[0]).id
+    return Source(head, tuple(paths[name])) if name in paths else source_of(name)
+
+
 def read_path(message: Any, path: Sequence[Step]) -> Any:
-    """Return a field of a message, None when it is not there; never raises.
+    """Return a field of a message; a time or duration of ROS is its seconds.
 
-    A time or duration of ROS is its seconds.
+    Raises:
+        Exception: it is not there, or the message is of any other kind.
     """
-    try:
-        for step in path:
-            message = message[step] if isinstance(step, int) else getattr(message, step)
-        to_sec = getattr(message, "to_sec", None)
-        return message if to_sec is None else to_sec()
-    except Exception:  # noqa: BLE001 - messages are what the robot sends
-        return None
+    if any(isinstance(step, (list, tuple)) and step[0] == "*" for step in path):
+        return gather(message, path)
+    value = follow(message, path)
+    to_sec = getattr(value, "to_sec", None)
+    return value if to_sec is None else to_sec()
 
 
-def _stamp(t: int, age: Optional[float]) -> Optional[int]:
-    return t - round(age * 1e9) if age is not None and math.isfinite(age) else None
+def _measured(message: Any, source: Source) -> Any:
+    """Return a value of a message.
+
+    Raises:
+        LookupError: it is not there, or the message says that it was not measured.
+    """
+    value = read_path(message, source.path)
+    for check in source.checks:
+        if not _is_measurement(message, value, check):
+            field = ".".join(str(step) for step in check[1])
+            raise LookupError(f"no measurement, by {field} of {source.id}")
+    return value
+
+
+def _is_measurement(message: Any, value: Any, check: Sequence[Any]) -> bool:
+    """Tell whether a message says that a value of it was measured."""
+    if check[0] == "unless":
+        return bool(follow(message, check[1]) != check[2])
+    low, high = (follow(message, path) for path in check[1:])
+    return bool(math.isinf(value) or low <= value <= high)

@@ -10,6 +10,7 @@ import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..model_file import ModelError, take
+from .reduction import Reduction
 
 VERSION = 1
 NUMBER, BOOL, ENUM = "number", "bool", "enum"
@@ -25,6 +26,9 @@ LEAVES = ("variable", "number", "truth", "literal")
 SIGNATURES: Mapping[str, Tuple[Tuple[str, ...], str]] = {
     "neg": ((NUMBER,), NUMBER),
     "abs": ((NUMBER,), NUMBER),
+    "sqrt": ((NUMBER,), NUMBER),
+    "least": (NUMBERS, NUMBER),
+    "greatest": (NUMBERS, NUMBER),
     "add": (NUMBERS, NUMBER),
     "sub": (NUMBERS, NUMBER),
     "mul": (NUMBERS, NUMBER),
@@ -69,7 +73,7 @@ SIGNATURES: Mapping[str, Tuple[Tuple[str, ...], str]] = {
 
 BUFFERED = ("average", "sum", "max", "min", "median", "stddev", "rate", "count")
 WINDOWS = (*BUFFERED, "time", "once")
-KEEPS_INFINITY = ("abs", "max", "min", "median")
+KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
 """Operations whose value can be infinite when an argument is."""
 
 
@@ -84,6 +88,8 @@ class Variable(NamedTuple):
         infinite: infinity is a value.
         literals: texts of an ENUM.
         stamped: the time of its sample is asked for (AGE or TIMEOUT).
+        text: it comes as a text that says a number in decimal.
+        reduction: how it is made of the lists of a message; None: it comes as it is.
     """
 
     name: str
@@ -93,6 +99,8 @@ class Variable(NamedTuple):
     infinite: bool
     literals: Tuple[str, ...]
     stamped: bool
+    text: bool = False
+    reduction: Optional[Reduction] = None
 
 
 class Node(NamedTuple):
@@ -179,17 +187,16 @@ def read_form(document: Mapping[str, Any]) -> Form:
     return Form(period, variables, tuple(nodes), outputs)
 
 
-def used_variables(form: Form, node: int) -> Sequence[int]:
-    """Return the numbers of the variables that a node depends on, in order."""
-    found, seen, left = set(), set(), [node]
-    while left:
-        k = left.pop()
-        if k not in seen:
-            seen.add(k)
-            left.extend(form.nodes[k].args)
-            if form.nodes[k].op in ("variable", "age"):
-                found.add(form.nodes[k].value)
-    return sorted(found)
+def used_variables(form: Form) -> List[List[int]]:
+    """Return for each output the numbers of the variables that it depends on, in order."""
+    masks: List[int] = []  # of each node, whose operands stand before it
+    for node in form.nodes:
+        mask = 1 << int(node.value) if node.op in ("variable", "age") else 0
+        for k in node.args:
+            mask |= masks[k]
+        masks.append(mask)
+    count = range(len(form.variables))
+    return [[k for k in count if masks[output.node] >> k & 1] for output in form.outputs]
 
 
 def _whole(value: int, name: str, least: int) -> int:
@@ -227,7 +234,18 @@ def _variable(item: Any, where: str, *, aged: bool) -> Variable:
         infinite=item.get("infinite") is True,
         literals=tuple(literals),
         stamped=aged or timeout is not None,
+        text=item.get("text") is True,
+        reduction=_reduction(item.get("reduction"), where),
     )
+
+
+def _reduction(row: Any, where: str) -> Optional[Reduction]:
+    if row is None:
+        return None
+    try:
+        return Reduction(row)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as problem:
+        raise ModelError("", f"the reduction of {where} is damaged: {problem}") from None
 
 
 def _node(

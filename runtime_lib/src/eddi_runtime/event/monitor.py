@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from ..clock import step_time
@@ -9,9 +10,10 @@ from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile, take
 from ..monitor import Tree
 from ..plain_values import plain
-from .engine import Engine, fault
-from .form import BOOL, Form, read_form, used_variables
+from .engine import Engine, fault, stamp_at
+from .form import BOOL, read_form, used_variables
 from .messages import output_messages
+from .sampling import Sampling
 
 Rows = List[Dict[str, Any]]
 _VERDICTS = (False, None, True)
@@ -52,12 +54,13 @@ class EventMonitor:
         self.digest = model_file.digest
         self.inputs: Tuple[InputSpec, ...] = model_file.inputs
         self.engine = Engine(form)
-        self._sources = _sources(form, self.inputs)
+        self._sampling = Sampling(form)
+        self._sources = _sources(self._sampling, self.inputs)
         self._stamped = any(variable.stamped for variable in form.variables)
         self._outputs = [(output.id, output.hazard) for output in form.outputs]
         self._needs = {
-            output.id: {self._sources[k].id for k in used_variables(form, output.node)}
-            for output in form.outputs
+            output.id: {self._sources[one].id for k in used for one in self._sampling.uses[k]}
+            for output, used in zip(form.outputs, used_variables(form))
         }
         if any(form.nodes[output.node].type != BOOL for output in form.outputs):
             raise ModelError("", "an event is no truth value")
@@ -86,9 +89,8 @@ class EventMonitor:
         raw = self._raw = [_read(eddi_input, spec) for spec in self._sources]
         before, now = self._verdicts, self._unknown
         if t is not None:
-            stamped = self._sources if self._stamped else None
-            stamps = None if stamped is None else [_stamp(eddi_input, s.id, t) for s in stamped]
-            now = self.engine.step(t, raw, stamps)
+            stamps = self._stamps(eddi_input, t) if self._stamped else None
+            now = self.engine.step(t, self._sampling.raws(raw), stamps)
         self._verdicts = now
         return [
             {
@@ -131,8 +133,8 @@ class EventMonitor:
         unknown = set(not_good)
         unknown.update(
             spec.id
-            for spec, variable, raw in zip(self._sources, self.engine.form.variables, self._raw)
-            if raw is None or raw != raw or fault(variable, raw)  # noqa: PLR0124 - NaN
+            for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
+            if raw is None or _is_nan(raw) or fault(one, raw)
         )
         found: Dict[str, Tuple[str, ...]] = {}
         for spec in self.inputs:
@@ -148,10 +150,19 @@ class EventMonitor:
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
         told = (
-            (spec.id, fault(variable, raw))
-            for spec, variable, raw in zip(self._sources, self.engine.form.variables, self._raw)
+            (spec.id, fault(one, raw))
+            for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
         )
-        return {name: reason for name, reason in told if reason}
+        reduced = (
+            (self._sources[used[0]].id, reason)
+            for used, reason in zip(self._sampling.uses, self._sampling.reasons)
+            if self._raw[used[0]] is not None
+        )
+        return {name: reason for name, reason in (*reduced, *told) if reason}
+
+    def _stamps(self, eddi_input: object, t: int) -> List[Optional[int]]:
+        """Return when each variable was sampled."""
+        return [_stamp(eddi_input, self._sources[used[0]].id, t) for used in self._sampling.uses]
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -163,13 +174,17 @@ class EventMonitor:
         self._raw = [None] * len(self._sources)
 
 
-def _sources(form: Form, inputs: Tuple[InputSpec, ...]) -> List[InputSpec]:
-    """Return the input of each variable."""
+def _sources(sampling: Sampling, inputs: Tuple[InputSpec, ...]) -> List[InputSpec]:
+    """Return the input of the model for each that the form asks for."""
     by_id = {spec.id: spec for spec in inputs}
-    missing = [variable.name for variable in form.variables if variable.name not in by_id]
+    missing = [one.name for one in sampling.inputs if one.name not in by_id]
     if missing:
         raise ModelError("", f"there is no input for the variable {missing[0]!r}")
-    return [by_id[variable.name] for variable in form.variables]
+    return [by_id[one.name] for one in sampling.inputs]
+
+
+def _is_nan(raw: Any) -> bool:
+    return isinstance(raw, float) and math.isnan(raw)
 
 
 def _read(eddi_input: object, spec: InputSpec) -> Any:
@@ -189,7 +204,6 @@ def _read(eddi_input: object, spec: InputSpec) -> Any:
 def _stamp(eddi_input: Any, input_id: str, t: int) -> Optional[int]:
     """Return when the input's sample was received, None when nobody says."""
     try:
-        age = eddi_input.states[input_id].age
-        return None if age is None else t - round(age * 1e9)
+        return stamp_at(t, eddi_input.states[input_id].age)
     except Exception:  # noqa: BLE001 - any object may be given as input
         return None

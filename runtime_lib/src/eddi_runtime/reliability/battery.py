@@ -34,7 +34,7 @@ class Battery(Component):
     """The level selects a band; heat makes the chain run faster (accelerated life).
 
     Its memory is the band: a known level leaves one state possible, an unknown one all from the
-    last band down.
+    last band down, until a level comes that is not ignored.
 
     Args:
         spec: of ``battery_spec``.
@@ -61,19 +61,17 @@ class Battery(Component):
         self._ahead = FreeHorizon(spec.states, spec.arcs, spec.fail, horizon * worst)
         self._now = [0.0] * EMPTY + [1.0, 1.0]
         self._tau = mean_times(generator(spec.states, spec.arcs, spec.fail), spec.fail).tolist()
-        self._band = 4
+        self._band, self._missed = 4, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Take level and temperature; unknown ones are bounded by the worst."""
         del known
-        level = values[self._level]
+        level = self._believed(values[self._level])
         factor, colder = 1.0, False
         if self._heat is not None and self._hot is not None:
             hot, is_known = self._most(values, self._hot)
             colder = not is_known  # it may be so cold that nothing ages
             factor = self._heat.factor(hot)
-        if level is not None:
-            self._see(4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1)
         first = _BANDS.get(self._band, EMPTY)
         ahead = self._ahead.at(factor * moment.horizon)
         if level is not None and not colder:
@@ -94,16 +92,22 @@ class Battery(Component):
     def _aged(life: float, factor: float) -> float:
         return life / factor if factor > 0.0 and life > 0.0 else life
 
-    def _see(self, band: int) -> None:
+    def _believed(self, level: Optional[float]) -> Optional[float]:
+        """Return the level, None where the band is not known either."""
+        if level is None:
+            self._missed = self._band in _BANDS  # what is empty cannot sink
+            return None
+        band = 4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1
         if band > self._band and not self._repair:
             self.latched += 1
             self._say(self._level, "it rises to a higher band; ignored, for want of `repair: true`")
-        else:
-            self._band = band
+            return None if self._missed else level
+        self._band, self._missed = band, False
+        return level
 
     def reset(self) -> None:
         """Return to a full battery."""
         super().reset()
-        self._band = 4
+        self._band, self._missed = 4, False
         if self._hot is not None:
             self._hot.reset()

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from .estimate import Estimate, Moment, known
 from .markov import Arc, generator, mean_times, propagator
+from .seen import Observation, Seen
 
 INCONSISTENT = "inconsistent"
 _BLOCK = 16
@@ -42,31 +43,6 @@ class Horizons(NamedTuple):
 
     step: float
     steps: int = 1
-
-
-class Seen(NamedTuple):
-    """What the inputs say of a chain, and what follows from it in every step.
-
-    Attributes:
-        mask: one 1.0 or 0.0 per state, whether it is consistent with the inputs; None: all are.
-        unknown: inputs that are not known.
-        bounds: for each horizon failed at least and at most, alive and mean life at least.
-        worst: the state that is taken when the belief gives all consistent ones no weight.
-        powers: one quantum with the mask behind it, and its powers by 2, 4, 8, ...
-        block: from a belief to its looks ahead now and in the steps of one quantum that follow,
-            and to the belief at the end; None: each step by itself.
-        fatal: nothing but failure is consistent.
-        alive: failure is not consistent, something else is.
-    """
-
-    mask: Optional[np.ndarray]
-    unknown: Tuple[str, ...]
-    bounds: Sequence[Tuple[float, float, float, float]]
-    worst: int
-    powers: List[np.ndarray]
-    block: Optional[np.ndarray]
-    fatal: bool = False
-    alive: bool = False
 
 
 class Chain:
@@ -134,17 +110,24 @@ class Chain:
         inside = np.flatnonzero(mask)
         powers = [self._step * mask]
         block = self._block(mask, powers)
+        _, worst, fatal, alive = self.observation(mask)
         if not len(inside):
             bounds = [(1.0, 1.0, 0.0, 0.0)] * len(self._looks)
-            return Seen(mask, unknown, bounds, min(self.fail), powers, block)
+            return Seen(mask, unknown, bounds, worst, powers, block, fatal, alive)
         ahead = np.minimum(self._ahead[:, inside], 1.0)
         least = [float(self.tau[inside].min())] * len(ahead)
         columns = (ahead.min(axis=1), ahead.max(axis=1), self._alive[:, inside].min(axis=1))
         bounds = list(zip(*(column.tolist() for column in columns), least))
+        return Seen(mask, unknown, bounds, worst, powers, block, fatal, alive)
+
+    def observation(self, mask: np.ndarray) -> Observation:
+        """Return what known inputs say that leave the states of a mask."""
+        inside = np.flatnonzero(mask)
+        if not len(inside):
+            return Observation(mask, min(self.fail), fatal=False, alive=False)
         worst = int(inside[int(np.argmax(self._ahead[-1][inside]))])
         failed = int(mask[sorted(self.fail)].sum())
-        fatal, alive = failed == len(inside), failed == 0
-        return Seen(mask, unknown, bounds, worst, powers, block, fatal, alive)
+        return Observation(mask, worst, failed == len(inside), failed == 0)
 
     def sure(self, at: int) -> List[Estimate]:
         """Return for each state what lies ahead when the chain is known to be in it.
@@ -171,9 +154,38 @@ class Chain:
 
     def place(self, state: int) -> None:
         """Believe in one state alone."""
+        self.believe(self.sure_of(state))
+
+    def believe(self, belief: np.ndarray) -> None:
+        """Take another distribution over the states."""
         self._rows, self._at = [], 0
-        self._belief[:] = 0.0
-        self._belief[state] = 1.0
+        self._belief[:] = belief
+
+    def sure_of(self, state: int) -> np.ndarray:
+        """Return the belief in one state alone."""
+        belief = np.zeros(self.states)
+        belief[state] = 1.0
+        return belief
+
+    def after(self, beliefs: np.ndarray, quanta: int) -> np.ndarray:
+        """Return several beliefs, one in each row, when time has passed unobserved."""
+        for power in _factors(quanta, self.everything):
+            beliefs = beliefs @ power
+        return beliefs
+
+    def bounds(self, beliefs: np.ndarray, at: int, reason: str = "") -> Estimate:
+        """Return what lies ahead if one of several beliefs is right.
+
+        Args:
+            beliefs: one in each row.
+            at: position of the horizon among those that were prepared.
+            reason: why the result cannot be trusted.
+        """
+        failed, alive, mean, endless, weight = (beliefs @ self._looks[at]).T
+        p = np.minimum(failed / weight, 1.0)
+        life = np.where(endless > 0.0, math.inf, mean / weight)
+        low, high, least = float(p.min()), float(p.max()), float((alive / weight).min())
+        return Estimate(low, high, least, float(life.min()), (), reason)
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
         """Let time pass, keep the states that are consistent with the inputs, look ahead."""
@@ -222,16 +234,9 @@ class Chain:
         self._propagate(at, self._seen)
 
     def _propagate(self, quanta: int, seen: Seen) -> None:
-        """Let time pass; a gap costs as many products as its number of quanta has binary ones."""
-        bit = 0
-        while quanta:
-            if bit == len(seen.powers):
-                seen.powers.append(_squared(seen.powers[-1], seen.mask))
-            if quanta & 1:
-                self._belief.dot(seen.powers[bit], self._spare)
-                self._belief, self._spare = self._spare, self._belief
-            quanta >>= 1
-            bit += 1
+        for power in _factors(quanta, seen):
+            self._belief.dot(power, self._spare)
+            self._belief, self._spare = self._spare, self._belief
 
     def _restored(self, worst: int) -> bool:
         """Bring the weight back to one; ``False``: there is none, ``worst`` is believed now."""
@@ -243,6 +248,18 @@ class Chain:
             return True
         self.place(worst)
         return False
+
+
+def _factors(quanta: int, seen: Seen) -> Iterator[np.ndarray]:
+    """Yield the powers of one quantum that make up several: as many as binary ones in them."""
+    bit = 0
+    while quanta:
+        if bit == len(seen.powers):
+            seen.powers.append(_squared(seen.powers[-1], seen.mask))
+        if quanta & 1:
+            yield seen.powers[bit]
+        quanta >>= 1
+        bit += 1
 
 
 def _squared(power: np.ndarray, mask: Optional[np.ndarray]) -> np.ndarray:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
 from types import MappingProxyType
-from typing import Mapping, Tuple
+from typing import Any, Callable, Mapping, Sequence, Tuple
 
 from .chain import Horizons
 from .estimate import Estimate, Moment, Values
@@ -14,6 +15,14 @@ Known = Mapping[str, Estimate]
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
 AGAIN = "it says that what failed works again; ignored, for want of `repair: true`"
+
+
+def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
+    """Return what reads the values of some inputs as a tuple."""
+    if len(names) == 1:
+        (name,) = names
+        return lambda values: (values[name],)
+    return itemgetter(*names) if names else lambda _: ()
 
 
 class Component:

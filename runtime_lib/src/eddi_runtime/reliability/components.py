@@ -1,134 +1,21 @@
-"""Models that are chains under observation, and the two with a formula of their own."""
+"""Rotors, a processor, equal units, and models in series."""
 
 from __future__ import annotations
 
 import math
-from itertools import product
-from operator import itemgetter
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
-
-import numpy as np
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from .arrhenius import Arrhenius
-from .chain import INCONSISTENT, Chain, ChainSpec, Horizons, Seen
-from .component import AGAIN, Component, Known
+from .chain import Chain, Horizons
+from .component import AGAIN, Component, Known, reader
 from .estimate import Estimate, Moment, Values
-from .estimate import known as sure
 from .limit import Limit
+from .seen import KEPT, Seen
 from .structures import Rotors
 from .weibull import hazard
 
 _NAN = float("nan")
 _LARGEST_STRESS = 1e300
-_KEPT = 64
-"""How many different observations of a chain are kept."""
-_ALL_VALUES = 10
-"""Unknown inputs of a chain of which all values are tried."""
-
-
-def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
-    """Return what reads the values of some inputs as a tuple."""
-    if len(names) == 1:
-        (name,) = names
-        return lambda values: (values[name],)
-    return itemgetter(*names) if names else lambda _: ()
-
-
-class MarkovChain(Component):
-    """A chain of the user's own, observed through verdicts that a state holds.
-
-    Args:
-        spec: the chain.
-        observe: (state, input id, negated): the verdict F excludes the state.
-        quantum: hours.
-        horizons: where to look ahead.
-        age: hours that it had run, unobserved, before the start of the mission.
-        repair: after it was seen to have failed it may work again.
-    """
-
-    def __init__(
-        self,
-        spec: ChainSpec,
-        observe: Tuple[Tuple[int, str, bool], ...],
-        quantum: float,
-        horizons: Horizons,
-        age: float = 0.0,
-        *,
-        repair: bool = False,
-    ) -> None:
-        self.chain = Chain(spec, quantum, horizons, age)
-        self._observe, self._repair = observe, repair
-        self._lost = False  # it was seen that it has failed
-        names = tuple(dict.fromkeys(name for _, name, _ in observe))
-        self._names, self._verdicts = names, reader(names)
-        self._seen: Dict[Tuple[Any, ...], Seen] = {(): self.chain.everything}
-
-    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Exclude the states whose verdict is F."""
-        del known
-        verdicts = self._verdicts(values)
-        seen = self._seen.get(verdicts)
-        if seen is None:
-            seen = self._see(verdicts)
-        if self._lost:
-            return self._again(moment, seen, verdicts)
-        self._lost = seen.fatal
-        return self.chain.step(moment, seen)
-
-    def _again(self, moment: Moment, seen: Seen, verdicts: Tuple[Any, ...]) -> Estimate:
-        """Take what is seen after a failure."""
-        if self._repair:
-            found = self.chain.step(moment, seen)
-            if not seen.alive:
-                return found
-            self._lost = False  # without weight, but no contradiction: it was repaired
-            return found._replace(reason="")
-        if not seen.alive:
-            return sure(1.0, 0.0, 0.0)
-        self.latched += 1
-        given = dict(zip(self._names, verdicts))
-        for state, name, negated in self._observe:
-            if state in self.chain.fail and given[name] is negated:
-                self._say(name, AGAIN)
-        return sure(1.0, 0.0, 0.0, INCONSISTENT)
-
-    def _see(self, verdicts: Tuple[Any, ...]) -> Seen:
-        mask = np.ones(self.chain.states)
-        given = dict(zip(self._names, verdicts))
-        for state, name, negated in self._observe:
-            if given[name] is negated:
-                mask[state] = 0.0
-        unknown = tuple(name for name in self._names if given[name] is None)
-        if len(self._seen) >= _KEPT:
-            self._seen.clear()
-        seen = self.chain.seen(mask, unknown)
-        if seen.alive and unknown and self._may_exclude_all(given, unknown):
-            seen = seen._replace(bounds=[(low, 1.0, 0.0, 0.0) for low, _, _, _ in seen.bounds])
-        self._seen[verdicts] = seen
-        return seen
-
-    def _may_exclude_all(self, given: Dict[str, Any], unknown: Tuple[str, ...]) -> bool:
-        """Tell whether no state is left for some values of unknown inputs: that is a failure."""
-        if len(unknown) > _ALL_VALUES:
-            return True
-        for values in product((False, True), repeat=len(unknown)):
-            whole = {**given, **dict(zip(unknown, values))}
-            excluded = {state for state, name, negated in self._observe if whole[name] is negated}
-            if len(excluded) == self.chain.states:
-                return True
-        return False
-
-    def prepare(self, horizons: Horizons) -> None:
-        """Prepare other horizons."""
-        self.chain.prepare(horizons)
-        self._seen = {(): self.chain.everything}
-        self.reset()
-
-    def reset(self) -> None:
-        """Return to the start of the mission."""
-        super().reset()
-        self._lost = False
-        self.chain.reset()
 
 
 class Propulsion(Component):
@@ -205,7 +92,7 @@ class Propulsion(Component):
     def _see(self, working: Tuple[Optional[bool], ...], unknown: Tuple[str, ...]) -> Seen:
         seen = self._seen.get(working)
         if seen is None:
-            if len(self._seen) >= _KEPT:
+            if len(self._seen) >= KEPT:
                 self._seen.clear()
             mask = self._rotors.consistent(working)
             seen = self._seen[working] = self.chain.seen(mask, unknown)
@@ -266,7 +153,7 @@ class Processor(Component):
         most = values["u_max"]
         self._load = None if utilisation is None else Limit(utilisation, most, f"u_max ({most:g})")
         self._age = values["age"]
-        self._exposure = self._age
+        self._least = self._largest = self._age  # exposure: apart once something was missed
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Add the exposure since the last step; unknown conditions count as the worst ones."""
@@ -281,26 +168,34 @@ class Processor(Component):
             if not known_load:
                 unknown.append(self._load.name)
         stress = min(load * self._heat.factor(hot), _LARGEST_STRESS)
-        # what gets better with time, shape < 1, is worst when it has not aged
-        if not unknown or self._shape >= 1.0:
-            self._exposure += stress * moment.hours
+        self._largest += stress * moment.hours
+        if not unknown:
+            self._least += stress * moment.hours
+        best, worst = self._ahead(stress * moment.horizon)
+        low = 0.0 if unknown else -math.expm1(-best)
+        high, alive = -math.expm1(-worst), math.exp(-worst)
+        return Estimate(low, high, alive, self._life(stress), tuple(unknown))
+
+    def _ahead(self, exposure: float) -> Tuple[float, float]:
+        """Return the hazard of what lies ahead, at least and at most."""
         if self._shape == 1.0:  # a difference of large numbers would cancel
-            ahead = stress * moment.horizon / self._scale
-        else:
-            ahead = hazard(self._exposure, stress * moment.horizon, self._scale, self._shape)
-        p = -math.expm1(-ahead)
-        low = 0.0 if unknown else p
-        return Estimate(low, p, math.exp(-ahead), self._life(stress), tuple(unknown))
+            same = exposure / self._scale
+            return same, same
+        most = hazard(self._largest, exposure, self._scale, self._shape)
+        if self._least == self._largest:
+            return most, most
+        least = hazard(self._least, exposure, self._scale, self._shape)
+        return min(least, most), max(least, most)  # with shape < 1 it gets better with time
 
     def _life(self, stress: float) -> float:
         if stress == 0.0:
             return math.inf
-        return self._mean / stress if self._shape == 1.0 or self._exposure == 0.0 else _NAN
+        return self._mean / stress if self._shape == 1.0 or self._largest == 0.0 else _NAN
 
     def reset(self) -> None:
         """Return to the start of the mission."""
         super().reset()
-        self._exposure = self._age
+        self._least = self._largest = self._age
         self._hot.reset()
         if self._load is not None:
             self._load.reset()

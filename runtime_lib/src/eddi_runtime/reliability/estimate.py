@@ -30,8 +30,8 @@ class Estimate(NamedTuple):
     """Probability of failure from now to the horizon.
 
     Attributes:
-        low: in the best case of what is unknown.
-        high: in the worst case; equal to ``low`` when nothing is unknown.
+        low: in the best case of what is unknown, or was when it mattered.
+        high: in the worst case; equal to ``low`` when nothing was missed.
         reliability: probability of no failure in the worst case.
         mttf: remaining mean time to failure in hours; NaN: not computed.
         unknown: inputs on which the result depends and that are not known.

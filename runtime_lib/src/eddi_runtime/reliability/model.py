@@ -6,14 +6,15 @@ import math
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from ..model_file import ModelError, take
+from ..thresholds import Threshold
 from . import values as rules
 from .arrhenius import Arrhenius
 from .battery import Battery, battery_spec
 from .chain import ChainSpec, Horizons
 from .component import Component
-from .components import KOutOfN, MarkovChain, Processor, Propulsion, Series
+from .components import KOutOfN, Processor, Propulsion, Series
 from .diagram import NODE_LIMIT, Gate, TooLargeError
-from .evidence import Threshold
+from .observed import MarkovChain
 from .structures import Rotors, motors_of
 from .tree import Event, FaultTree
 from .values import Rule

@@ -9,11 +9,11 @@ from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec
 from ..model_file import ModelError, ModelFile
 from ..monitor import Tree
+from ..thresholds import Evidence
 from . import result as out
 from .chain import Horizons
 from .component import NOTHING
 from .estimate import Estimate, Moment
-from .evidence import Evidence
 from .explain import Explanation
 from .model import GRID, MISSION_END, Plan, read_plan
 from .result import ReliabilityResult

@@ -15,8 +15,9 @@ class ReliabilityResult(NamedTuple):
 
     Attributes:
         valid: everything on which the result depends is known, and no error occurred.
-        p_fail: probability of failure from now to the horizon; the worst case of what is unknown.
-        p_fail_low: in the best case of what is unknown.
+        p_fail: probability of failure from now to the horizon; the worst case of what is unknown,
+            and of what was missed before.
+        p_fail_low: in the best case of that.
         p_fail_high: in the worst case.
         reliability: probability of no failure from now to the horizon.
         mttf: remaining mean time to failure in hours; inf; NaN: not computed.

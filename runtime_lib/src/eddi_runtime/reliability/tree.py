@@ -225,7 +225,7 @@ class FaultTree(Component):
         )
 
     def cut_sets(self) -> Optional[Tuple[CutSet, ...]]:
-        """Return the minimal cut sets as sets of event numbers; None: more than 10,000.
+        """Return the minimal cut sets as sets of event numbers; None: too many, or too much work.
 
         Raises:
             ValueError: the tree is not coherent.

@@ -7,8 +7,8 @@ from typing import Any, Callable
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from .conversion import stamp
 from .logs import LOG
-from .publications import stamp
 from .report import Report
 from .schedule import Waker
 

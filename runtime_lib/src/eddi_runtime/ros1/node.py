@@ -16,17 +16,12 @@ import rospy
 
 from .. import ModelError, __version__
 from . import start
+from .conversion import Converter, MessageError
 from .diagnostics import Diagnostics
 from .ending import Ending
 from .health import Changes, Health, one_line
 from .logs import LOG
-from .publications import (
-    Converter,
-    MessageError,
-    Publications,
-    check_outputs,
-    check_serialises,
-)
+from .publications import Publications, beside, check_outputs, check_serialises
 from .report import Report
 from .schedule import Schedule, Waker
 from .settings import Settings, settings
@@ -144,7 +139,7 @@ class MonitorNode:
 
     def _evaluate(self, receipts: Mapping[str, Receipt], now: float) -> Any:
         self.simulator_values = {name: receipt.message for name, receipt in receipts.items()}
-        ages = {name: now - receipt.at for name, receipt in receipts.items()}
+        ages = {name: receipt.age_at(now) for name, receipt in receipts.items()}
         new = self._subscriptions.new_messages()
         t_ns = _time_ns()
         self.eddi_input.begin_step(ages, new or None, t_ns)
@@ -164,16 +159,14 @@ class MonitorNode:
             for one in message if isinstance(message, list) else [message]:
                 check_serialises(one)
         self._publications.publish(message)
-        self._publish_status(self._publications)
+        self._publish_beside(self._publications)
         # Not every kind has it: rows that hand-written code spoilt and the monitor replaced.
         faults = getattr(self._core, "output_faults", None)
         return "; ".join(faults()) if faults is not None else ""
 
-    def _publish_status(self, publications: Publications) -> None:
-        if publications.with_status:
-            tree = self._core.status_message()
-            if tree is not None:
-                publications.publish_status(self._converter.message(tree))
+    def _publish_beside(self, publications: Publications) -> None:
+        for name in publications.beside:
+            publications.publish(self._converter.messages(beside(self._core, name)), name)
 
     def _publish_nothing_known(self) -> Any:
         """Publish what holds when nothing is known, by our own code only."""
@@ -182,7 +175,7 @@ class MonitorNode:
             output = self._core.execute_step(_Nothing(), _time_ns())
             if self._publications is not None:
                 self._publications.publish(MonitorNode.create_ros_msg(self, output))
-                self._publish_status(self._publications)
+                self._publish_beside(self._publications)
             self._health.log_error("output", "")
         except Exception as caught:  # noqa: BLE001 - the loop must go on
             self._health.log_error("output", one_line(caught), traceback.format_exc())
@@ -326,7 +319,7 @@ class MonitorNode:
         """Refuse to start with messages that cannot carry the result."""
         result = self._core.message(self._core.execute_step(_Nothing()))
         try:
-            check_outputs(self._converter, result, self._core.status_message(), self.OUTPUTS)
+            check_outputs(self._converter, result, self._core, self.OUTPUTS)
         except MessageError as error:
             raise start.StartError(f"the messages do not fit the model: {error}") from error
         self._core.reset()

@@ -1,242 +1,95 @@
-"""Message trees of a monitor -> ROS messages, checked field by field before they are published.
+"""The topics of one monitor: which message, or which value of it, goes where."""
 
-rospy turns ``None`` into ``False`` without a word, takes ``2`` for ``True``, and raises for a
-numpy scalar only once somebody listens. So every value is checked and converted here, and a
-message is always filled completely.
-"""
-
-import math
-import numbers
-import time
 from io import BytesIO
-from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
+from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 import rospy
 
-from ..access import by_id
+from ..access import follow
+from .conversion import Converter, MessageError, Trees
 from .topics import Output, ros_type
 
-Convert = Callable[[object], Any]
-Trees = Union[Tuple[str, Any], List[Tuple[str, Any]], None]
-"""What one step of a monitor gives: one message tree, several, or none."""
 
-_INTEGERS = {f"{sign}int{bits}": (sign, bits) for sign in ("", "u") for bits in (8, 16, 32, 64)}
-_FLOATS = {"float32": 3.4028235e38, "float64": math.inf}
-_HEADERS = ("Header", "std_msgs/Header")
+class _Channel(NamedTuple):
+    """One topic.
 
-
-def stamp() -> Any:
-    """Return the time for a header: ROS time, wall time while there is none (no /clock yet)."""
-    if rospy.rostime.is_rostime_initialized():
-        now = rospy.Time.now()
-        if now.to_nsec():
-            return now
-    return rospy.Time.from_sec(time.time())
-
-
-class MessageError(TypeError):
-    """A value does not fit the message; the text names field, expected type and value."""
-
-
-def _wrong(field: str, expected: str, value: object) -> MessageError:
-    shown = repr(value)
-    if len(shown) > 80:
-        shown = shown[:77] + "..."
-    return MessageError(f"{field}: {expected} expected, got {type(value).__name__} {shown}")
-
-
-def _boolean(field: str) -> Convert:
-    def convert(value: object) -> bool:
-        kind = type(value)
-        if kind is bool or (kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_")):
-            return bool(value)
-        raise _wrong(field, "bool", value)
-
-    return convert
-
-
-def _integer(field: str, name: str) -> Convert:
-    sign, bits = _INTEGERS[name]
-    low, high = (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-
-    def convert(value: object) -> int:
-        if isinstance(value, numbers.Integral) and not isinstance(value, bool):
-            number = int(value)
-            if low <= number <= high:
-                return number
-        raise _wrong(field, name, value)
-
-    return convert
-
-
-def _floating(field: str, name: str) -> Convert:
-    largest = _FLOATS[name]
-
-    def convert(value: object) -> float:
-        if isinstance(value, numbers.Real) and not isinstance(value, bool):
-            number = float(value)
-            # NaN passes: only the kind knows whether that is its "no value".
-            if not math.isfinite(number) or abs(number) <= largest:
-                return number
-        raise _wrong(field, name, value)
-
-    return convert
-
-
-def _text(field: str) -> Convert:
-    def convert(value: object) -> str:
-        if isinstance(value, str):
-            return str(value)
-        raise _wrong(field, "str", value)
-
-    return convert
-
-
-class Converter:
-    """Turns ``("Name", {field: value})`` into messages of one message package.
-
-    Args:
-        messages: module that holds the message classes by name (``eddi_messages.msg``).
+    Attributes:
+        of: which message of the monitor, as in ``Output``.
+        topic: ROS name.
+        type: ROS message class.
+        field: as in ``Output``.
+        only: as in ``Output``.
     """
 
-    def __init__(self, messages: Any) -> None:
-        self._messages = messages
-        self._plans: Dict[str, Tuple[Any, Dict[str, Convert], Optional[str]]] = {}
-
-    def message(self, tree: Tuple[str, Any]) -> Any:
-        """Build one message.
-
-        Raises:
-            MessageError: unknown message, missing or surplus field, value of a wrong type.
-        """
-        name, fields = tree
-        plan = self._plans.get(name)
-        if plan is None:
-            plan = self._plans[name] = self._plan(name)
-        cls, converts, header = plan
-        if fields.keys() != converts.keys():
-            raise MessageError(
-                f"{name}: fields {', '.join(sorted(fields))} given,"
-                f" the message has {', '.join(sorted(converts))}; rebuild the message package"
-            )
-        values = {field: convert(fields[field]) for field, convert in converts.items()}
-        built = cls(**values)
-        if header is not None:
-            getattr(built, header).stamp = stamp()  # rospy itself counts header.seq
-        return built
-
-    def messages(self, trees: Trees) -> Any:
-        """Build what one step gives: a message, a list of them, or None.
-
-        Raises:
-            MessageError: as ``message`` does.
-        """
-        if trees is None:
-            return None
-        if isinstance(trees, list):
-            return [self.message(tree) for tree in trees]
-        return self.message(trees)
-
-    def _plan(self, name: str) -> Tuple[Any, Dict[str, Convert], Optional[str]]:
-        cls = getattr(self._messages, name, None)
-        if cls is None:
-            raise MessageError(f"message {name} is not in {self._messages.__name__}")
-        converts: Dict[str, Convert] = {}
-        header = None
-        for field, kind in zip(cls.__slots__, cls._slot_types):
-            if kind in _HEADERS and field == "header":
-                header = field
-            else:
-                converts[field] = self._convert(f"{name}.{field}", kind)
-        return cls, converts, header
-
-    def _convert(self, field: str, kind: str) -> Convert:
-        if kind.endswith("]"):
-            return self._array(field, kind)
-        if kind == "bool":
-            return _boolean(field)
-        if kind in _INTEGERS:
-            return _integer(field, kind)
-        if kind in _FLOATS:
-            return _floating(field, kind)
-        if kind == "string":
-            return _text(field)
-        return self._nested(field, kind)
-
-    def _array(self, field: str, kind: str) -> Convert:
-        element, _, length = kind[:-1].partition("[")
-        convert_one = self._convert(field, element)
-        size = int(length) if length else None
-
-        def convert(value: object) -> List[Any]:
-            if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
-                raise _wrong(field, kind, value)
-            return [convert_one(item) for item in value]
-
-        return convert
-
-    def _nested(self, field: str, kind: str) -> Convert:
-        def convert(value: object) -> Any:
-            if not isinstance(value, tuple) or len(value) != 2:
-                raise _wrong(field, kind, value)
-            built = self.message(value)
-            if ros_type(built) != kind:
-                raise _wrong(field, kind, value)
-            return built
-
-        return convert
+    of: str
+    topic: str
+    type: Any
+    field: Tuple[Any, ...] = ()
+    only: Optional[str] = None
 
 
-def picked(message: Any, output: Output, topic: str) -> Any:
-    """Return what goes to a topic: the message, or the one value of it that the output asks for.
+def _channels(outputs: Iterable[Output]) -> Iterator[_Channel]:
+    for output in outputs:
+        yield _Channel(output.of, output.topic, output.type, output.field, output.only)
+        if output.status_topic is not None:
+            yield _Channel("status", output.status_topic, output.status_type)
+
+
+def picked(message: Any, channel: _Channel) -> Any:
+    """Return what goes to a topic: the message, or the one value of it that is asked for.
 
     Raises:
         MessageError: there is no such value in the message.
     """
-    if not output.field or topic != output.topic:
+    if not channel.field:
         return message
-    value = message
     try:
-        for step in output.field:
-            if isinstance(step, tuple):
-                value = by_id(value, step[1])
-            elif isinstance(step, int):
-                value = value[step]
-            else:
-                value = getattr(value, step)
+        value = follow(message, channel.field)
     except (AttributeError, LookupError) as problem:
-        raise MessageError(f"{topic}: {problem}") from None
-    return output.type(data=value)
+        raise MessageError(f"{channel.topic}: {problem}") from None
+    return channel.type(data=value)
+
+
+def beside(monitor: Any, name: str) -> Trees:
+    """Return the message of that name that a monitor gives beside the result of a step.
+
+    Raises:
+        MessageError: it gives none of that name.
+    """
+    make = getattr(monitor, f"{name}_message", None)
+    if make is None:
+        raise MessageError(f"the monitor gives no message {name!r} beside its result")
+    trees: Trees = make()
+    return trees
 
 
 def check_outputs(
-    converter: Converter,
-    result: Trees,
-    status: Optional[Tuple[str, Any]],
-    outputs: Iterable[Output],
+    converter: Converter, result: Trees, monitor: Any, outputs: Iterable[Output]
 ) -> None:
     """Check that the messages of the workspace can carry what the monitor says.
 
     Args:
         converter: of the node.
         result: message tree of the result.
-        status: message tree of the facts behind it, ``None`` for none.
+        monitor: gives the messages beside it.
         outputs: what the node publishes.
 
     Raises:
         MessageError: a message is unknown, has other fields, or is not the declared one.
     """
-    for output in outputs:
-        trees = result if isinstance(result, list) else [] if result is None else [result]
-        pairs = [(output.topic, output.type, tree) for tree in trees]
-        if output.status_topic is not None and status is not None:
-            pairs.append((output.status_topic, output.status_type, status))
-        for topic, declared, tree in pairs:
-            built = picked(converter.message(tree), output, topic)
-            if not isinstance(built, declared):
-                raise MessageError(
-                    f"{topic} carries {ros_type(declared)}, the monitor makes {ros_type(built)}"
-                )
+    for channel in _channels(outputs):
+        built = converter.messages(beside(monitor, channel.of) if channel.of else result)
+        for one in _each(built):
+            sent = picked(one, channel)
+            if not isinstance(sent, channel.type):
+                declared, made = ros_type(channel.type), ros_type(sent)
+                raise MessageError(f"{channel.topic} carries {declared}, the monitor makes {made}")
+
+
+def _each(messages: Any) -> List[Any]:
+    if messages is None:
+        return []
+    return messages if isinstance(messages, list) else [messages]
 
 
 def check_serialises(message: Any) -> None:
@@ -254,34 +107,26 @@ class Publications:
     """
 
     def __init__(self, outputs: Iterable[Output], queue_size: int) -> None:
-        self._results: List[Tuple[Output, Any]] = []
-        self._statuses: List[Any] = []
-        for output in outputs:
+        self._publishers: Dict[str, List[Tuple[_Channel, Any]]] = {}
+        for channel in _channels(outputs):
             publisher = rospy.Publisher(
-                output.topic, output.type, queue_size=queue_size, latch=True
+                channel.topic, channel.type, queue_size=queue_size, latch=True
             )
-            self._results.append((output, publisher))
-            if output.status_topic is not None:
-                self._statuses.append(
-                    rospy.Publisher(
-                        output.status_topic, output.status_type, queue_size=queue_size, latch=True
-                    )
-                )
+            self._publishers.setdefault(channel.of, []).append((channel, publisher))
 
     @property
-    def with_status(self) -> bool:
-        """Whether anybody was promised a status message."""
-        return bool(self._statuses)
+    def beside(self) -> List[str]:
+        """Names of the messages that somebody was promised beside the result."""
+        return [name for name in self._publishers if name]
 
-    def publish(self, message: Any) -> None:
-        """Publish the result on every output topic: a message, a list of them, or None."""
-        messages = message if isinstance(message, list) else [message]
-        for output, publisher in self._results:
-            for one in messages:
-                if one is not None and output.only in (None, getattr(one, "id", None)):
-                    publisher.publish(picked(one, output, output.topic))
+    def publish(self, message: Any, of: str = "") -> None:
+        """Publish on every topic of the result, or of a message beside it.
 
-    def publish_status(self, message: Any) -> None:
-        """Publish the facts behind the result on every status topic."""
-        for publisher in self._statuses:
-            publisher.publish(message)
+        Args:
+            message: a message, a list of them, or None.
+            of: name of the message, empty for the result.
+        """
+        for channel, publisher in self._publishers.get(of, ()):
+            for one in _each(message):
+                if channel.only in (None, getattr(one, "id", None)):
+                    publisher.publish(picked(one, channel))

@@ -7,6 +7,7 @@ from typing import Any, Callable, Deque, Dict, Iterable, List, NamedTuple, Optio
 
 import rospy
 
+from ..inputs import UNKNOWN_AGE
 from .topics import DEFAULT_BUFFER_BYTES, Input
 
 _MAX_PUBLISHERS = 32
@@ -21,13 +22,23 @@ class Receipt(NamedTuple):
         message: the ROS message.
         at: monotonic seconds of receipt.
         received: messages so far.
-        latched: it came on connecting from a latching publisher, so it can be of any age.
+        age: how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a
+            latching publisher, and no header says when it was made.
     """
 
     message: Any
     at: float
     received: int
-    latched: bool
+    age: float = 0.0
+
+    @property
+    def latched(self) -> bool:
+        """Whether it can be of any age."""
+        return self.age == UNKNOWN_AGE
+
+    def age_at(self, now: float) -> float:
+        """Return how old the message is, in seconds."""
+        return self.age + now - self.at
 
 
 class _Slot:
@@ -54,7 +65,7 @@ class _Slot:
                 self._greeted.clear()  # every rostopic pub has a name of its own
             self._greeted[publisher] = header
             number = 1 if self.receipt is None else self.receipt.received + 1
-            self.receipt = Receipt(message, now, number, latched)
+            self.receipt = Receipt(message, now, number, _stamped_age(message) if latched else 0.0)
             if self.source.every_message:
                 self.dropped += len(self._queue) == _MAX_QUEUED
                 self._queue.append(message)
@@ -65,6 +76,15 @@ class _Slot:
         messages = list(self._queue)
         self._queue.clear()
         return messages
+
+
+def _stamped_age(message: Any) -> float:
+    """Return how old a message is by its header; one from the future may be of any age, too."""
+    made = getattr(getattr(message, "header", None), "stamp", None)
+    if not made or not rospy.rostime.is_rostime_initialized():  # a stamp of zero says nothing
+        return UNKNOWN_AGE
+    age = float((rospy.Time.now() - made).to_sec())
+    return age if age >= 0.0 else UNKNOWN_AGE
 
 
 class Subscriptions:

@@ -34,13 +34,15 @@ class Output(NamedTuple):
 
     Attributes:
         id: name of the output, for people.
-        topic: ROS name of the result.
-        type: ROS message class of the result.
+        topic: ROS name of the message.
+        type: ROS message class of the message.
         status_topic: ROS name of the facts behind the result, ``None`` for none.
         status_type: its message class (with a header), ``None`` for none.
         field: where the value stands that is published alone, as ``data`` of a message of
-            std_msgs: names of fields, positions and ``("id", id)``; empty: the whole result.
+            std_msgs: names of fields, positions and ``("id", id)``; empty: the whole message.
         only: id of the one message, of several in a step, that goes here; ``None``: all.
+        of: which message of the monitor: empty for the result, else the name of one beside it
+            (``evidence``), which the monitor's ``evidence_message()`` gives.
     """
 
     id: str
@@ -50,3 +52,4 @@ class Output(NamedTuple):
     status_type: Any = None
     field: Tuple[Any, ...] = ()
     only: Optional[str] = None
+    of: str = ""

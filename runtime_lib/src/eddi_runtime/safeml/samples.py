@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple
+from typing import Any, List, NamedTuple, Set
 
 import numpy as np
 
@@ -33,8 +33,9 @@ def take(value: Any, features: int, *, single: bool) -> Taken:
     """Read samples out of a value; never raises an Exception.
 
     Args:
-        value: the messages since the last step; or one message: numbers (d,), rows (r, d), a
-            message of ``std_msgs`` with ``layout`` and ``data``, bytes.
+        value: the messages since the last step, or a list of lists, one message each; or one
+            message: numbers (d,), an array (r, d), a message of ``std_msgs`` with ``layout`` and
+            ``data``, bytes. Booleans are no numbers, and a list in a list is no message.
         features: d.
         single: round to float32.
     """
@@ -43,12 +44,14 @@ def take(value: Any, features: int, *, single: bool) -> Taken:
     for message in _messages(value):
         try:
             found = _array(message)
+        except _NoNumbersError as problem:
+            found = None
+            faults.append(f"numbers are expected, not {problem}")
         except Exception as problem:  # noqa: BLE001 - any object may be given
             found = None
             faults.append(f"it is no array: {type(problem).__name__}")
         if found is None:
             taken.bad.append(WRONG_LENGTH)
-            faults.append(f"numbers are expected, not {type(message).__name__}")
             continue
         _sort_out(rounded(found, single=single), features, taken, faults)
     return taken._replace(fault=faults[0] if faults else "")
@@ -62,19 +65,39 @@ def _messages(value: Any) -> Any:
     return value if is_list and isinstance(value[0], (list, tuple, np.ndarray)) else (value,)
 
 
+class _NoNumbersError(Exception):
+    """What was given instead of numbers."""
+
+
 def _array(message: Any) -> Any:
-    """Return numbers as float64 (), (d,) or (r, d); None for anything else."""
+    """Return numbers as float64 (), (d,) or (r, d).
+
+    Raises:
+        _NoNumbersError: it is anything else; says what.
+    """
+    of = type(message).__name__
     shape: Any = None
     if hasattr(message, "layout") and hasattr(message, "data"):
         message, shape = _laid_out(message.layout, message.data)
     if isinstance(message, (bytes, bytearray)):
         message = np.frombuffer(message, dtype=np.uint8)
+    elif isinstance(message, (list, tuple)):
+        _check_elements(set(map(type, message)))
     found = np.asarray(message)
-    if found.dtype.kind not in "fiub" or found.ndim > 2:
-        is_empty = found.size == 0 and found.dtype.kind in "fiub"
-        return np.zeros(0) if is_empty else None
+    if found.dtype.kind == "b":
+        raise _NoNumbersError("Booleans")
+    if found.dtype.kind not in "fiu" or (found.ndim > 2 and found.size):
+        raise _NoNumbersError(of)
     found = found.astype(np.float64)
     return found if shape is None else found.reshape(shape)
+
+
+def _check_elements(types: Set[type]) -> None:
+    """Refuse what numpy would make numbers of, in a list: it was not meant as a sample."""
+    if any(issubclass(one, (bool, np.bool_)) for one in types):
+        raise _NoNumbersError("Booleans")
+    if any(issubclass(one, (list, tuple, np.ndarray)) for one in types):
+        raise _NoNumbersError("lists in a list")
 
 
 def _laid_out(layout: Any, data: Any) -> Any:

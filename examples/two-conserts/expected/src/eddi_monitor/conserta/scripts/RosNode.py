@@ -21,15 +21,15 @@ class RosNode(MonitorNode):
     FREQUENCY = 10.0
     MODE = 'rate'
     INPUTS = (
-        Input('consertb', '/consertb/guarantees', eddi_messages.msg.ConSertOutput),
+        Input('consertb', 'consertb/guarantees', eddi_messages.msg.ConSertOutput),
         Input('RtE_E0', '/rte/e0a', Bool),
     )
     OUTPUTS = (
         Output(
             'conserta',
-            '/conserta/guarantees',
+            'conserta/guarantees',
             eddi_messages.msg.ConSertOutput,
-            '/conserta/guarantees/status',
+            'conserta/guarantees/status',
             eddi_messages.msg.ConSertStatus,
         ),
     )

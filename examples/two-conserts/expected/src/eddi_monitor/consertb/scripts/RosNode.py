@@ -26,9 +26,9 @@ class RosNode(MonitorNode):
     OUTPUTS = (
         Output(
             'consertb',
-            '/consertb/guarantees',
+            'consertb/guarantees',
             eddi_messages.msg.ConSertOutput,
-            '/consertb/guarantees/status',
+            'consertb/guarantees/status',
             eddi_messages.msg.ConSertStatus,
         ),
     )

@@ -15,7 +15,7 @@ class NodeTest(unittest.TestCase):
     """The node publishes before any evidence has come."""
 
     def test_publishes_at_once(self):
-        rospy.wait_for_message('/consertb/guarantees', eddi_messages.msg.ConSertOutput, timeout=30)
+        rospy.wait_for_message('consertb/guarantees', eddi_messages.msg.ConSertOutput, timeout=30)
 
 
 if __name__ == '__main__':

@@ -1,4 +1,4 @@
-"""Evidence for ConSerts: thresholds of the probability of failure with hysteresis."""
+"""Evidence for ConSerts: thresholds of a probability with hysteresis and a time to hold."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import NamedTuple, Optional
 
 
 class Threshold(NamedTuple):
-    """One threshold.
+    """One upper threshold; a lower one is that of the negative value.
 
     Attributes:
         id: of the evidence.
-        activate: active once p_fail is not above this during ``hold_ns``.
-        release: inactive as soon as p_fail is above this.
+        activate: active once the value is not above this during ``hold_ns``.
+        release: inactive as soon as the value is above this.
         hold_ns: nanoseconds.
     """
 
@@ -29,20 +29,20 @@ class Evidence:
         self.active = False
         self._since: Optional[int] = None
 
-    def step(self, now: int, p_fail: float, *, usable: bool) -> bool:
+    def step(self, now: int, value: float, *, usable: bool) -> bool:
         """Return whether the evidence is active.
 
         Args:
-            now: nanoseconds.
-            p_fail: in the worst case; NaN never satisfies a comparison.
+            now: nanoseconds; after a jump back the time to hold begins anew.
+            value: in the worst case; NaN never satisfies a comparison.
             usable: the number may be trusted.
         """
         _, activate, release, hold_ns = self.threshold
-        if not usable or not p_fail <= release:
+        if not usable or not value <= release:
             self.active, self._since = False, None
-        elif not p_fail <= activate:
+        elif not value <= activate:
             self._since = None
-        elif self._since is None:
+        elif self._since is None or now < self._since:
             self._since = now
             self.active = self.active or hold_ns <= 0
         elif not self.active:

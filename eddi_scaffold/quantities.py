@@ -4,44 +4,36 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
 from typing import NamedTuple
+
+from eddi_scaffold.units import factor
 
 _NUMBER = re.compile(
     r"\s*([-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?)(?:\s+(\S.*?)|\s*)\s*",
     re.ASCII,
 )
 _COMMA = re.compile(r"\s*[-+]?[0-9]+,[0-9]+\b.*")
-_HOURS: Mapping[str, tuple[int, int]] = {
-    "ns": (1, 3_600_000_000_000),
-    "us": (1, 3_600_000_000),
-    "ms": (1, 3_600_000),
-    "s": (1, 3600),
-    "min": (1, 60),
-    "h": (1, 1),
-    "day": (24, 1),
-    "week": (168, 1),
-    "month": (730, 1),
-    "year": (8760, 1),
-}
 _ODE = {"millisecond": "ms", "second": "s", "minute": "min", "hour": "h"}
 """Literals of the metamodel's TimeUnit that are spelt otherwise."""
 
 RATE_UNITS = ("1/h", "1/s", "1/min", "1/day", "1/week", "1/month", "1/year", "FIT")
-DURATION_UNITS = tuple(_HOURS)
+DURATION_UNITS = ("ns", "us", "ms", "s", "min", "h", "day", "week", "month", "year")
 
 
 class QuantityError(ValueError):
     """A text is no quantity; the message says why.
 
     Attributes:
-        code: R002 (no number, out of range) or R004 (unit).
         hint: what to write.
     """
 
-    def __init__(self, code: str, message: str, hint: str | None = None) -> None:
+    def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)
-        self.code, self.hint = code, hint
+        self.hint = hint
+
+
+class UnitError(QuantityError):
+    """It is a number, but its unit is missing, not known, or one too many."""
 
 
 class Quantity(NamedTuple):
@@ -65,10 +57,10 @@ def rate(given: object, unit: str | None = None) -> Quantity:
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
-    factor = rate_factor(written)
-    if factor is None:
-        raise QuantityError("R004", f"{written!r} is no unit of a rate", _list(RATE_UNITS))
-    up, down = factor
+    per_hour = rate_factor(written)
+    if per_hour is None:
+        raise UnitError(f"{written!r} is no unit of a rate", _list(RATE_UNITS))
+    up, down = per_hour
     return Quantity(_finite(number * up / down, given), has_unit=True)
 
 
@@ -82,11 +74,11 @@ def duration(given: object, unit: str | None = None) -> Quantity:
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
-    factor = _HOURS.get(_time_unit(written))
-    if factor is None:
-        raise QuantityError("R004", f"{written!r} is no unit of time", _list(DURATION_UNITS))
-    up, down = factor
-    return Quantity(_finite(number * up / down, given), has_unit=True)
+    hours = factor(_time_unit(written), "h")
+    if hours is None:
+        raise UnitError(f"{written!r} is no unit of time", _list(DURATION_UNITS))
+    value = number * hours.numerator / hours.denominator
+    return Quantity(_finite(value, given), has_unit=True)
 
 
 def temperature(given: object) -> float:
@@ -97,10 +89,10 @@ def temperature(given: object) -> float:
     """
     number, written = _split(given, signed=True, form="write a temperature such as `51 degC`")
     if written not in ("degC", "K"):
-        raise QuantityError("R004", f"{given!r} has no unit of temperature", "write degC or K")
+        raise UnitError(f"{given!r} has no unit of temperature", "write degC or K")
     value = number - 273.15 if written == "K" else number
     if value <= -273.0 or value > 1e4:
-        raise QuantityError("R002", f"{given!r} is out of range, -273 degC to 10000 degC")
+        raise QuantityError(f"{given!r} is out of range, -273 degC to 10000 degC")
     return value
 
 
@@ -112,9 +104,9 @@ def number(given: object, low: float, high: float) -> float:
     """
     value, unit = _split(given, signed=True)
     if unit is not None:
-        raise QuantityError("R004", f"{given!r} has a unit, but is a plain number")
+        raise UnitError(f"{given!r} has a unit, but is a plain number")
     if not low <= value <= high:
-        raise QuantityError("R002", f"{given!r} is out of range, {low:g} to {high:g}")
+        raise QuantityError(f"{given!r} is out of range, {low:g} to {high:g}")
     return value
 
 
@@ -125,18 +117,18 @@ def rate_factor(unit: str) -> tuple[int, int] | None:
     match = re.fullmatch(r"(?:1\s*/|/|per\s+)\s*(\w+)|(\w+)\^-1", unit.strip())
     if match is None:
         return None
-    hours = _HOURS.get(_time_unit(match[1] or match[2]))
-    return None if hours is None else (hours[1], hours[0])
+    hours = factor(_time_unit(match[1] or match[2]), "h")
+    return None if hours is None else (hours.denominator, hours.numerator)
 
 
 def is_time_unit(unit: str) -> bool:
     """Tell whether a text is a unit of time (``h``, ``Hour``)."""
-    return _time_unit(unit) in _HOURS
+    return factor(_time_unit(unit), "h") is not None
 
 
 def _time_unit(text: str) -> str:
     word = text.strip()
-    if word in _HOURS:
+    if word in DURATION_UNITS:
         return word
     folded = word.casefold()
     folded = folded.removesuffix("s") if len(folded) > 3 else folded
@@ -147,23 +139,23 @@ def _split(
     given: object, *, signed: bool = False, form: str | None = None
 ) -> tuple[float, str | None]:
     if isinstance(given, bool) or not isinstance(given, int | float | str):
-        raise QuantityError("R002", f"{_shown(given)} is no number", form)
+        raise QuantityError(f"{_shown(given)} is no number", form)
     match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     if isinstance(given, str) and match is None:
         hint = "write a point, not a comma" if _COMMA.fullmatch(given) else form
-        raise QuantityError("R002", f"{_shown(given)} is no number", hint)
+        raise QuantityError(f"{_shown(given)} is no number", hint)
     try:
         value = float(match[1]) if match else float(given)
     except OverflowError:
         value = math.inf
     if value < 0 and not signed:
-        raise QuantityError("R002", f"{_shown(given)} is negative")
+        raise QuantityError(f"{_shown(given)} is negative")
     return _finite(value, given, form), match[2] if match else None
 
 
 def _finite(value: float, given: object, form: str | None = None) -> float:
     if not math.isfinite(value):
-        raise QuantityError("R002", f"{_shown(given)} is not finite", form)
+        raise QuantityError(f"{_shown(given)} is not finite", form)
     return value
 
 

@@ -1,0 +1,95 @@
+"""What a monitor claims, and which values of its inputs bring a claim nearer.
+
+A claim says something good: an active guarantee, a threshold that is kept, a hazard that is known
+not to be there. Silence must never bring a claim nearer: neither the silence of a sensor, nor that
+of the sensors behind another monitor, whose messages go on. The words here are shared by the kinds,
+which know what their messages mean, and by the check of the wiring between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+Holds = Callable[[object], bool]
+"""A test of one value."""
+
+
+def any_value(_: object) -> bool:
+    """Hold for every value: the test of a use that nothing more is known of."""
+    return True
+
+
+@dataclass(frozen=True)
+class Use:
+    """One way in which the value of an input can bring a claim nearer.
+
+    Attributes:
+        holds: value -> whether it does.
+        beside: ids of further inputs, each with a test that holds as well whenever the claim is
+            made this way (``valid`` beside ``p_fail < 0.1`` in ``valid AND p_fail < 0.1``).
+    """
+
+    holds: Holds = any_value
+    beside: tuple[tuple[str, Holds], ...] = ()
+
+
+@dataclass(frozen=True)
+class Given:
+    """A field that says whether another one means anything.
+
+    Attributes:
+        message: name of the message that has the field.
+        field: its name.
+        value: what it must be.
+    """
+
+    message: str
+    field: str
+    value: bool
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a field of a monitor's message says of what is known.
+
+    Attributes:
+        silent: values that it may have while nothing is known; ``None``: any.
+        given: the field says something where all of these do, whatever ``silent`` is.
+        refused: why a use is refused that a silent value satisfies; no full stop.
+        instead: the line to write in its place.
+    """
+
+    silent: tuple[object, ...] | None = None
+    given: tuple[Given, ...] = ()
+    refused: str = "it does not tell whether anything is known"
+    instead: str | None = None
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """Less than "active for every value that may be" that a key of its own accepts.
+
+    Attributes:
+        key: with its value, as a person finds it (``missing: prior``).
+        accepts: what counts in place of what is not known, a noun.
+        lasts: for how long, for people.
+        seconds: the same as a number, ``None`` where there is no end.
+        input: on which it is, empty for all.
+        path: where the configuration says it: keys from the top.
+        at: line and column where the model says it.
+        outputs: claims of the monitor that rest on it; ``None``: all that rest on the input.
+    """
+
+    key: str
+    accepts: str
+    lasts: str = "for ever"
+    seconds: float | None = None
+    input: str = ""
+    path: tuple[str | int, ...] = ()
+    at: tuple[int, int] | None = None
+    outputs: tuple[str, ...] | None = None
+
+
+Meanings = Mapping[str, Mapping[str, Meaning]]
+"""Message name -> field (``guarantees[].active``) -> what it means."""

@@ -1,0 +1,66 @@
+"""Texts of models and configurations as parts of other languages: one function for each target.
+
+Whatever the text says, it stays text there. Names are not escaped but checked (``identifiers``);
+CMake and ROS launch files get names and numbers only. What an answers file may hold of the results
+is said once more in ``copier_templates/shapes.jinja``, because answers can be given to Copier
+directly.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from xml.sax.saxutils import escape
+
+_IN_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_XML_MORE = {'"': "&quot;", "\t": "&#9;", "\n": "&#10;", "\r": "&#13;"}
+_MARKUP = re.compile(
+    r"""[\\`*<>|~&]
+    |(?<![^\W_])_|_(?![^\W_])   # inside a word it is no emphasis
+    |\](?=[(\[:])               # a link
+    |^[#+=-]|^[0-9]+[.)]        # a block""",
+    re.VERBOSE,
+)
+
+
+def one_line(text: str) -> str:
+    """Fold any text into one line of printable characters."""
+    folded = " ".join(text.split())
+    return "".join(char if char.isprintable() else "?" for char in folded)
+
+
+def python_literal(value: object) -> str:
+    """Return a text, number, Boolean or None, or a tuple or list of them, as Python in ASCII."""
+    return ascii(value)
+
+
+def python_comment(text: str) -> str:
+    """Return text that can stand in a comment or docstring of Python without ending it."""
+    return one_line(text).replace("\\", "/").replace('"', "'").replace("'''", "'")
+
+
+def c_comment(text: str) -> str:
+    """Return text that can stand in a block comment of C, and in a docstring of Python."""
+    plain = re.sub(r"[^ -~]+", " ", text).replace("\\", "/").replace('"', "'")
+    plain = plain.replace("*/", "* /").replace("/*", "/ *")
+    return re.sub(r"\?(?=\?)", "? ", plain).strip()  # ??/ is a backslash
+
+
+def xml_text(text: str) -> str:
+    """Return text for an element or a quoted attribute; XML has no way to hold some characters."""
+    return escape(_IN_XML.sub("?", text), _XML_MORE)
+
+
+def toml_text(text: str) -> str:
+    """Return one line as a TOML string; of printable characters, JSON is the same."""
+    return json.dumps(one_line(text), ensure_ascii=False)
+
+
+def markdown_text(text: str) -> str:
+    """Return one line that Markdown shows as it is, in a paragraph or in a cell of a table."""
+    return _MARKUP.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", one_line(text))
+
+
+def markdown_code(text: str) -> str:
+    """Return one line for between two backticks, also in a table, which both cannot be escaped."""
+    return one_line(text).replace("`", "'").replace("|", "¦") or " "

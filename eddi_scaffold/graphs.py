@@ -1,0 +1,134 @@
+"""Walks over graphs: what feeds what, in one order, without recursion.
+
+A chain of 50,000 nodes is as good as one of two, and shared nodes are visited once.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Container, Iterable, Mapping, Sequence
+
+Graph = dict[str, tuple[str, ...]]
+"""Node -> nodes next to it, without repetitions."""
+
+
+def reversed_graph(graph: Mapping[str, Sequence[str]]) -> Graph:
+    """Return the graph with every edge turned round."""
+    targets: dict[str, list[str]] = {id_: [] for id_ in graph}
+    for id_, sources in graph.items():
+        for source in sources:
+            targets[source].append(id_)
+    return {id_: tuple(found) for id_, found in targets.items()}
+
+
+def reached(graph: Mapping[str, Sequence[str]], starts: Iterable[str]) -> set[str]:
+    """Return every node that a walk from ``starts`` along the graph comes to, starts included."""
+    seen = set(starts)
+    waiting = list(seen)
+    while waiting:
+        for following in graph[waiting.pop()]:
+            if following not in seen:
+                seen.add(following)
+                waiting.append(following)
+    return seen
+
+
+def in_order(inputs: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the nodes so that each follows its inputs; nodes in or behind a cycle are left out.
+
+    Ties are broken by the order of ``inputs``, that is of the file.
+    """
+    missing = {id_: len(sources) for id_, sources in inputs.items()}
+    targets = reversed_graph(inputs)
+    waiting = deque(id_ for id_, count in missing.items() if not count)
+    ordered: list[str] = []
+    while waiting:
+        id_ = waiting.popleft()
+        ordered.append(id_)
+        for target in targets[id_]:
+            missing[target] -= 1
+            if not missing[target]:
+                waiting.append(target)
+    return ordered
+
+
+def cycles(inputs: Mapping[str, Sequence[str]]) -> list[list[str]]:
+    """Return one shortest cycle for each knot of nodes that feed each other.
+
+    Returns:
+        Cycles as ids in the direction of support, the first id of the file first, not repeated
+        at the end; empty when there is none.
+    """
+    place = {id_: index for index, id_ in enumerate(inputs)}
+    targets = reversed_graph(inputs)
+    found: list[list[str]] = []
+    for knot in _knots(inputs):
+        start = min(knot, key=place.__getitem__)
+        cycle = _shortest_cycle(targets, start, knot)
+        if cycle:
+            found.append(cycle)
+    return sorted(found, key=lambda cycle: place[cycle[0]])
+
+
+def _knots(graph: Mapping[str, Sequence[str]]) -> list[set[str]]:
+    """Return the strongly connected components (Tarjan 1972, with a stack of its own)."""
+    number: dict[str, int] = {}
+    low: dict[str, int] = {}
+    path: list[str] = []
+    knots: list[set[str]] = []
+    for root in graph:
+        calls = [(root, iter(graph[root]))] if root not in number else []
+        if calls:
+            number[root] = low[root] = len(number)
+            path.append(root)
+        while calls:
+            id_, rest = calls[-1]
+            following = next(rest, None)
+            if following is None:
+                calls.pop()
+                if calls:
+                    low[calls[-1][0]] = min(low[calls[-1][0]], low[id_])
+                if low[id_] == number[id_]:
+                    knots.append(_cut_off(path, id_, low))
+            elif following not in number:
+                number[following] = low[following] = len(number)
+                path.append(following)
+                calls.append((following, iter(graph[following])))
+            elif following in low:
+                low[id_] = min(low[id_], number[following])
+    return knots
+
+
+def _cut_off(path: list[str], root: str, low: dict[str, int]) -> set[str]:
+    """Take a finished component from the path; its nodes leave ``low`` too."""
+    start = len(path) - 1
+    while path[start] != root:
+        start -= 1
+    knot = set(path[start:])
+    del path[start:]
+    for id_ in knot:
+        del low[id_]
+    return knot
+
+
+def _shortest_cycle(
+    targets: Mapping[str, Sequence[str]], start: str, knot: Container[str]
+) -> list[str]:
+    came_from: dict[str, str] = {}
+    waiting = deque([start])
+    while waiting:
+        id_ = waiting.popleft()
+        for target in targets[id_]:
+            if target == start:
+                return _path_back(came_from, id_, start)
+            if target in knot and target not in came_from:
+                came_from[target] = id_
+                waiting.append(target)
+    return []
+
+
+def _path_back(came_from: Mapping[str, str], end: str, start: str) -> list[str]:
+    path = [end]
+    while path[-1] != start:
+        path.append(came_from[path[-1]])
+    return path[::-1]

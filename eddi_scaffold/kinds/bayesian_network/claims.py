@@ -1,0 +1,77 @@
+"""What the messages of a network's monitor say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.claims import Acceptance, Given, Meaning, Meanings
+
+_EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
+_VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
+MEANINGS: Meanings = {
+    "BayesianNetworkOutput": {
+        "output_nodes": Meaning(
+            given=(Given("BayesianNetworkStatus", "valid", value=True),),
+            refused="a raw posterior is no evidence: it is the prior when nothing is known",
+            instead=_EVIDENCE,
+        ),
+    },
+    "BayesianNetworkStatus": {"valid": _VALID},
+    "BayesianNetworkEvidence": {
+        "valid": _VALID,
+        "evidence[].active": Meaning(
+            (False,),
+            refused="`active` of a threshold is false also when it is unknown",
+            instead="the opposite threshold",
+        ),
+    },
+}
+"""Message -> field, with all below it -> what it says."""
+
+
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return what the thresholds rest on: the inputs; raw posteriors claim nothing."""
+    inputs = frozenset(spec["id"] for spec in document["inputs"])
+    return {one["id"]: inputs for one in document["model"].get("thresholds", ())}
+
+
+def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
+    """Return what the declarations of the nodes accept in place of a known state."""
+    ages = {spec["id"]: spec["max_age"] for spec in document["inputs"]}
+    return [
+        one
+        for node, declared in document["model"].get("discretisation", {}).items()
+        for one in _of_node(node, declared, ages[declared["input"]], frequency)
+    ]
+
+
+def lag(document: Mapping[str, Any], frequency: float) -> float:
+    """Return for how many seconds a state is held after its input became unknown."""
+    held = [one.seconds for one in accepted(document, frequency) if one.key == "missing: hold"]
+    return max((one for one in held if one is not None), default=0.0)
+
+
+def _of_node(
+    node: str, declared: Mapping[str, Any], age: object, frequency: float
+) -> Iterator[Acceptance]:
+    path = ("Model", "discretisation", node)
+    policy = declared.get("missing", "unobserved")
+    if policy in _POLICIES:
+        seconds = age + 1 / frequency if policy == "hold" and isinstance(age, float) else None
+        lasts = "while it is unknown" if seconds is None else f"for {seconds:g} s"
+        text = f"{_POLICIES[policy]} of {node}"
+        key = f"missing: {policy}"
+        yield Acceptance(key, text, lasts, seconds, declared["input"], (*path, "missing"))
+    for name, value, what in _BEYOND:
+        if declared.get(name) == value:
+            text, lasts = f"{what} of {node}", "while it is so"
+            key = f"{name}: {value}".lower()
+            yield Acceptance(key, text, lasts, None, declared["input"], (*path, name))
+
+
+_POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}
+_BEYOND = (
+    ("out_of_range", "clamp", "the nearest value in range"),
+    ("allow_inf", True, "the outermost bin"),
+)

@@ -1,0 +1,248 @@
+"""``evidence:`` of a configuration: thresholds of posteriors that a ConSert may rest on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold.identifiers import is_ros_name
+from eddi_scaffold.kinds import JsonValue, Options
+from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.plain_values import is_number
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.quantities import QuantityError, duration
+
+KEY = "evidence"
+_KEYS = ("id", "node", "state", "at_most", "at_least", "release", "hold", "topic")
+_LIMITS = ("at_most", "at_least")
+_ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_RESERVED = ("t", "reason", "unknown")
+"""Columns of what ``run --csv`` writes."""
+_LONGEST_S = 31_536_000.0
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """One checked entry.
+
+    Attributes:
+        id: of the evidence.
+        node: id of the node.
+        states: whose probabilities are added up.
+        at_least: the sum must not be below ``limit``; else it must not be above.
+        limit: where it becomes active.
+        release: beyond it, it is lost.
+        hold: seconds for which the limit must be kept before.
+        topic: where it is published alone, ``None`` for nowhere.
+    """
+
+    id: str
+    node: str
+    states: tuple[str, ...]
+    at_least: bool
+    limit: float
+    release: float
+    hold: float
+    topic: str | None
+    place: Place = field(default=Place(), compare=False)
+
+    def text(self) -> str:
+        """Return what it asks for, for people."""
+        less, more = (">=", "below") if self.at_least else ("<=", "above")
+        held = f" for {self.hold:g} s" if self.hold else ""
+        where = f", on {self.topic}" if self.topic is not None else ""
+        states = " or ".join(self.states)
+        wanted = f"P({self.node} = {states}) {less} {self.limit:g}{held}"
+        return f"{wanted}, gone {more} {self.release:g}{where}"
+
+    def document(self) -> dict[str, JsonValue]:
+        """Return it as the runtime reads it."""
+        return {
+            "id": self.id,
+            "node": self.node,
+            "states": list(self.states),
+            _LIMITS[self.at_least]: self.limit,
+            "release": self.release,
+            "hold_ns": round(self.hold * 1e9),
+        }
+
+
+def read_thresholds(
+    network: Network, options: Options, discretised: Collection[str]
+) -> tuple[list[Threshold], list[Problem]]:
+    """Check the section ``evidence`` (B420 to B424, B426).
+
+    Args:
+        network: whose nodes it names.
+        options: the configuration.
+        discretised: nodes whose states are observed.
+    """
+    given = options.values.get(KEY)
+    if given is None:
+        return [], []
+    if not isinstance(given, list) or not all(isinstance(one, Mapping) for one in given):
+        message = "Model.evidence: a list of maps is expected"
+        hint = "write `- {id: RiskIsLow, node: Risk, state: High, at_most: 0.3}`"
+        return [], [error("B420", message, options.place(KEY), hint)]
+    found: list[Threshold] = []
+    problems: list[Problem] = []
+    for number, entry in enumerate(given):
+        reader = _Entry(network, entry, _at(options, number), discretised)
+        threshold = reader.read()
+        problems += reader.problems
+        found += [threshold] if threshold is not None else []
+    problems += _repeated(found)
+    return found, problems
+
+
+def _at(options: Options, number: int) -> Callable[..., Place]:
+    return lambda *path: options.place(KEY, number, *path)
+
+
+def _repeated(found: Sequence[Threshold]) -> Iterable[Problem]:
+    for number, one in enumerate(found):
+        before = found[:number]
+        if one.id in [other.id for other in before]:
+            yield error("B426", f"two evidence are called {one.id!r}", one.place)
+        other = next((two.id for two in before if one.topic and two.topic == one.topic), None)
+        if other is not None:
+            message = f"evidence {other!r} and {one.id!r} have the same topic {one.topic}"
+            yield error("B426", message, one.place)
+
+
+@dataclass
+class _Entry:
+    network: Network
+    given: Mapping[str, JsonValue]
+    at: Callable[..., Place]
+    discretised: Collection[str]
+    problems: list[Problem] = field(default_factory=list)
+
+    def read(self) -> Threshold | None:
+        self._keys()
+        name = self._id()
+        node = self._node()
+        states = self._states(node)
+        key, limit = self._limit()
+        release = self._release(key, limit)
+        hold = self._hold()
+        topic = self._topic()
+        if has_errors(self.problems):
+            return None
+        at_least = key == "at_least"
+        return Threshold(name, node, states, at_least, limit, release, hold, topic, self.at("id"))
+
+    def _error(self, code: str, message: str, *path: str | int, hint: str | None = None) -> None:
+        name = self.given.get("id")
+        text = f"evidence {name!r}: {message}" if isinstance(name, str) else f"evidence: {message}"
+        self.problems.append(error(code, text, self.at(*path), hint))
+
+    def _keys(self) -> None:
+        for key in self.given:
+            if key not in _KEYS:
+                hint = did_you_mean(key, _KEYS) or f"known keys: {', '.join(_KEYS)}"
+                self._error("B420", f"unknown key {key!r}", key, hint=hint)
+
+    def _id(self) -> str:
+        name = self.given.get("id")
+        if not isinstance(name, str) or _ID.fullmatch(name) is None:
+            hint = "write letters, digits and `_`, such as RiskIsLow"
+            text = "`id` is missing" if name is None else f"{_shown(name)} is no id"
+            self._error("B420", text, "id", hint=hint)
+            return ""
+        if name in _RESERVED:
+            self._error("B420", f"`id` {name!r} is taken by the results themselves", "id")
+        return name
+
+    def _node(self) -> str:
+        name, names = self.given.get("node"), self.network.names()
+        if not isinstance(name, str) or name not in names:
+            hint = did_you_mean(str(name), names)
+            text = "`node` is missing" if name is None else f"there is no node {_shown(name)}"
+            self._error("B421", text, "node", hint=hint)
+            return ""
+        if name in self.discretised:
+            message = f"the node {name!r} is observed itself: its threshold would only repeat it"
+            self._error(
+                "B424", message, "node", hint="name a node that depends on what is observed"
+            )
+        return name
+
+    def _states(self, node: str) -> tuple[str, ...]:
+        given = self.given.get("state")
+        items = given if isinstance(given, list) else [given]
+        if given is None or not items:
+            self._error("B421", "`state` is missing", "state", hint="a state, or a list of them")
+            return ()
+        known = self.network.node(node).states if node else ()
+        for state in items if node else ():
+            if state not in known:
+                self._unknown_state(state, known)
+        chosen = tuple(str(one) for one in items)
+        if len(set(chosen)) < len(chosen):
+            self._error("B421", "`state` names one twice", "state")
+        elif set(chosen) == set(known):
+            text = f"`state` names every state of {node!r}: their sum is always 1"
+            self._error("B421", text, "state")
+        return chosen
+
+    def _unknown_state(self, state: object, known: Sequence[str]) -> None:
+        if isinstance(state, str):
+            hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
+        else:
+            hint = "quote it, if a text is meant"
+        self._error("B421", f"there is no state {_shown(state)}", "state", hint=hint)
+
+    def _limit(self) -> tuple[str, float]:
+        keys = [key for key in _LIMITS if key in self.given]
+        if len(keys) != 1:
+            text = "exactly one of `at_most` and `at_least` is expected"
+            self._error("B422", text, *keys[1:])
+            return "at_most", 0.0
+        return keys[0], self._probability(keys[0])
+
+    def _probability(self, key: str) -> float:
+        value: JsonValue = self.given[key]
+        if not is_number(value) or not 0.0 <= value <= 1.0:
+            text = f"`{key}` is {_shown(value)}, no probability"
+            self._error("B422", text, key, hint="a number from 0 to 1")
+            return 0.0
+        return float(value)
+
+    def _release(self, key: str, limit: float) -> float:
+        if "release" not in self.given:
+            return limit
+        release, sound = self._probability("release"), not has_errors(self.problems)
+        side = "above" if key == "at_least" else "below"
+        wrong = release > limit if key == "at_least" else release < limit
+        if wrong and sound:
+            text = f"`release` {release:g} is {side} `{key}` {limit:g}: it would be lost at once"
+            self._error("B422", text, "release")
+        return release
+
+    def _hold(self) -> float:
+        given = self.given.get("hold", 0)
+        try:
+            hours, has_unit = duration(given)
+        except QuantityError as problem:
+            self._error("B423", f"`hold`: {problem}", "hold", hint=problem.hint)
+            return 0.0
+        if not has_unit and hours:
+            text = f"`hold`: {_shown(given)} has no unit of time"
+            self._error("B423", text, "hold", hint=f"write `{given} s`")
+        elif hours * 3600.0 > _LONGEST_S:
+            self._error("B423", f"`hold`: {_shown(given)} is more than a year", "hold")
+        return hours * 3600.0
+
+    def _topic(self) -> str | None:
+        given = self.given.get("topic")
+        if given is not None and (not isinstance(given, str) or not is_ros_name(given)):
+            hint = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
+            self._error("B420", f"`topic` is {_shown(given)}", "topic", hint=hint)
+        return None if given is None else str(given)
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,75 @@
+"""What the messages of a ConSert monitor say, and what its guarantees rest on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from eddi_scaffold.claims import Meaning, Meanings
+from eddi_scaffold.graphs import reached
+from eddi_scaffold.kinds.consert.matching import mismatch
+from eddi_scaffold.kinds.consert.paths import constants
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from eddi_scaffold.kinds.consert.model import ConSert
+
+MEANINGS: Meanings = {
+    "ConSertOutput": {
+        "guarantees[].active": Meaning(
+            (False,),
+            refused="`active` of a guarantee is false also when it is unknown",
+            instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
+        )
+    },
+    "ConSertStatus": {
+        "guarantees[].verdict": Meaning(
+            (1,),
+            refused="the verdict is 1 when it is unknown",
+            instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+        )
+    },
+}
+"""Message -> field -> what it says."""
+
+
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return the evidence and demands on which each guarantee rests."""
+    model = document["model"]
+    ids = [one["id"] for group in _GROUPS for one in model[group]]
+    feeding: dict[str, list[str]] = {id_: [] for id_ in ids}
+    for source, target in model["edges"]:
+        feeding[target].append(source)
+    leaves = frozenset(one["id"] for kind in ("evidence", "demands") for one in model[kind])
+    return {
+        one["id"]: frozenset() if one["default"] else leaves & reached(feeding, [one["id"]])
+        for one in model["guarantees"]
+    }
+
+
+_GROUPS = ("evidence", "demands", "gates", "guarantees")
+
+
+def unfulfilled(provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str) -> str | None:
+    """Return why a guarantee does not fulfil a demand that it is wired to, ``None`` if it does.
+
+    Evidence asks for nothing that a guarantee could fulfil; it is not judged.
+    """
+    demand = next((one for one in user.demands if one.id == demand_id), None)
+    guarantee = next((one for one in provider.guarantees if one.id == guarantee_id), None)
+    if demand is None or guarantee is None:
+        return None
+    name = f"{provider.name}/{guarantee_id}"
+    wanted = _services(user.required_services, "demands", demand_id)
+    given = _services(provider.provided_services, "guarantees", guarantee_id)
+    if wanted and not wanted & given:
+        kinds = " or ".join(sorted(wanted))
+        return f"{name} is not in a service of type {kinds}, which {demand_id} requires"
+    if constants(provider)[guarantee_id] is False:
+        return f"{name} can never be active"
+    found = mismatch(guarantee, demand, name)
+    return None if found is None else found.text
+
+
+def _services(services: Any, members: str, id_: str) -> set[str]:
+    return {one.functional_service_type for one in services if id_ in getattr(one, members)}

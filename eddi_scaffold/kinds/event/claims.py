@@ -1,0 +1,114 @@
+"""What the messages of an event monitor say, and what its events rest on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.claims import Acceptance, Meaning, Meanings, Use
+from eddi_scaffold.events.uses import Silence, accepted, inputs_of, lasts, uses
+from eddi_scaffold.kinds import JsonValue
+
+_VERDICT = Meaning(
+    (1,),
+    refused="the verdict is 1 when it is unknown",
+    instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+)
+_SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (True,)}
+
+
+def meanings(document: JsonValue | None, event: str | None) -> Meanings:
+    """Return what the fields of an ``EventOutput`` say.
+
+    Args:
+        document: the ``model`` part of ``config/model.json``; ``None``: not at hand.
+        event: the only one on the topic, ``None`` for any.
+    """
+    return {"EventOutput": {"verdict": _VERDICT, "active": _active(document, event)}}
+
+
+def _active(document: JsonValue | None, event: str | None) -> Meaning:
+    if document is None:  # it may be the polarity that the reader has in mind
+        return Meaning(())
+    on_topic = [one for one in document["form"]["outputs"] if event in (None, one["id"])]
+    polarities = {one["polarity"] for one in on_topic}
+    if len(polarities) != 1:
+        refused = "what `active` says when it is unknown depends on the event"
+        return Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
+    (polarity,) = polarities
+    return Meaning(
+        _SILENT[polarity],
+        refused=_REFUSED[polarity].format(" ".join(one["id"] for one in on_topic)),
+        instead=_INSTEAD[polarity],
+    )
+
+
+_REFUSED = {
+    "EVIDENCE": "`active` of the EVIDENCE {} is false also when it is unknown",
+    "HAZARD": "`active` of the HAZARD {} is true also when it is unknown",
+}
+_INSTEAD = {
+    "EVIDENCE": "`verdict == 0`, or an event of its own that says NOT",
+    "HAZARD": "`verdict == 2`, or an EVIDENCE event of its own",
+}
+
+
+def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
+    """Return for each variable how it can bring an event nearer to what it claims.
+
+    An EVIDENCE claims that it is true, a HAZARD that it is not.
+    """
+    found: dict[str, tuple[Use, ...]] = {}
+    for output in form["outputs"]:
+        wanted = output["polarity"] == "EVIDENCE"
+        for name, more in uses(form, output["node"], wanted=wanted).items():
+            found[name] = (*found.get(name, ()), *more)
+    return found
+
+
+def acceptances(document: JsonValue, _frequency: float) -> Sequence[Acceptance]:
+    """Return what the events of a file accept of silence, with the events that do."""
+    form = document["model"]["form"]
+    found: dict[Silence, list[str]] = {}
+    for output in form["outputs"]:
+        for one in accepted(form, output["node"]):
+            found.setdefault(one, []).append(output["id"])
+    return [
+        Acceptance(one.word, one.accepts, lasts(one), one.seconds, at=one.at, outputs=tuple(events))
+        for one, events in found.items()
+    ]
+
+
+def limits(document: JsonValue) -> Mapping[str, float]:
+    """Return the TIMEOUT of each variable that has one."""
+    return {
+        name: variable["timeout"] / 1e9
+        for variable in document["model"]["form"]["variables"]
+        if variable.get("timeout") is not None
+        for name in inputs_of(variable)
+    }
+
+
+def support(document: JsonValue) -> Mapping[str, frozenset[str]]:
+    """Return the variables on which each event rests."""
+    form = document["model"]["form"]
+    names = [inputs_of(variable) for variable in form["variables"]]
+    return {
+        output["id"]: frozenset(
+            name for k in _variables(form["nodes"], output["node"]) for name in names[k]
+        )
+        for output in form["outputs"]
+    }
+
+
+def _variables(nodes: Any, root: int) -> Iterable[int]:
+    waiting, seen = [root], set()
+    while waiting:
+        number = waiting.pop()
+        if number in seen:
+            continue
+        seen.add(number)
+        node = nodes[number]
+        if node["op"] in ("variable", "age"):
+            yield node["value"]
+        waiting += node.get("args", ())

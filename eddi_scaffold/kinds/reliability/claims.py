@@ -1,0 +1,42 @@
+"""What the messages of a reliability monitor say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from eddi_scaffold.claims import Given, Meaning, Meanings
+
+_THRESHOLD = "`field: evidence[ID].active` of a threshold"
+_NUMBER = Meaning(
+    given=(Given("ReliabilityOutput", "valid", value=True),),
+    refused="the numbers mean something only where `valid` is true",
+    instead=f"{_THRESHOLD}, or `valid AND ...`",
+)
+MEANINGS: Meanings = {
+    "ReliabilityOutput": {
+        "valid": Meaning(
+            (False,), refused="`valid` is false when something is unknown", instead=_THRESHOLD
+        ),
+        "evidence[].active": Meaning(
+            (False,),
+            refused="`active` of a threshold is false also when it is unknown",
+            instead="a threshold on the other side",
+        ),
+        "p_fail": _NUMBER,
+        "p_fail_high": _NUMBER,
+        "reliability": _NUMBER,
+        "mttf_hours": _NUMBER,
+        "p_fail_low": Meaning(
+            refused="`p_fail_low` is what is certain at least, not the worst case",
+            instead=_THRESHOLD,
+        ),
+    },
+}
+"""Message -> field -> what it says."""
+
+
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return what the thresholds rest on: every input counts in the probability of failure."""
+    inputs = frozenset(spec["id"] for spec in document["inputs"])
+    return {one["id"]: inputs for one in document["model"].get("thresholds", ())}

@@ -1,0 +1,48 @@
+"""What the messages of a SafeML monitor say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from eddi_scaffold.claims import Given, Meaning, Meanings
+
+_IN_SCOPE = "`field: in_scope` of SafeMLStatus"
+
+
+def _fields(message: str) -> dict[str, Meaning]:
+    return {
+        "omission": Meaning(
+            (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
+        ),
+        "odd_violation": Meaning(
+            given=(Given(message, "omission", value=False),),
+            refused="`odd_violation` says nothing while there is no verdict",
+            instead=f"{_IN_SCOPE}, or `NOT omission` beside it",
+        ),
+    }
+
+
+MEANINGS: Meanings = {
+    "SafeMLOutput": _fields("SafeMLOutput"),
+    "SafeMLStatus": {
+        **_fields("SafeMLStatus"),
+        "in_scope": Meaning(
+            (False,),
+            refused="`in_scope` is false also when there is no verdict",
+            instead="`NOT omission AND odd_violation`: known to be a violation",
+        ),
+    },
+}
+"""Message -> field -> what it says."""
+
+
+def limits(document: Mapping[str, Any]) -> Mapping[str, float]:
+    """Return the age after which a frame is an omission."""
+    age = document["settings"]["max_age"]
+    return {} if age is None else {spec["id"]: age for spec in document["inputs"]}
+
+
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return what "in scope" rests on: the frames."""
+    return {"in_scope": frozenset(spec["id"] for spec in document["inputs"])}

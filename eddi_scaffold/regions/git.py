@@ -1,0 +1,190 @@
+"""Git: the one place of the project that starts a program.
+
+A package may be a stranger's, as may the repository around it. So git never looks for a repository:
+it is told which one is meant, and a folder that merely looks like a bare one is none. What the
+repository's own configuration could make it start (transports, hooks, a file system monitor) is
+off; ``cat-file`` runs neither filters nor a pager.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.regions.paths import is_relative
+
+_NAME = ".git"
+_LIMIT_S = 60.0
+_SETTINGS = (
+    "safe.bareRepository=explicit",
+    "core.hooksPath=/dev/null",
+    "core.fsmonitor=",  # before git 2.36 a command, and only empty no command
+)
+_ENVIRONMENT = {
+    "GIT_ALLOW_PROTOCOL": "",  # no transport; stronger than what a configuration allows
+    "GIT_NO_LAZY_FETCH": "1",
+    "GIT_NO_REPLACE_OBJECTS": "1",
+    "GIT_OPTIONAL_LOCKS": "0",
+    "GIT_TERMINAL_PROMPT": "0",
+    "LC_ALL": "C",
+}
+
+
+class GitError(Exception):
+    """Git ran and refused; the text is what it said."""
+
+
+@dataclass(frozen=True)
+class Repository:
+    """A repository that git itself made around a folder.
+
+    Attributes:
+        work_tree: the folder that holds ``.git``.
+        git_dir: ``.git`` itself, or the folder that it names.
+    """
+
+    work_tree: Path
+    git_dir: Path
+
+
+def git(
+    *words: str,
+    repository: Path | None,
+    work_tree: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+    limit_s: float = _LIMIT_S,
+) -> bytes:
+    """Run one git command.
+
+    Args:
+        words: the command and its arguments.
+        repository: the ``.git`` folder or bare repository it is about; ``None`` for a command that
+            makes one.
+        work_tree: the folder of its files, and of relative paths.
+        environment: what is set besides, or in place of what keeps git from starting programs.
+        limit_s: how long an answer may take: a configuration can name a pipe.
+
+    Raises:
+        FileNotFoundError: git is not installed.
+        GitError: it refused, or took too long.
+    """
+    places = [f"--git-dir={repository.absolute()}"] if repository is not None else []
+    places += [f"--work-tree={work_tree.absolute()}"] if work_tree is not None else []
+    settings = [word for setting in _SETTINGS for word in ("-c", setting)]
+    kept = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    try:
+        return subprocess.run(
+            ["git", "--no-pager", *settings, *places, *words],
+            cwd=work_tree or os.sep,
+            env={**kept, **_ENVIRONMENT, **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=True,
+            timeout=limit_s,
+        ).stdout
+    except subprocess.CalledProcessError as refused:
+        raise GitError(refused.stderr.decode("utf-8", "replace").strip()) from None
+    except subprocess.TimeoutExpired:
+        raise GitError(f"no answer in {limit_s:g} s") from None
+
+
+def git_dir_of(work_tree: Path) -> Path:
+    """Return where the repository of a trusted folder is: its ``.git``, or what that names."""
+    entry = work_tree / _NAME
+    return _named_in(entry) or entry
+
+
+def repository_of(folder: Path) -> Repository | None:
+    """Return the repository around a folder of anybody's, ``None`` without one to be trusted.
+
+    It is the next ``.git`` up the tree: a folder, or the file of a linked worktree or a submodule,
+    where that repository says the same. As git does, it must belong to the person.
+    """
+    real = Path(os.path.realpath(folder))
+    for place in (real, *real.parents):
+        if os.path.lexists(place / _NAME):
+            git_dir = _git_dir(place)
+            own = git_dir is not None and all(map(_is_own, (place, place / _NAME, git_dir)))
+            return Repository(place, git_dir) if git_dir is not None and own else None
+    return None
+
+
+def committed_bytes(folder: Path, path: str) -> bytes | None:
+    """Return a file's bytes in the last commit, ``None`` without git or without the file.
+
+    Args:
+        folder: a real package, no scratch copy.
+        path: the file, relative to it.
+    """
+    found = repository_of(folder)
+    if found is None or not is_relative(path):
+        return None
+    place = Path(os.path.realpath(folder)).relative_to(found.work_tree) / path
+    try:
+        return git("cat-file", "blob", f"HEAD:{place.as_posix()}", repository=found.git_dir)
+    except (OSError, GitError):
+        return None
+
+
+def committed_text(folder: Path, path: str) -> str | None:
+    """Return the same as text, ``None`` as well where it is not UTF-8."""
+    data = committed_bytes(folder, path)
+    try:
+        return data.decode() if data is not None else None
+    except UnicodeDecodeError:
+        return None
+
+
+def _git_dir(place: Path) -> Path | None:
+    """Return the repository that ``.git`` in a folder is or names, as far as git would make it."""
+    entry = place / _NAME
+    if entry.is_symlink():
+        return None
+    if entry.is_dir():
+        return entry
+    named = _named_in(entry)
+    if named is None or not (_is_worktree(named, entry) or _is_submodule(named, place)):
+        return None
+    return named
+
+
+def _named_in(entry: Path) -> Path | None:
+    """Return the folder that a ``.git`` file names."""
+    return next((_from(entry.parent, line[8:]) for line in _lines(entry, "gitdir: ")), None)
+
+
+def _is_worktree(git_dir: Path, entry: Path) -> bool:
+    named_back = (_from(git_dir, line) for line in _lines(git_dir / "gitdir"))
+    return git_dir.parent.name == "worktrees" and entry in named_back
+
+
+def _is_submodule(git_dir: Path, place: Path) -> bool:
+    around = repository_of(place.parent)
+    return around is not None and git_dir.is_relative_to(around.git_dir / "modules")
+
+
+def _lines(file: Path, start: str = "") -> Iterator[str]:
+    """Return the one line of a small file of git's, nothing where it is something else."""
+    try:
+        text = file.read_text("utf-8") if file.is_file() and file.stat().st_size < 4096 else ""
+    except (OSError, UnicodeDecodeError):
+        return
+    line = text.rstrip("\n")
+    if line.startswith(start) and line.isprintable():
+        yield line
+
+
+def _from(folder: Path, name: str) -> Path:
+    return Path(os.path.realpath(folder / name))
+
+
+def _is_own(path: Path) -> bool:
+    user = os.geteuid()
+    behind_sudo = os.environ.get("SUDO_UID", "") if user == 0 else ""
+    try:
+        return str(path.stat().st_uid) in {str(user), behind_sudo}
+    except OSError:
+        return False

@@ -1,0 +1,220 @@
+"""Units of measurement: one table for models, configurations, expressions and messages.
+
+Factors are exact, but for those with pi, which is the nearest double. ``degC`` and ``K`` are two
+dimensions: whether 5 K is a temperature or a difference of two, a factor cannot say.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of measurement.
+
+    Attributes:
+        symbol: what messages print (``km/h``); empty for a plain ratio.
+        dimension: what it measures; only units of one dimension can be compared.
+        factor: to the first unit of the dimension.
+        names: further spellings (``kilometer_per_hour``, ``kmph``).
+        root: symbol of the unit of square roots, empty for none.
+    """
+
+    symbol: str
+    dimension: str
+    factor: Fraction = Fraction(1)
+    names: tuple[str, ...] = ()
+    root: str = ""
+
+
+def _units(dimension: str, *rows: tuple[str, int | Fraction, str]) -> list[Unit]:
+    """Return the units of a dimension: symbol, factor, further names."""
+    return [
+        Unit(symbol, dimension, Fraction(factor), tuple(names.split()))
+        for symbol, factor, names in rows
+    ]
+
+
+_PI = Fraction(math.pi)
+_HOUR = 3600
+RATIO = Unit("", "ratio", names=("fraction",))
+UNITS: tuple[Unit, ...] = (
+    RATIO,
+    Unit("percent", "ratio", Fraction(1, 100), ("pct",)),
+    *_units(
+        "length",
+        ("m", 1, "meter"),
+        ("km", 1000, "kilometer"),
+        ("cm", Fraction(1, 100), ""),
+        ("mm", Fraction(1, 1000), "millimeter"),
+    ),
+    *_units(
+        "time",
+        ("s", 1, "second"),
+        ("ms", Fraction(1, 1000), "millisecond"),
+        ("us", Fraction(1, 10**6), "microsecond"),
+        ("ns", Fraction(1, 10**9), "nanosecond"),
+        ("min", 60, ""),
+        ("h", _HOUR, ""),
+        ("day", 24 * _HOUR, ""),
+        ("week", 168 * _HOUR, ""),
+        ("month", 730 * _HOUR, ""),
+        ("year", 8760 * _HOUR, ""),
+    ),
+    *_units(
+        "frequency",
+        ("Hz", 1, "1/s"),
+        ("kHz", 1000, ""),
+        ("1/min", Fraction(1, 60), ""),
+        ("1/h", Fraction(1, _HOUR), ""),
+        ("1/day", Fraction(1, 24 * _HOUR), ""),
+        ("1/week", Fraction(1, 168 * _HOUR), ""),
+        ("1/month", Fraction(1, 730 * _HOUR), ""),
+        ("1/year", Fraction(1, 8760 * _HOUR), ""),
+        ("FIT", Fraction(1, _HOUR * 10**9), ""),
+    ),
+    *_units(
+        "speed",
+        ("m/s", 1, "meter_per_second mps"),
+        ("km/h", Fraction(5, 18), "kilometer_per_hour kmph"),
+    ),
+    *_units("acceleration", ("m/s^2", 1, "mps2")),
+    *_units("jerk", ("m/s^3", 1, "mps3")),
+    *_units("angle", ("rad", 1, ""), ("deg", _PI / 180, "")),
+    *_units(
+        "angular rate",
+        ("rad/s", 1, "radps"),
+        ("deg/s", _PI / 180, "degps"),
+    ),
+    *_units("angular acceleration", ("rad/s^2", 1, "radps2")),
+    *_units("mass", ("kg", 1, ""), ("g", Fraction(1, 1000), "")),
+    *_units("force", ("N", 1, "newton"), ("kN", 1000, "")),
+    *_units("torque", ("N*m", 1, "Nm")),
+    *_units("voltage", ("V", 1, ""), ("mV", Fraction(1, 1000), "")),
+    *_units("current", ("A", 1, ""), ("mA", Fraction(1, 1000), "")),
+    *_units("charge", ("A*h", 1, "Ah"), ("mA*h", Fraction(1, 1000), "mAh")),
+    *_units("power", ("W", 1, ""), ("kW", 1000, "")),
+    *_units("temperature in Celsius", ("degC", 1, "")),
+    *_units("temperature in Kelvin", ("K", 1, "")),
+    *_units(
+        "pressure",
+        ("Pa", 1, ""),
+        ("hPa", 100, ""),
+        ("kPa", 1000, ""),
+        ("bar", 10**5, ""),
+    ),
+    *_units("magnetic flux density", ("T", 1, ""), ("uT", Fraction(1, 10**6), "")),
+    *_units("illuminance", ("lx", 1, "")),
+    *_units("moment of inertia", ("kg*m^2", 1, "")),
+    *_units("pixels", ("px", 1, "")),
+    *(
+        Unit(symbol, f"square of {dimension}", root=of)
+        for symbol, of, dimension in (
+            ("m^2", "m", "length"),
+            ("rad^2", "rad", "angle"),
+            ("m^2/s^2", "m/s", "speed"),
+            ("rad^2/s^2", "rad/s", "angular rate"),
+            ("m^2/s^4", "m/s^2", "acceleration"),
+            ("rad^2/s^4", "rad/s^2", "angular acceleration"),
+            ("K^2", "K", "temperature"),
+            ("Pa^2", "Pa", "pressure"),
+            ("T^2", "T", "magnetic flux density"),
+            ("lx^2", "lx", "illuminance"),
+        )
+    ),
+)
+_BY_SPELLING = {spelling: unit for unit in UNITS for spelling in (unit.symbol, *unit.names)}
+
+
+def find(spelling: str | None) -> Unit | None:
+    """Return the unit of a spelling, case sensitive; ``None`` for an unknown one.
+
+    Args:
+        spelling: as written; ``None`` (no unit given) is a ratio like ``""``.
+    """
+    return RATIO if spelling is None else _BY_SPELLING.get(spelling)
+
+
+def spellings() -> list[str]:
+    """Return every spelling that is understood."""
+    return list(_BY_SPELLING)
+
+
+@cache
+def words() -> frozenset[str]:
+    """Return the spellings that are names: those of the language of events."""
+    return frozenset(spelling for spelling in _BY_SPELLING if spelling.isidentifier())
+
+
+def listed() -> str:
+    """Return the table as one line, for messages."""
+    shown = (unit.symbol for unit in UNITS if unit is not RATIO)
+    return f'{", ".join(shown)}, "" (ratio)'
+
+
+def factor(given: str | None, wanted: str | None) -> Fraction | None:
+    """Return by what a number in one unit is multiplied to get it in another.
+
+    Returns:
+        The exact factor; ``None`` when a unit is unknown or the dimensions differ.
+    """
+    first, second = find(given), find(wanted)
+    if first is None or second is None or first.dimension != second.dimension:
+        return None
+    return first.factor / second.factor
+
+
+def convertible(wanted: str | None) -> Mapping[str, tuple[int, int]]:
+    """Return each spelling of the same dimension with its factor (numerator, denominator)."""
+    factors = {spelling: factor(spelling, wanted) for spelling in _BY_SPELLING}
+    return {
+        spelling: (exact.numerator, exact.denominator)
+        for spelling, exact in factors.items()
+        if exact is not None
+    }
+
+
+def contradict(given: Sequence[str], wanted: str) -> bool:
+    """Tell whether a known unit is none of those that a value has, one of which is right."""
+    known = bool(given) and find(wanted) is not None
+    return known and all(factor(unit, wanted) != 1 for unit in given)
+
+
+def accepted(unit: str | None) -> Mapping[str, tuple[int, int]] | None:
+    """Return in which units a value may be given: a unit of nobody's table in itself alone."""
+    if not unit:
+        return None
+    return convertible(unit) if find(unit) is not None else {unit: (1, 1)}
+
+
+def converted(value: float, given: str, wanted: str) -> float:
+    """Return a finite number in another unit of its dimension; infinity when it is too large."""
+    exact = factor(given, wanted)
+    assert exact is not None
+    try:
+        return value if exact == 1 else float(Fraction(value) * exact)
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def word(spelling: str) -> str:
+    """Return the spelling that is a name, which an event takes, of a known unit."""
+    unit = _BY_SPELLING[spelling]
+    every = (spelling, unit.symbol, *reversed(unit.names))
+    return next((one for one in every if one.isidentifier()), spelling)
+
+
+def dimension(spelling: str) -> str:
+    """Return what a known unit measures."""
+    return _BY_SPELLING[spelling].dimension
+
+
+def root(spelling: str | None) -> str | None:
+    """Return the unit of a square root, ``None`` where it has none."""
+    unit = None if spelling is None else find(spelling)
+    return (unit.root or None) if unit is not None else None

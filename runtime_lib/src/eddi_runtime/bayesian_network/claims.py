@@ -1,0 +1,126 @@
+"""Evidence that a network gives to ConSerts: it holds for every state that is possible."""
+
+from __future__ import annotations
+
+import math
+from typing import List, Mapping, NamedTuple, Optional, Sequence
+
+from ..thresholds import Evidence
+from .bounds import COMBINATIONS, Bounds, Infer, Open, Pair, combinations, pick_of
+from .engine import Posteriors
+from .thresholds import StateThreshold
+
+INCONSISTENT = "inconsistent"
+TOO_MANY = "too many unknown inputs"
+UNKNOWN_INPUTS = "unknown inputs"
+UNKNOWN = (UNKNOWN_INPUTS, TOO_MANY)
+HOLD = "hold"
+NO_TIME = "no time"
+ERROR = "error"
+
+
+class Claim(NamedTuple):
+    """What a threshold said in the last step.
+
+    Attributes:
+        id: of the threshold.
+        active: the probability is on the right side for every state that is possible.
+        low: lower bound of the probability; NaN: not computed.
+        high: upper bound.
+        reason: why it is not active; empty when it is, or the probability is on the wrong side.
+    """
+
+    id: str
+    active: bool
+    low: float
+    high: float
+    reason: str
+
+
+class Claims:
+    """The thresholds of a network with their state.
+
+    Args:
+        thresholds: what is declared.
+    """
+
+    def __init__(self, thresholds: Sequence[StateThreshold]) -> None:
+        self._thresholds = thresholds
+        self._evidence = [Evidence(one.limits) for one in thresholds]
+        self._plan = (
+            [one.at_least for one in thresholds],
+            [one.limits.hold_ns for one in thresholds],
+            [one.step for one in self._evidence],
+        )
+        self.reset()
+
+    def prepare(self, outputs: Sequence[int], infer: Infer) -> None:
+        """Take over a compiled engine: the numbers of its outputs, and how posteriors come."""
+        picks = [pick_of(outputs.index(one.node), one.states) for one in self._thresholds]
+        self._picks, self._over = picks, Bounds(infer, picks)
+
+    def reset(self) -> None:
+        """Return to inactive."""
+        for one in self._evidence:
+            one.reset()
+        self._bounds: Optional[Sequence[Pair]] = None
+        self._reason, self._known, self._timely = UNKNOWN_INPUTS, False, True
+
+    def step(
+        self,
+        now: float,
+        rows: Optional[Posteriors],
+        states: List[int],
+        weights: Mapping[int, List[float]],
+        opened: Sequence[Open],
+    ) -> None:
+        """Judge every threshold.
+
+        Args:
+            now: nanoseconds; NaN is no time, so nothing that is to be held begins.
+            rows: posteriors for the states and likelihoods; None: they are impossible.
+            states: of the observable nodes.
+            weights: likelihoods of the observable nodes.
+            opened: the nodes whose states are not known.
+        """
+        self._known = not opened
+        if opened and combinations(opened) > COMBINATIONS:
+            self.lose(TOO_MANY)
+            return
+        bounds: Optional[Sequence[Pair]] = None
+        if opened:
+            bounds = self._over.over(states, weights, opened)
+        elif rows is not None:
+            bounds = [(pick(rows),) * 2 for pick in self._picks]
+        if bounds is None:
+            self.lose(INCONSISTENT)
+            return
+        self._bounds, self._timely = bounds, now == now  # noqa: PLR0124 - the test for NaN
+        for at_least, hold_ns, step, (low, high) in zip(*self._plan, bounds):
+            usable = self._timely or not hold_ns
+            # a float only where it is NaN, and that is not used
+            step(now, -low if at_least else high, usable=usable)  # type: ignore[arg-type]
+
+    def lose(self, reason: str) -> None:
+        """Let nothing be active, whatever the probabilities are."""
+        self._bounds, self._reason = None, reason
+        for one in self._evidence:
+            one.step(0, math.nan, usable=False)
+
+    def rows(self) -> List[Claim]:
+        """Return what each threshold said in the last step."""
+        bounds = self._bounds or [(math.nan, math.nan)] * len(self._thresholds)
+        return [
+            Claim(one.limits.id, evidence.active, *pair, self._why(one, evidence, pair))
+            for one, evidence, pair in zip(self._thresholds, self._evidence, bounds)
+        ]
+
+    def _why(self, one: StateThreshold, evidence: Evidence, pair: Pair) -> str:
+        if evidence.active:
+            return ""
+        if self._bounds is None:
+            return self._reason
+        worst, best = (-pair[0], -pair[1]) if one.at_least else (pair[1], pair[0])
+        if worst <= one.limits.activate:
+            return HOLD if self._timely else NO_TIME
+        return UNKNOWN_INPUTS if not self._known and best <= one.limits.activate else ""

@@ -1,0 +1,90 @@
+"""Inputs that are called as a node: the name of a state, or one likelihood for each state."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, List, Optional, Sequence, Union
+
+from ..plain_values import plain, show
+from .evidence import EvidenceError, finding
+from .readers import Reading
+
+
+class DirectReader:
+    """An input that holds the name of a state, or one likelihood per state.
+
+    Args:
+        states: names of the states.
+        virtual: see ``finding``.
+    """
+
+    timed = False
+    doubtful = False
+    prior_accepted = False
+    possible: Sequence[int] = ()
+
+    def __init__(self, states: Sequence[str], *, virtual: bool) -> None:
+        self._states = tuple(states)
+        self._number = {state: k for k, state in enumerate(states)}
+        self._virtual = virtual
+
+    def read(self, raw: object, now: float) -> Reading:
+        """Return the state or likelihoods of a value; see ``Reader``."""
+        state = self._number.get(raw) if type(raw) is str else None
+        if state is not None:
+            return state
+        try:
+            found = self._judged(raw)
+        except EvidenceError:
+            found = None
+        return len(self._states) if found is None else found
+
+    def absent(self, now: float) -> Reading:
+        """Return "not observed"; see ``Reader``."""
+        return len(self._states)
+
+    def knows(self, raw: object) -> bool:
+        """Tell whether a value says something; see ``Reader``."""
+        try:
+            return self._judged(raw) is not None
+        except EvidenceError:
+            return False
+
+    def accepted(self, raw: object, reading: Reading) -> str:
+        """Return nothing: a direct input is taken as it is."""
+        return ""
+
+    def fault(self, raw: object) -> Optional[str]:
+        """Return what is wrong with a value; see ``Reader``."""
+        try:
+            self._judged(raw)
+        except EvidenceError as problem:
+            return str(problem)
+        return None
+
+    def reset(self) -> None:
+        """Forget nothing: nothing is remembered."""
+
+    def _judged(self, raw: object) -> Union[int, List[float], None]:
+        value = plain(raw)
+        if isinstance(value, str):
+            if value not in self._number:
+                raise EvidenceError(f"there is no state {show(raw)}")
+            return self._number[value]
+        if raw is None or (isinstance(value, float) and math.isnan(value)):
+            return None
+        if value is not None:
+            raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")
+        if not issubclass(type(raw), (list, tuple)):
+            raw = _list_of_array(raw)
+        if not raw:
+            return None
+        return finding(raw, self._states, virtual=self._virtual)  # type: ignore[arg-type]  # a list
+
+
+def _list_of_array(raw: Any) -> List[object]:
+    if type(raw).__name__ in ("ndarray", "array"):
+        values = raw.tolist()
+        if isinstance(values, list):
+            return values
+    raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")

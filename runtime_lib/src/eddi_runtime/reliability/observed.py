@@ -1,0 +1,160 @@
+"""A Markov chain of the user's own, observed through verdicts on its states."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any, Dict, FrozenSet, Iterable, List, Optional, Tuple
+
+import numpy as np
+
+from .chain import INCONSISTENT, Chain, ChainSpec, Horizons
+from .component import AGAIN, Component, Known, reader
+from .estimate import Estimate, Moment, Values
+from .estimate import known as sure
+from .missed import Missed, independent
+from .seen import KEPT, Seen
+
+_ALL_VALUES = 10
+"""Unknown inputs of a chain of which all values are tried."""
+_LARGEST = 64
+"""States up to which the beliefs are followed that a missed observation may have left."""
+
+
+class MarkovChain(Component):
+    """A chain of the user's own, observed through verdicts that a state holds.
+
+    Args:
+        spec: the chain.
+        observe: (state, input id, negated): the verdict F excludes the state.
+        quantum: hours.
+        horizons: where to look ahead.
+        age: hours that it had run, unobserved, before the start of the mission.
+        repair: after it was seen to have failed it may work again.
+    """
+
+    def __init__(
+        self,
+        spec: ChainSpec,
+        observe: Tuple[Tuple[int, str, bool], ...],
+        quantum: float,
+        horizons: Horizons,
+        age: float = 0.0,
+        *,
+        repair: bool = False,
+    ) -> None:
+        self.chain = Chain(spec, quantum, horizons, age)
+        self._observe, self._repair = observe, repair
+        names = tuple(dict.fromkeys(name for _, name, _ in observe))
+        self._names, self._verdicts = names, reader(names)
+        self._seen: Dict[Tuple[Any, ...], Seen] = {(): self.chain.everything}
+        self._forget()
+
+    def _forget(self) -> None:
+        self._lost = False  # it was seen that it has failed
+        self._vague = False  # something was missed that may still matter
+        self._missed: Optional[Missed] = None
+
+    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
+        """Exclude the states whose verdict is F."""
+        del known
+        verdicts = self._verdicts(values)
+        seen = self._seen.get(verdicts)
+        if seen is None:
+            seen = self._see(verdicts)
+        if self._lost:
+            return self._again(moment, seen, verdicts)
+        if self._vague or seen.unknown:
+            return self._bounded(moment, seen)
+        self._lost = seen.fatal
+        return self.chain.step(moment, seen)
+
+    def _again(self, moment: Moment, seen: Seen, verdicts: Tuple[Any, ...]) -> Estimate:
+        """Take what is seen after a failure."""
+        if self._repair:
+            if seen.unknown:
+                return self._bounded(moment, seen)
+            found = self.chain.step(moment, seen)
+            if not seen.alive:
+                return found
+            self._lost = False  # without weight, but no contradiction: it was repaired
+            return found._replace(reason="")
+        if not seen.alive:
+            return sure(1.0, 0.0, 0.0)
+        self.latched += 1
+        given = dict(zip(self._names, verdicts))
+        for state, name, negated in self._observe:
+            if state in self.chain.fail and given[name] is negated:
+                self._say(name, AGAIN)
+        return sure(1.0, 0.0, 0.0, INCONSISTENT)
+
+    def _bounded(self, moment: Moment, seen: Seen) -> Estimate:
+        """Take what is seen while something that was missed may matter."""
+        if not seen.completions:
+            return self._any_state(moment, seen)
+        missed = self._missed
+        if missed is None:
+            self._vague = True
+            self._missed = missed = Missed(self.chain, lost=self._lost, repair=self._repair)
+        found = missed.step(moment, seen)
+        self._lost = False  # if so, `missed` knows
+        if seen.fatal or len(missed.beliefs) == 1:
+            self._forget()
+            self._lost = seen.fatal or missed.lost
+            self.chain.believe(missed.beliefs[0])
+        return found
+
+    def _any_state(self, moment: Moment, seen: Seen) -> Estimate:
+        """Bound a large chain by all states that are consistent, until it is seen in one."""
+        assert seen.mask is not None
+        reason = self.chain.step(moment, seen).reason
+        self._vague = bool(seen.unknown) or len(seen.mask.nonzero()[0]) > 1
+        self._lost = seen.fatal
+        return Estimate(*seen.bounds[moment.at], seen.unknown, reason)
+
+    def _see(self, verdicts: Tuple[Any, ...]) -> Seen:
+        given = dict(zip(self._names, verdicts))
+        unknown = tuple(name for name in self._names if given[name] is None)
+        consistent = self._consistent(given)
+        possible = self._completions(given, unknown, consistent)
+        seen = self.chain.seen(self._mask(consistent), unknown)
+        if seen.alive and frozenset() in possible:  # no state is left: that is a failure
+            seen = seen._replace(bounds=[(low, 1.0, 0.0, 0.0) for low, _, _, _ in seen.bounds])
+        if self.chain.states <= _LARGEST:
+            whole = tuple(self.chain.observation(self._mask(one)) for one in possible)
+            seen = seen._replace(completions=whole)
+        if len(self._seen) >= KEPT:
+            self._seen.clear()
+        self._seen[verdicts] = seen
+        return seen
+
+    def _consistent(self, given: Dict[str, Any]) -> FrozenSet[int]:
+        excluded = {state for state, name, negated in self._observe if given[name] is negated}
+        return frozenset(range(self.chain.states)) - excluded
+
+    def _completions(
+        self, given: Dict[str, Any], unknown: Tuple[str, ...], consistent: FrozenSet[int]
+    ) -> List[FrozenSet[int]]:
+        """Return sets of states that make up what is consistent for each value of the unknown."""
+        if len(unknown) > _ALL_VALUES:
+            return independent([frozenset(), *(frozenset({state}) for state in consistent)])
+        values = product((False, True), repeat=len(unknown))
+        return independent(
+            {self._consistent({**given, **dict(zip(unknown, one))}) for one in values}
+        )
+
+    def _mask(self, states: Iterable[int]) -> np.ndarray:
+        mask = np.zeros(self.chain.states)
+        mask[list(states)] = 1.0
+        return mask
+
+    def prepare(self, horizons: Horizons) -> None:
+        """Prepare other horizons."""
+        self.chain.prepare(horizons)
+        self._seen = {(): self.chain.everything}
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the start of the mission."""
+        super().reset()
+        self._forget()
+        self.chain.reset()

@@ -1,0 +1,127 @@
+"""What ``generate`` refuses because of its files, ``check`` of the same files refuses as well."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import example, run
+from tests.cli.test_diagnostics import CASES, Case, lay
+
+MODEL = "two_conserts.xml"
+NOT_IN_THE_FILES = {
+    "G001 no configuration": "a model by itself is asked for no platform without `--platform`",
+    "G006 no workspace": "an option is missing",
+    "G006 no folder": "an option is missing",
+    "G007 no such workspace": "about the destination",
+    "G007 the folder of the sources": "about the destination",
+    "G008 no such platform": "about an option",
+    "G014 workspace and folder": "about options",
+    "G015 nothing to generate from": "no file at all",
+    "G015 a configuration without its model": "a warning without `--platform`",
+    "G017 a system without the models of its nodes": "an option is missing",
+    "H010 a marker has gone": "about a package that is there",
+    "H011 no Python any more": "about a package that is there",
+    "H011 a slip outside the regions": "about a package that is there",
+    "H012 a folder of somebody else": "about the destination",
+    "D003 ConSerts that feed each other in one workspace": "about a package that is there",
+    "K001 the file is XML": "a model in place of a configuration: `check` sees that it is a model",
+}
+OTHER_CODE = {
+    "K001 a list at the top": "C001",
+    "K001 nothing in the file": "C001",
+}
+"""Files of which only `-c` tells that they should be configurations."""
+
+
+def refused() -> Iterator[Case]:
+    """Return the cases in which `generate` refuses files."""
+    for case in CASES:
+        if case.commands[-1].startswith("generate ") and case.status == 2:
+            yield case
+
+
+def as_check(command: str) -> list[str]:
+    """Return `check` of the same files with the same options."""
+    files, options = [], []
+    words = iter(shlex.split(command)[1:])
+    for word in words:
+        if word in {"-m", "-c"}:
+            files.append(next(words))
+        elif word in {"-w", "-o"}:
+            next(words)
+        else:
+            options.append(word)
+    return ["check", *files, *options]
+
+
+@pytest.mark.parametrize(
+    "case",
+    [case for case in refused() if case.title not in NOT_IN_THE_FILES],
+    ids=lambda case: case.title.replace(" ", "_"),
+)
+def test_check_refuses_what_generate_refuses(case: Case, tmp_path: Path) -> None:
+    lay(case, tmp_path)
+    result = run(*as_check(case.commands[-1]), cwd=tmp_path)
+    code = OTHER_CODE.get(case.title, case.code)
+    assert re.search(rf" error: .*\[{code}\]", f" {result.err}"), result.err
+    assert result.status == 1
+
+
+def test_every_exception_is_a_case() -> None:
+    titles = {case.title for case in refused()}
+    assert {*NOT_IN_THE_FILES, *OTHER_CODE} - titles == set()
+
+
+def test_a_platform_asks_whether_monitors_can_be_generated(tmp_path: Path) -> None:
+    example(tmp_path)
+    assert run("check", MODEL, cwd=tmp_path).status == 0
+    assert run("check", MODEL, "--platform", "plain", cwd=tmp_path).status == 0
+    asked = run("check", MODEL, "--platform", "ros1", cwd=tmp_path)
+    assert (asked.status, asked.err.count("[G001]")) == (1, 1)
+    assert run("check", "consert_a_config.yml", cwd=tmp_path).status == 0
+    asked = run("check", "consert_a_config.yml", "--platform", "ros1", cwd=tmp_path)
+    assert asked.status == 1
+    assert "error: the configuration does not say of what [G015]" in asked.err
+    assert run("check", MODEL, "--platform", "ros2", cwd=tmp_path).status == 2
+
+
+def test_what_is_not_for_plain_python_is_not_asked(tmp_path: Path) -> None:
+    example(tmp_path)
+    config = tmp_path / "consert_b_config.yml"
+    config.write_text(config.read_text().partition("EDDIOutputs:")[0])
+    assert run("check", MODEL, config.name, cwd=tmp_path).status == 1
+    assert run("check", MODEL, config.name, "--platform", "plain", cwd=tmp_path).status == 0
+
+
+def test_the_marks_count_for_a_model_that_a_configuration_names(tmp_path: Path) -> None:
+    example(tmp_path)
+    (tmp_path / "wait.yml").write_text(
+        "guarantees: [{id: Wait, dimensions: [{Binary: {type: Stands}}]}]\n"
+        "demands: []\nevidence: []\ngates: []\ntree_propagations: []\n"
+        "required_services: []\nprovided_services: []\n"
+    )
+    config = tmp_path / "wait_config.yml"
+    config.write_text(
+        "Model: {id: wait, type: ConSert, parameters: [{model: wait.yml}]}\n"
+        "EDDIOutputs: [{id: wait, topic: /wait}]\n"
+    )
+    mark = ("--default-guarantee", "Wait")
+    assert run("check", config.name, cwd=tmp_path).status == 1
+    assert run("check", config.name, *mark, cwd=tmp_path).status == 0
+    (tmp_path / "src").mkdir()
+    generate = ("generate", "-w", ".", "-c", config.name, "--dry-run")
+    assert run(*generate, cwd=tmp_path).status == 2
+    assert run(*generate, *mark, cwd=tmp_path).status == 0
+
+
+def test_a_damaged_model_is_not_told_as_a_missing_one(tmp_path: Path) -> None:
+    example(tmp_path)
+    (tmp_path / MODEL).write_text("<eddi")
+    result = run("check", MODEL, "consert_a_config.yml", cwd=tmp_path)
+    assert result.status == 1
+    assert re.findall(r"\[([A-Z]\d+)\]", result.err) == ["X001"]

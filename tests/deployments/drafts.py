@@ -1,0 +1,104 @@
+"""Deployments of monitors of the pool, in a form that can be drawn, told, and made smaller."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, NamedTuple
+
+from eddi_runtime import Monitor as RunningMonitor
+
+from tests.deployments.cases import data_message
+from tests.deployments.history import History, Sample
+from tests.deployments.pool.readings import SOURCE_TYPES
+from tests.deployments.pool.stock import bound, compiled_once
+from tests.deployments.pool.templates import OUT, Template
+from tests.deployments.publishing import Publisher
+from tests.deployments.world import Deployment, Member
+
+TICK = 500
+END = 4500
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One monitor of a draft.
+
+    Attributes:
+        topics: id of each simulator output -> topic.
+        out: where it publishes.
+    """
+
+    name: str
+    template: Template
+    topics: Mapping[str, str]
+    out: str
+    delay: int = 0
+
+
+class Value(NamedTuple):
+    """What a source says at a time."""
+
+    t: int
+    topic: str
+    value: Any
+    latched: bool = False
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A deployment and what happens to it.
+
+    Attributes:
+        instances: in the order in which they step.
+        offers: topic of a source -> what it offers.
+    """
+
+    instances: tuple[Instance, ...]
+    offers: Mapping[str, str]
+    values: tuple[Value, ...]
+    history: History
+
+    @property
+    def accepts(self) -> bool:
+        """Whether a configuration accepts less than the property."""
+        return any(instance.template.accepts for instance in self.instances)
+
+
+def deployment_of(draft: Draft) -> Deployment:
+    """Return a draft with the product's monitors in it."""
+    members = tuple(member_of(instance) for instance in draft.instances)
+    samples = tuple(
+        Sample(one.t, one.topic, _message(draft.offers[one.topic], one.value), one.latched)
+        for one in draft.values
+    )
+    return Deployment(members, replace(draft.history, samples=samples), TICK)
+
+
+def running_of(draft: Draft) -> Mapping[str, RunningMonitor]:
+    """Return a compiled monitor for each instance, the same for every run of a deployment."""
+    seen: Counter[Template] = Counter()
+    found = {}
+    for instance in draft.instances:
+        found[instance.name] = compiled_once(instance.template, seen[instance.template])
+        seen[instance.template] += 1
+    return found
+
+
+@cache
+def _publisher(template: Template, topic: str) -> Publisher:
+    return Publisher(bound(template), {OUT: topic})
+
+
+def member_of(instance: Instance) -> Member:
+    """Return a monitor of the pool at its place in a deployment."""
+    monitor = bound(instance.template)
+    publisher = _publisher(instance.template, instance.out)
+    every = instance.template.every
+    return Member(instance.name, monitor, instance.topics, publisher, every, instance.delay)
+
+
+def _message(offer: str, value: Any) -> Any:
+    return data_message(f"std_msgs/{SOURCE_TYPES[offer]}", value)

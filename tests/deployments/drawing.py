@@ -1,0 +1,173 @@
+"""Random deployments: which monitors, who listens to whom, what sources say, what goes wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from random import Random
+from typing import Any
+
+from tests.deployments.drafts import END, TICK, Draft, Instance, Value
+from tests.deployments.history import History
+from tests.deployments.pool.readings import NUMBERS, SOURCE_TYPES, TEXTS
+from tests.deployments.pool.scopes import FAR, USUAL
+from tests.deployments.pool.stock import offering, sound
+from tests.deployments.pool.templates import Slot, Template
+
+SIZES = (2, 2, 3, 3, 4, 4, 5, 6)
+_STRANGE = {"flag": ("wrong",), "number": (float("nan"), float("inf"), 900.0, True), "text": (7,)}
+"""Values that are none, or out of every range."""
+KINDS = ("consert", "event", "bayesian_network", "reliability", "safeml")
+
+
+def draft_of(rng: Random, with_it: Template | None = None) -> Draft:
+    """Draw a deployment.
+
+    Args:
+        with_it: a template that it must have, with what that one needs.
+    """
+    wiring = Wiring(rng)
+    if with_it is not None:
+        wiring.require(with_it)
+    for _ in range(len(wiring.instances), rng.choice(SIZES)):
+        wiring.add(wiring.choose())
+    return with_history(rng, wiring)
+
+
+def with_history(rng: Random, wiring: Wiring) -> Draft:
+    """Draw what happens to monitors and their sources."""
+    instances = wiring.instances
+    if rng.random() < 0.3:  # not everybody steps behind those that it listens to
+        rng.shuffle(instances)
+    values = sorted(_values(rng, wiring), key=lambda one: one.t)
+    history = _history(rng, [instance.name for instance in instances])
+    values += _latched(rng, instances, wiring.offers, values, history)
+    ordered = sorted(values, key=lambda one: one.t)
+    return Draft(tuple(instances), wiring.offers, tuple(ordered), history)
+
+
+class Wiring:
+    """Monitors that are put together one after the other: no cycle comes about by itself.
+
+    Attributes:
+        instances: the monitors.
+        offers: topic of a source -> what it offers.
+        slots: topic of a source -> who was the first to read it.
+    """
+
+    def __init__(self, rng: Random) -> None:
+        self.instances: list[Instance] = []
+        self.offers: dict[str, str] = {}
+        self.slots: dict[str, Slot] = {}
+        self._rng = rng
+        self._there: dict[str, list[str]] = {}
+
+    def choose(self) -> Template:
+        """Return a template all of whose messages can be had; one that listens to others rather."""
+        pool = sound()
+        fitting: Sequence[Template] = ()
+        while not fitting:
+            kind = self._rng.choice([one for one in KINDS if one in pool])
+            fitting = [one for one in pool[kind] if self._fits(one)]
+        listening = [one for one in fitting if any(self._offered(slot) for slot in one.slots)]
+        return self._rng.choice(listening if listening and self._rng.random() < 0.65 else fitting)
+
+    def require(self, template: Template, depth: int = 0) -> None:
+        """Add a monitor behind others that offer what it reads."""
+        for slot in template.slots:
+            if not self._there_is(slot):
+                makers = offering(slot.reading.offer)
+                simple = [one for one in makers if not one.listens]
+                self.require(self._rng.choice(simple if simple and depth else makers), depth + 1)
+        self.add(template)
+
+    def _fits(self, template: Template) -> bool:
+        return all(self._there_is(slot) for slot in template.slots)
+
+    def _there_is(self, slot: Slot) -> bool:
+        return slot.reading.offer in SOURCE_TYPES or self._offered(slot)
+
+    def _offered(self, slot: Slot) -> bool:
+        return slot.reading.offer in self._there
+
+    def add(self, template: Template, given: Mapping[str, str] | None = None) -> None:
+        """Add a monitor; its topics are drawn among what is there, but for those given."""
+        name = f"m{len(self.instances) + 1}"
+        topics = dict(given or {})
+        for slot in template.slots:
+            topics[slot.source] = topics.get(slot.source) or self._topic(slot)
+        delay = TICK if self._rng.random() < 0.07 else 0
+        out = f"/{name}/out"
+        self.instances.append(Instance(name, template, topics, out, delay))
+        for offer, suffix in template.offers.items():
+            self._there.setdefault(offer, []).append(out + suffix)
+
+    def _topic(self, slot: Slot) -> str:
+        offer = slot.reading.offer
+        if offer not in SOURCE_TYPES:
+            return self._rng.choice(self._there[offer])
+        known = [topic for topic, what in self.offers.items() if what == offer]
+        if known and self._rng.random() < 0.3:
+            return self._rng.choice(known)
+        topic = f"/{offer}{len(known) + 1}"
+        self.offers[topic] = offer
+        self.slots[topic] = slot
+        return topic
+
+
+def _values(rng: Random, wiring: Wiring) -> Iterator[Value]:
+    """Draw what each source says: favourable as a rule, then silent, late, twice, or wrong."""
+    for topic, offer in wiring.offers.items():
+        good = wiring.slots[topic].good
+        begin = rng.choice((0, 0, 0, TICK, 3 * TICK))
+        death = rng.choice((None, rng.randrange(0, END, TICK)))
+        back = END + 1 if death is None else death + rng.randrange(TICK, END, TICK)
+        for k, t in enumerate(range(begin, END + 1, TICK)):
+            if (death is not None and death <= t < back) or rng.random() < 0.06:
+                continue
+            value = _value(rng, offer, good, k)
+            yield Value(t + (TICK if rng.random() < 0.04 else 0), topic, value)
+            if rng.random() < 0.03:
+                yield Value(t, topic, value)
+
+
+def _value(rng: Random, offer: str, good: Any, k: int) -> Any:
+    if offer == "array":
+        return (
+            rng.choice(([float("nan")], [], [FAR], [FAR])) if rng.random() < 0.1 else [USUAL[k % 5]]
+        )
+    if rng.random() < 0.78:
+        return good
+    others = {"flag": (not good,), "number": NUMBERS, "text": (*TEXTS, "cloudy")}[offer]
+    return rng.choice((*others, *others, *others, *_STRANGE[offer]))
+
+
+def _history(rng: Random, names: Sequence[str]) -> History:
+    def moment() -> int:
+        return rng.randrange(TICK, END, TICK)
+
+    dead: list[tuple[str, int, int]] = []
+    if rng.random() < 0.3:
+        begin = moment()
+        dead.append((rng.choice(names), begin, begin + moment()))
+    restarts = [(moment(), rng.choice(names))] if rng.random() < 0.25 else []
+    steps = [(moment(), rng.choice((-10_000, -700, 300, 60_000)))] if rng.random() < 0.15 else []
+    latching = rng.random() < 0.5
+    return History(END, (), tuple(dead), tuple(restarts), tuple(steps), latching=latching)
+
+
+def _latched(
+    rng: Random,
+    instances: Sequence[Instance],
+    offers: Mapping[str, str],
+    values: Sequence[Value],
+    history: History,
+) -> Iterator[Value]:
+    """Yield what latching sources give to a monitor that begins anew."""
+    for instance in instances:
+        for t in range(0, END + 1, TICK):
+            if not history.latching or not history.begins(instance.name, t):
+                continue
+            for topic in set(instance.topics.values()) & offers.keys():
+                said = [one for one in values if one.topic == topic and one.t < t]
+                if said and offers[topic] != "array" and rng.random() < 0.5:
+                    yield Value(t, topic, said[-1].value, latched=True)

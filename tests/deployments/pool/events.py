@@ -1,0 +1,143 @@
+"""Events: conditions over sources and over what other monitors claim."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+from typing import Any
+
+from tests.deployments.pool.readings import GOOD, SOURCES, Reading
+from tests.deployments.pool.templates import Config, Slot, Template
+
+EVIDENCE = (
+    "n < 40",
+    "TIME(n < 40, 1s)",
+    "NOT ONCE(n > 60, 1s)",
+    "HYSTERESIS(n, 20, 60)",
+    "NOT HYSTERESIS(n, 20, 60)",
+    "AVERAGE(n, 1.5s) < 40",
+    "MAX(n, 1s) < 60",
+    "MEDIAN(n, 1.5s) < 40",
+    "RATE(n, 1s) < 20",
+    "n < 20 OR n > 60",
+    "n < 40 AND m < 60",
+    "n < m",
+    "ABS(n - m) < 50",
+    "b AND NOT c",
+    "LATCH(b, c)",
+    "NOT LATCH(c, b)",
+    "b IMPLIES n < 40",
+    "b XOR c",
+    "COUNT(b, 1.5s) >= 2",
+    "NOT RISE(c)",
+    "NOT EDGE(b)",
+    "FALL(c) OR b",
+    "b AND ELAPSED(b) > 1s",
+    "NOT c OR ELAPSED(c) < 1s",
+    "TIME(ONCE(b, 1s), 1s)",
+    "g",
+    "TIME(g, 1s)",
+    "ONCE(g, 1s)",
+    "g AND n < 40",
+    "g OR b",
+    "LATCH(g, b)",
+    "LATCH(b, NOT g)",
+    "g AND h",
+    "COUNT(g, 1.5s) >= 2",
+    "NOT b OR g",
+)
+HAZARDS = (
+    "n > 60",
+    "ONCE(n > 60, 1s)",
+    "HYSTERESIS(n, 20, 60)",
+    "c OR n > 60",
+    "LATCH(c, b)",
+    "NOT g",
+    "NOT g OR n > 60",
+    "NOT TIME(g, 1s)",
+    "ONCE(NOT g, 1s)",
+    "NOT (g OR h)",
+    "c AND NOT g",
+)
+UNSOUND = {
+    "hazard over guarantee": ("g AND n > 60", "HAZARD"),
+    "evidence against a guarantee": ("NOT g AND n < 60", "EVIDENCE"),
+}
+"""Fault -> condition that reads a claim on its wrong side, and polarity."""
+
+_GOOD = {"b": True, "c": False, "n": 10.0, "m": 30.0}
+
+
+def events() -> Iterator[Template]:
+    """Yield every condition, each with its variables read in some way."""
+    texts = [(text, "EVIDENCE") for text in EVIDENCE] + [(text, "HAZARD") for text in HAZARDS]
+    for number, (text, polarity) in enumerate(texts):
+        rng = Random(f"event {number}")
+        ways = {name: _way(name, rng) for name in "bcnmgh" if _uses(text, name)}
+        yield _event(f"event{number}", text, polarity, ways, rng)
+    yield _of_reliability()
+
+
+def unsound_events() -> Iterator[Template]:
+    """Yield events in which silence of a claim is an argument."""
+    for number, (fault, (text, polarity)) in enumerate(UNSOUND.items()):
+        ways = {name: GOOD["guarantee"] if name == "g" else SOURCES["number"] for name in "gn"}
+        yield _event(f"wrong_event{number}", text, polarity, ways, Random(fault), fault)
+
+
+def _uses(text: str, name: str) -> bool:
+    padded = f" {text} "
+    return any(
+        not padded[k - 1].isalnum() and not padded[k + 1].isalnum()
+        for k in range(1, len(padded) - 1)
+        if padded[k] == name
+    )
+
+
+def _way(name: str, rng: Random) -> Reading:
+    if name in "gh":
+        return rng.choice([reading for reading in GOOD.values() if reading.field is not None])
+    return SOURCES["number" if name in "nm" else "flag"]
+
+
+def _event(
+    name: str, text: str, polarity: str, ways: dict[str, Reading], rng: Random, fault: str = ""
+) -> Template:
+    config = Config(name, "Event", ("file", f"{name}.events"))
+    slots, variables = [], []
+    for variable, reading in ways.items():
+        limit = rng.choice((0.7, 1.2) if reading.offer in SOURCES else (1.2, 1.7))
+        slot = Slot(f"s_{variable}", reading, limit, good=_GOOD.get(variable))
+        slots.append(slot)
+        variables.append(_declared(variable, slot, rng))
+        age: dict[str, Any] = {"max_age": "none"} if "TIMEOUT" in variables[-1] else {}
+        config.input(variable, slot, **age)
+    lines = [*variables, f"EVENT {name} ({polarity}) := {text}"]
+    files = {f"{name}.events": "\n".join(lines) + "\n", f"{name}_config.yml": config.text()}
+    side = polarity.lower()
+    # The false of a claim is also its unknown: over one, only the side of the claim can be known.
+    known = "both" if all(one.offer in SOURCES for one in ways.values()) else "one"
+    offers = {side: "", f"{side} {known}": ""}
+    return Template(name, "event", files, tuple(slots), offers, fault=fault)
+
+
+def _declared(name: str, slot: Slot, rng: Random) -> str:
+    """Return the declaration of a variable; its TIMEOUT may be its only limit."""
+    kind = "NUMBER" if slot.reading.type == "float" else "BOOL"
+    assert slot.limit is not None
+    timeout = f" TIMEOUT {round(slot.limit * 1000)}ms" if rng.random() < 0.4 else ""
+    return f"VAR {name} : {kind}{timeout}"
+
+
+def _of_reliability() -> Template:
+    """Return an event over two fields of one message."""
+    reading = GOOD["number of fit"]
+    slot = Slot("s_r", reading, 1.2)
+    config = Config("event_fit", "Event", ("file", "event_fit.events"))
+    config.source(slot)
+    for variable, kind, path in (("ok", "bool", "valid"), ("p", "float", "p_fail")):
+        row = {"id": variable, "type": kind, "requires": ["s_r"], "field": path, "max_age": 1.2}
+        config.inputs.append(row)
+    text = "VAR ok : BOOL\nVAR p : NUMBER\nEVENT event_fit (EVIDENCE) := ok AND p < 0.15\n"
+    files = {"event_fit.events": text, "event_fit_config.yml": config.text()}
+    return Template("event_fit", "event", files, (slot,), {"evidence": ""})

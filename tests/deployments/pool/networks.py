@@ -1,0 +1,108 @@
+"""Bayesian networks with thresholds over what is known of two observed nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
+from random import Random
+from typing import Any
+
+from eddi_scaffold.kinds import kinds
+from tests.deployments.pool.readings import NUMBERS, SOURCES, TEXTS, Leaf, Reading
+from tests.deployments.pool.templates import Config, Slot, Template
+
+HAS_THRESHOLDS = "evidence" in kinds()["bayesian_network"].options
+"""Whether a network can say itself what of it is evidence."""
+
+ROWS = ("0.9 0.1  0.4 0.6  0.2 0.8  0.05 0.95", "0.8 0.2  0.1 0.9  0.3 0.7  0.02 0.98")
+"""P(High, Low | Near, Human): of two tables, each with a probability above 0 for every state."""
+THRESHOLDS: Sequence[Mapping[str, Any]] = (
+    {"at_most": 0.3, "state": "High"},
+    {"at_most": 0.1, "state": "High"},
+    {"at_most": 0.25, "state": "High", "release": 0.45},
+    {"at_least": 0.7, "state": "Low"},
+    {"at_least": 0.9, "state": "Low", "release": 0.55},
+    {"at_most": 0.3, "state": "High", "hold": "1 s"},
+)
+_KNOWN_TEXT = Leaf("data", TEXTS, lambda value: value in TEXTS)
+_IN_RANGE = Leaf("data", NUMBERS, lambda value: type(value) is float and 0.0 <= value <= 100.0)
+OBSERVED: Mapping[str, tuple[Reading, Mapping[str, Any], Any]] = {
+    "flag": (SOURCES["flag"], {"map": {True: "Yes", False: "No"}}, False),
+    "bins": (SOURCES["number"], {"bins": [40.0], "order": ["Yes", "No"]}, 90.0),
+    "range": (
+        Reading("number", "std_msgs/Float64", (_IN_RANGE,), "float", field="data"),
+        {"bins": [40.0], "order": ["Yes", "No"], "range": [0, 100]},
+        90.0,
+    ),
+    "hysteresis": (
+        SOURCES["number"],
+        {"bins": [40.0], "order": ["Yes", "No"], "hysteresis": 15.0},
+        90.0,
+    ),
+    "text": (
+        Reading("text", "std_msgs/String", (_KNOWN_TEXT,), "str", field="data"),
+        {"map": {"fog": "Yes", "clear": "No"}},
+        "clear",
+    ),
+}
+"""How a node of the states Yes and No is observed: reading, rule, a favourable value."""
+
+
+def networks(count: int) -> Iterator[Template]:
+    """Yield networks with a threshold; none as long as the product has no such key."""
+    for number in range(count if HAS_THRESHOLDS else 0):
+        rng = Random(f"network {number}")
+        threshold = THRESHOLDS[number % len(THRESHOLDS)]
+        ways = {node: rng.choice(list(OBSERVED)) for node in ("Near", "Human")}
+        yield _network(f"risk{number}", ways, threshold, rng)
+
+
+def bare_network() -> Template:
+    """Return a network whose posterior is all that it tells."""
+    return _network("bare", {"Near": "flag", "Human": "flag"}, None, Random("bare"))
+
+
+def _network(
+    name: str, ways: Mapping[str, str], threshold: Mapping[str, Any] | None, rng: Random
+) -> Template:
+    config = Config(name, "BayesianNetwork", ("model", f"{name}.xmlbif"))
+    slots, rules = [], {}
+    for node, way in ways.items():
+        reading, rule, good = OBSERVED[way]
+        accepts = threshold is not None and rng.random() < 0.06
+        limit = rng.choice((0.7, 1.2))
+        slot = Slot(f"s_{node}", reading, limit, accepts_unknown=accepts, good=good)
+        slots.append(slot)
+        config.input(node.lower(), slot)
+        missing = {"missing": "prior"} if accepts else {}
+        rules[node] = {"input": node.lower(), **deepcopy(dict(rule)), **missing}
+    config.model = {"outputs": ["Risk"], "discretisation": rules}
+    if threshold is not None:
+        config.model["evidence"] = [{"id": "Low", "node": "Risk", **threshold}]
+    files = {f"{name}.xmlbif": _model(name, rng.choice(ROWS)), f"{name}_config.yml": config.text()}
+    offers = {"posterior": ""} if threshold is None else {"threshold": "/evidence"}
+    return Template(name, "bayesian_network", files, tuple(slots), offers)
+
+
+def _model(name: str, rows: str) -> str:
+    def variable(node: str, *states: str) -> str:
+        outcomes = "".join(f"<OUTCOME>{state}</OUTCOME>" for state in states)
+        return f'<VARIABLE TYPE="nature"><NAME>{node}</NAME>{outcomes}</VARIABLE>'
+
+    def definition(node: str, table: str, *given: str) -> str:
+        parents = "".join(f"<GIVEN>{one}</GIVEN>" for one in given)
+        return f"<DEFINITION><FOR>{node}</FOR>{parents}<TABLE>{table}</TABLE></DEFINITION>"
+
+    return "\n".join(
+        [
+            '<?xml version="1.0"?>',
+            f'<BIF VERSION="0.3"><NETWORK><NAME>{name}</NAME>',
+            variable("Near", "Yes", "No"),
+            variable("Human", "Yes", "No"),
+            variable("Risk", "High", "Low"),
+            definition("Near", "0.3 0.7"),
+            definition("Human", "0.2 0.8"),
+            definition("Risk", rows, "Near", "Human"),
+            "</NETWORK></BIF>\n",
+        ]
+    )

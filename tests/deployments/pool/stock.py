@@ -1,0 +1,66 @@
+"""The monitors of the pool, joined by the product once, compiled as often as they are needed."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+from eddi_runtime import Monitor as RunningMonitor
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.running import compiled
+from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
+from tests.deployments.pool.events import events, unsound_events
+from tests.deployments.pool.networks import bare_network, networks
+from tests.deployments.pool.readings import SOURCE_TYPES
+from tests.deployments.pool.reliabilities import reliabilities
+from tests.deployments.pool.scopes import scopes
+from tests.deployments.pool.templates import Template
+
+
+@cache
+def sound() -> Mapping[str, Sequence[Template]]:
+    """Return the templates that `check` accepts, by kind."""
+    made = [*conserts(48), *events(), *reliabilities(24), *scopes(), *networks(30)]
+    there = {*SOURCE_TYPES, *(offer for one in made for offer in one.offers)}
+    found = [one for one in made if all(slot.reading.offer in there for slot in one.slots)]
+    names = dict.fromkeys(template.kind for template in found)
+    return {name: tuple(one for one in found if one.kind == name) for name in names}
+
+
+@cache
+def unsound() -> Mapping[str, Template]:
+    """Return, by fault, a template that claims something because nothing is known."""
+    return {one.fault: one for one in (*unsound_conserts(), *unsound_events())}
+
+
+@cache
+def rings() -> Sequence[Template]:
+    """Return two templates that wait for each other."""
+    return tuple(ring())
+
+
+@cache
+def offering(offer: str) -> Sequence[Template]:
+    """Return the templates that offer something."""
+    pool = [*(one for group in sound().values() for one in group), bare_network()]
+    return [one for one in pool if offer in one.offers]
+
+
+@cache
+def bound(template: Template) -> Monitor:
+    """Return the monitor of a template, as the product reads and joins its files."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in template.files.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        (monitor,), _ = monitors_of(None, [Path(folder) / f"{template.name}_config.yml"])
+    return monitor
+
+
+@cache
+def compiled_once(template: Template, number: int) -> RunningMonitor:
+    """Return the running monitor for the n-th of a template's monitors in a deployment."""
+    return compiled(bound(template))

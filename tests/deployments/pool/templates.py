@@ -1,0 +1,144 @@
+"""Monitors that a random deployment can be made of: files whose topics are still open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from tests.deployments.pool.readings import SOURCE_TYPES, Reading
+
+OUT = "out"
+"""What the topic is called on which a monitor of the pool publishes."""
+
+Rank = Callable[[Any], int]
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One message that a monitor reads.
+
+    Attributes:
+        source: id of the simulator output; its topic is called so, too.
+        limit: seconds after which its leaves are unknown, ``None``: never, on purpose.
+        accepts_default: what is not there yet has a default, on purpose.
+        rank: how far gone a value is, where nothing that is further gone comes back; ``None``
+            where it may.
+        accepts_unknown: a key of the model accepts that nothing is known.
+        good: value of a source with which something is claimed, as a rule.
+    """
+
+    source: str
+    reading: Reading
+    limit: float | None
+    accepts_default: bool = False
+    accepts_unknown: bool = False
+    rank: Rank | None = None
+    good: Any = None
+
+    @property
+    def accepts(self) -> bool:
+        """Whether a key of its own accepts less than the property."""
+        return self.limit is None or self.accepts_default or self.accepts_unknown
+
+
+@dataclass(frozen=True, eq=False)
+class Template:
+    """One model with its configuration.
+
+    Attributes:
+        files: name -> text; ``<name>_config.yml`` is the configuration.
+        offers: what it publishes -> what stands behind the name of its topic.
+        every: its period in milliseconds.
+        fault: which sort of unsound reading is in it, empty for none.
+    """
+
+    name: str
+    kind: str
+    files: Mapping[str, str]
+    slots: tuple[Slot, ...]
+    offers: Mapping[str, str]
+    every: int = 500
+    fault: str = ""
+
+    @property
+    def accepts(self) -> bool:
+        """Whether the configuration accepts less than the property, by a key of its own."""
+        return any(slot.accepts for slot in self.slots)
+
+    @property
+    def listens(self) -> bool:
+        """Whether it reads what another monitor publishes."""
+        return any(slot.reading.offer not in SOURCE_TYPES for slot in self.slots)
+
+
+@dataclass
+class Config:
+    """Collects what a configuration says."""
+
+    name: str
+    type: str
+    parameter: tuple[str, str]
+    every: int = 500
+    model: dict[str, Any] = field(default_factory=dict)
+    inputs: list[dict[str, Any]] = field(default_factory=list)
+    sources: list[dict[str, Any]] = field(default_factory=list)
+
+    def source(self, slot: Slot) -> None:
+        """Declare the message of a slot."""
+        message = slot.reading.message_type.replace("/", ".")
+        self.sources.append({"id": slot.source, "type": message, "topic": slot.source})
+
+    def input(self, name: str, slot: Slot, **more: Any) -> None:
+        """Declare an input that reads a slot as a whole."""
+        reading = slot.reading
+        row: dict[str, Any] = {"id": name, "type": reading.type}
+        if reading.expression is not None:
+            row["expression"] = reading.expression.format(s=slot.source)
+        else:
+            row.update(requires=[slot.source], field=reading.field)
+        if reading.hazard:
+            row["polarity"] = "HAZARD"
+        row["max_age"] = "none" if slot.limit is None else slot.limit
+        self.inputs.append({**row, **more})
+        self.source(slot)
+
+    def text(self) -> str:
+        """Return the configuration as YAML."""
+        key, file = self.parameter
+        head = {"id": self.name, "type": self.type, "frequency": 1000 / self.every}
+        document = {
+            "Model": {**head, "parameters": [{key: file}], **self.model},
+            "SimulatorOutputs": self.sources,
+            "EDDIInputs": self.inputs,
+            "EDDIOutputs": [{"id": f"{self.name}_out", "topic": OUT}],
+        }
+        return dump(document)
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes texts of several lines as they are."""
+
+
+def _text(dumper: yaml.SafeDumper, text: str) -> yaml.Node:
+    style = "|" if "\n" in text else None
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_Dumper.add_representer(str, _text)
+
+
+def dump(document: Mapping[str, Any]) -> str:
+    """Return plain data as YAML, in the order in which it was made."""
+    return yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True)
+
+
+def with_topics(template: Template, topics: Mapping[str, str]) -> Mapping[str, str]:
+    """Return the files of a template with the real topics of a deployment."""
+    config = yaml.safe_load(template.files[f"{template.name}_config.yml"])
+    rows: Sequence[dict[str, Any]] = [*config["SimulatorOutputs"], *config["EDDIOutputs"]]
+    for row in rows:
+        row["topic"] = topics[row["topic"]]
+    return {**template.files, f"{template.name}_config.yml": dump(config)}

@@ -1,0 +1,109 @@
+"""Every deployment of the oracle: what `check` says of its files, and what is claimed at each time.
+
+A case that `check` refuses is done with that: what its monitors would claim counts only as long as
+somebody can start them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.checking import check_files
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.wiring.check import check_wiring
+from eddi_scaffold.wiring.deployment import Member
+from tests.deployments.cases import Case, deployment_of, read_case
+from tests.deployments.world import Claims, World
+from tests.shared_data import ROOT, shared
+
+NAMES = sorted(path.stem for path in (ROOT / "deployments").glob("*.yml")) or ["all_five"]
+
+REFUSED = {
+    "bn_raw_prior": ("a raw posterior is no evidence", "evidence[ID].active"),
+    "cycle_and": ("cycle",),
+    "cycle_latch_up": ("cycle", "left", "right"),
+    "cycle_one_alive": ("cycle", "left", "right"),
+    "event_hazard_over_guarantee": ("`active` of a guarantee is false also when it is unknown",),
+    "event_negated_evidence": ("h.active", "verdict == 0"),
+    "expression_hazard_as_evidence": ("polarity: HAZARD",),
+    "robots_absolute": ("/base/out", "base/out"),
+    "safeml_naive": ("in_scope",),
+}
+"""What stands in the error, or in its hint: the oracle's `because` has more words than it fixes."""
+WARNED = {
+    "bn_missing_default": ("missing: default", "Human"),
+    "bn_missing_hold": ("missing: hold", "Human"),
+    "bn_missing_prior": ("missing: prior", "Human"),
+    "chain_age_too_short": ("'D'", "0.6", "every 2 s"),
+    "chain_without_age": ("max_age: none", "D"),
+    "consert_majority": ("filter: majority",),
+    "consert_max_age_none": ("max_age: none", "Map"),
+    "consert_unsafe_default": ("allow_unsafe_default", "Free"),
+    "event_coverage": ("COVERAGE", "ok"),
+    "event_known": ("KNOWN", "ok"),
+}
+"""What stands in one warning: the key that accepts less, and whose it is."""
+
+
+@pytest.fixture
+def case(request: pytest.FixtureRequest, tmp_path: Path) -> Case:
+    file = shared("deployments") / f"{request.param}.yml"
+    return read_case(file.read_text("utf-8"), tmp_path)
+
+
+@pytest.mark.parametrize("case", NAMES, indirect=True)
+def test_check(case: Case) -> None:
+    name, wanted = case.content["id"], case.content["check"]
+    problems = [*check_files(case.files), *_of_robots(case)]
+    errors = [problem for problem in problems if problem.level == "error"]
+    if wanted == "error":
+        assert _names(errors, REFUSED[name]), errors
+        return
+    assert errors == []
+    if wanted == "warning":
+        assert _names([one for one in problems if one.level == "warning"], WARNED[name]), problems
+
+
+def _of_robots(case: Case) -> list[Problem]:
+    """Return what the wiring of robots in namespaces shows beside their files."""
+    rows = [row for row in case.content["monitors"] if row.get("namespace")]
+    members = [
+        Member(monitors_of(None, [case.folder / row["config"]])[0][0], row["namespace"])
+        for row in rows
+    ]
+    return check_wiring(members)
+
+
+def _names(problems: list[Problem], words: tuple[str, ...]) -> bool:
+    texts = [f"{problem.message} {problem.hint or ''}" for problem in problems]
+    return any(all(word in text for word in words) for text in texts)
+
+
+@pytest.mark.parametrize("case", NAMES, indirect=True)
+def test_claims(case: Case) -> None:
+    if case.content["check"] == "error":
+        return
+    deployment = deployment_of(case)
+    hazards = {f"{m.name}.{name}" for m in deployment.members for name in m.publisher.hazards}
+    steps = dict(World(deployment).run())
+    assert [line for want in case.content["wants"] for line in _wrong(want, steps, hazards)] == []
+
+
+def _wrong(
+    want: Mapping[str, Any], steps: Mapping[int, Claims], hazards: set[str]
+) -> Iterator[str]:
+    """Yield the times at which an output is not as it must be."""
+    first, last, output = round(want["from"] * 1000), round(want["to"] * 1000), want["output"]
+    assert output in steps[first], (output, first)
+    assert output in steps[last], (output, last)
+    must = {"must_be_active": True, "must_be_inactive": False}.get(want["allow"])
+    for t, claims in steps.items():
+        if first <= t <= last and must is not None and output in claims:
+            active = claims[output] != (output in hazards)
+            if active is not must:
+                yield f"{output} at {t / 1000} s {want['allow']}: {want['why']}"

@@ -1,0 +1,120 @@
+"""Random deployments: nothing good is claimed because something is silent.
+
+Each run looks at 2,000 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
+`pytest -rA` prints what was counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from random import Random
+
+import pytest
+from eddi_runtime.event import engine
+from hypothesis import settings
+
+from eddi_scaffold.checking import check_files
+from eddi_scaffold.problems import EddiError, has_errors
+from tests.deployments.cases import deployment_of as deployment_of_case
+from tests.deployments.cases import read_case
+from tests.deployments.drafts import Draft, deployment_of, running_of
+from tests.deployments.drawing import draft_of
+from tests.deployments.faults import RUNTIME, faulty, fleet, robot_of
+from tests.deployments.pool.events import UNSOUND
+from tests.deployments.pool.readings import BAD
+from tests.deployments.properties import Check, Count
+from tests.deployments.shrinking import smallest
+from tests.deployments.telling import text_of
+from tests.deployments.world import Observer, World
+
+SIZE = 250
+"""Deployments of one test."""
+SHARDS = 400 if settings.default.max_examples > 1000 else 8
+FAULTS = (*BAD, *UNSOUND, "cycle", *RUNTIME)
+PATIENCE = 60
+"""Deployments with a fault of which one at least must be found."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _compile_once() -> Iterator[None]:
+    """Compile equal expressions once: a process that begins anew compiles its own again."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "compile", cache(compile), raising=False)
+        yield
+
+
+@pytest.mark.parametrize("shard", range(SHARDS))
+def test_silence_claims_nothing(shard: int) -> None:
+    total = Count()
+    for seed in range(shard * SIZE, (shard + 1) * SIZE):
+        rng = Random(seed)
+        check = Check(draft_of(rng), rng)
+        violation = check.violation()
+        assert violation is None, _told(check.draft, f"seed {seed}: {violation}")
+        total.add(check.count)
+    print(total)
+    assert total.compared > 20 * SIZE  # claims that hold although something is not known
+
+
+def _told(draft: Draft, about: str) -> str:
+    """Return the smallest deployment that a person has to look at."""
+    small = smallest(draft, _fails)
+    return f"{about}\n{text_of(small, 'found', _why(small))}"
+
+
+def _fails(draft: Draft) -> bool:
+    return bool(_why(draft))
+
+
+def _why(draft: Draft) -> str:
+    found = (Check(draft, Random(k), worlds=8).violation() for k in range(3))
+    return str(next((one for one in found if one is not None), ""))
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_is_found(fault: str) -> None:
+    """As long as the product does not refuse it itself."""
+    for number in range(PATIENCE):
+        rng = Random(f"{fault} {number}")
+        try:
+            check = Check(faulty(fault, rng), rng, RUNTIME.get(fault, Observer))
+        except EddiError:
+            return
+        if check.violation() is not None:
+            return
+    pytest.fail(f"{fault} was not found in {PATIENCE} deployments")
+
+
+def test_what_is_found_is_made_small() -> None:
+    rng = Random("negated evidence 0")
+    draft = smallest(faulty("negated evidence", rng), _fails)
+    assert _fails(draft)
+    assert len(draft.instances) <= 2
+    assert len(draft.values) <= 1
+
+
+@pytest.mark.parametrize("number", range(40))
+def test_check_accepts_them_as_files(number: int, tmp_path: Path) -> None:
+    """And the files give the same claims as the monitors of the pool."""
+    draft = draft_of(Random(f"files {number}"))
+    case = read_case(text_of(draft, "drawn", ""), tmp_path)
+    problems = check_files(case.files)
+    # one template drawn twice would be one package in one workspace, here it is two processes
+    assert not has_errors(one for one in problems if one.code != "G004"), problems
+    assert list(World(deployment_of_case(case)).run()) == list(World(deployment_of(draft)).run())
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_robots_do_not_lean_on_each_other(shared: bool) -> None:
+    """But where a topic of a monitor is the same for both, which must be found."""
+    leaning = 0
+    for number in range(20):
+        draft = fleet(Random(number), shared=shared)
+        running = running_of(draft)
+        one = robot_of(draft, "r1")
+        alone = dict(World(deployment_of(one), running=running).run())
+        for t, claims in World(deployment_of(draft), running=running).run():
+            leaning += any(claims[name] and not claimed for name, claimed in alone[t].items())
+    assert bool(leaning) is shared

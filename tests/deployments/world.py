@@ -1,0 +1,190 @@
+"""A deployment played in one process: the product's monitors, nodes and messages on a grid of time.
+
+At a time come first restarts, then samples, then every monitor that is due, in the order of the
+deployment. What one publishes, those behind it receive at once, those before it in their next step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from eddi_runtime import Monitor as RunningMonitor
+
+from eddi_scaffold.binding import Monitor
+from eddi_scaffold.node import Node, Received
+from eddi_scaffold.running import compiled
+from tests.deployments.history import History
+from tests.deployments.messages import Message
+from tests.deployments.publishing import Publisher
+
+MS = 1_000_000
+CLOCK_START = 1_000_000_000
+"""Milliseconds: where the clock of the steps begins, far enough from zero to be set back."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One monitor of a deployment.
+
+    Attributes:
+        topics: id of each simulator output -> full name of its topic.
+        publisher: what it publishes, and what it claims.
+        every: its period.
+        delay: from its step until others receive what it published.
+    """
+
+    name: str
+    monitor: Monitor
+    topics: Mapping[str, str]
+    publisher: Publisher
+    every: int
+    delay: int = 0
+
+
+@dataclass(frozen=True)
+class Deployment:
+    """Monitors, in the order in which they step, and what happens to them."""
+
+    members: tuple[Member, ...]
+    history: History
+    tick: int = 500
+
+    @cached_property
+    def subscribers(self) -> Mapping[str, Sequence[tuple[str, str]]]:
+        """Topic -> name of a monitor and id of its simulator output."""
+        found: dict[str, list[tuple[str, str]]] = {}
+        for member in self.members:
+            for source, topic in member.topics.items():
+                found.setdefault(topic, []).append((member.name, source))
+        return found
+
+    @property
+    def sources(self) -> frozenset[str]:
+        """The topics that somebody reads and none of the monitors publishes."""
+        own = {topic for member in self.members for topic in member.publisher.topics}
+        return frozenset(self.subscribers) - own
+
+
+Claims = Mapping[str, bool]
+"""``monitor.output`` -> whether it is claimed."""
+
+
+@dataclass
+class _Process:
+    """One running monitor."""
+
+    node: Node
+    inbox: list[Received] = field(default_factory=list)
+
+
+class Observer:
+    """Sees what monitors receive and publish; this one leaves all as it is."""
+
+    def begun(self, member: Member) -> None:
+        """Note that a process begins, with nothing received."""
+
+    def received(self, member: Member, t: int, messages: Sequence[Received]) -> Sequence[Received]:
+        """Return what a monitor is given in a step."""
+        return messages
+
+    def published(
+        self, member: Member, t: int, messages: Sequence[tuple[str, Message]]
+    ) -> Sequence[tuple[str, Message]]:
+        """Return what the others receive of a step."""
+        return messages
+
+
+class World:
+    """One run of a deployment.
+
+    Args:
+        deployment: what to play.
+        observer: sees everything, and may change what is received.
+        running: compiled monitors by name, which begin anew; without them they are compiled here.
+    """
+
+    def __init__(
+        self,
+        deployment: Deployment,
+        observer: Observer | None = None,
+        running: Mapping[str, RunningMonitor] | None = None,
+    ) -> None:
+        self._deployment = deployment
+        self._history = deployment.history
+        self._observer = observer or Observer()
+        self._running = running or {m.name: compiled(m.monitor) for m in deployment.members}
+        self._last: dict[str, Message] = {}
+        self._late: list[tuple[int, str, Message]] = []
+        self._processes = {member.name: self._begun(member) for member in deployment.members}
+
+    def run(self) -> Iterator[tuple[int, Claims]]:
+        """Yield the claims of the monitors that step, at each time of the grid."""
+        for t in range(0, self._history.until + 1, self._deployment.tick):
+            yield t, self._tick(t)
+
+    def _begun(self, member: Member) -> _Process:
+        running = self._running[member.name]
+        running.reset()
+        self._observer.begun(member)
+        return _Process(Node(member.monitor.inputs, running))
+
+    def _tick(self, t: int) -> Claims:
+        self._begin_anew(t)
+        for sample in self._history.at(t):
+            self._deliver(sample.topic, sample.message, t, latched=sample.latched)
+        self._deliver_late(t)
+        claims: dict[str, bool] = {}
+        for member in self._deployment.members:
+            if t % member.every == 0 and not self._history.is_dead(member.name, t):
+                claims.update(self._step(member, t))
+        return claims
+
+    def _begin_anew(self, t: int) -> None:
+        for member in self._deployment.members:
+            if self._history.begins(member.name, t):
+                self._processes[member.name] = self._begun(member)
+                if self._history.latching:
+                    self._greet(member, t)
+
+    def _greet(self, member: Member, t: int) -> None:
+        """Give the last messages of living monitors to one that subscribes to them."""
+        for source, topic in member.topics.items():
+            alive = any(
+                topic in other.publisher.topics and not self._history.is_dead(other.name, t)
+                for other in self._deployment.members
+            )
+            if alive and topic in self._last:
+                message = Received(t * MS, source, self._last[topic], latched=True)
+                self._processes[member.name].inbox.append(message)
+
+    def _deliver(self, topic: str, message: Message, t: int, *, latched: bool = False) -> None:
+        self._last[topic] = message
+        for name, source in self._deployment.subscribers.get(topic, ()):
+            if not self._history.is_dead(name, t):
+                one = Received(t * MS, source, message, latched)
+                self._processes[name].inbox.append(one)
+
+    def _deliver_late(self, t: int) -> None:
+        due = [one for one in self._late if one[0] <= t]
+        self._late = [one for one in self._late if one[0] > t]
+        for _, topic, message in due:
+            self._deliver(topic, message, t)
+
+    def _step(self, member: Member, t: int) -> Claims:
+        process = self._processes[member.name]
+        given = self._observer.received(member, t, process.inbox)
+        process.inbox = []
+        clock = (CLOCK_START + t + self._history.offset(t)) * MS
+        output = process.node.step(t * MS, given, clock).output
+        told = member.publisher.messages(
+            self._running[member.name], output, self._deployment.subscribers
+        )
+        claims = member.publisher.claims(told)
+        for topic, message in self._observer.published(member, t, told):
+            if member.delay:
+                self._late.append((t + member.delay, topic, message))
+            else:
+                self._deliver(topic, message, t)
+        return {f"{member.name}.{name}": claimed for name, claimed in claims.items()}

@@ -1,0 +1,195 @@
+"""Many damaged inputs, fast: seeded damage without hypothesis, and a watch on time and traces.
+
+Hypothesis shrinks what it finds but takes milliseconds for each example; a hundred thousand inputs
+need a plain loop. Each input has a seed of its own, so that one alone can be tried again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from random import Random
+
+from tests.fuzz.mutations import NASTY, mutated
+
+LARGEST = 150_000
+"""Bytes of the largest damaged input; what is behind is cut off."""
+PATIENCE = 60
+"""Seconds after which a call that does not even return to Python ends the process."""
+LONG = [
+    *(b"[" * 3000, b"(" * 3000, b"{a: " * 2000, b"<a>" * 5000, b"-" * 100_000, b"~" * 100_000),
+    *(b"not " * 20_000, b"NOT " * 20_000, b"9" * 20_000, b"0x" + b"f" * 20_000, b"1_" * 20_000),
+    *(b"0b" + b"1" * 20_000, b"1" + b":59" * 20_000, b" " * 50_000, b"\n" * 50_000, b"\t" * 50_000),
+    *(b"a" * 100_000, b"a." * 30_000, b"a, " * 20_000, b"a\n" * 20_000, b"- a\n" * 10_000),
+    *(b"//@a.0" * 10_000, b"/@a.0" * 10_000, b"&amp;" * 10_000, b'"' * 30_000, b"'" * 30_000),
+    *(b"x = 1\n" * 5000, b"# x\n" * 10_000, b"if a:\n" * 500, b"\\\n" * 10_000, b"1+" * 30_000),
+]  # fmt: skip
+"""What a recursion, a quadratic loop or a backtracking pattern does not get through."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A sound input.
+
+    Attributes:
+        name: of the file that it is written to.
+        data: its bytes.
+    """
+
+    name: str
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Reader:
+    """What reads damaged inputs.
+
+    Attributes:
+        name: for people.
+        samples: sound inputs.
+        attempt: reads one damaged input, and yields behind each step that may take its full time;
+            whatever it raises is a fault.
+    """
+
+    name: str
+    samples: Sequence[Sample]
+    attempt: Callable[[Sample], Iterator[None]]
+
+
+@dataclass
+class Fault:
+    """What went wrong, with the first input that shows it."""
+
+    reader: str
+    what: str
+    seed: str
+    sample: Sample
+    trace: str
+    count: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.reader}: {self.what} ({self.count} times), first {self.seed}\n{self.trace}"
+
+
+@dataclass
+class Result:
+    """What a run found."""
+
+    inputs: int = 0
+    seconds: float = 0.0
+    slowest: float = 0.0
+    faults: dict[str, Fault] = field(default_factory=dict)
+
+
+class HangError(BaseException):
+    """Too long for one input; no reader catches it."""
+
+
+def damaged(data: bytes, chance: Random) -> bytes:
+    """Return the bytes with one to five pieces of damage."""
+    return mutated(data, [_operation(chance) for _ in range(chance.randint(1, 5))])[:LARGEST]
+
+
+def _operation(chance: Random) -> tuple[str, int, object]:
+    name = chance.choice(_NAMES)
+    place = chance.randrange(1_000_000)
+    if name == "flip":
+        return name, place, chance.randrange(256)
+    if name == "cut":
+        return name, place, chance.randint(1, 60)
+    if name == "repeat line":
+        return name, place, chance.choice((1, 1, 2, 3, 3, 300))
+    if name == "insert":
+        return name, place, _piece(chance)
+    if name == "replace" and chance.random() < 0.5:
+        return name, place, _piece(chance)
+    return name, place, chance.randrange(1_000_000)
+
+
+_NAMES = ("flip", "cut", "insert", "swap", "replace", "replace", "repeat line", "end")
+
+
+def _piece(chance: Random) -> bytes:
+    if chance.random() < 0.02:
+        return chance.choice(LONG)
+    return chance.choice(NASTY) if chance.random() < 0.8 else chance.randbytes(chance.randrange(9))
+
+
+def fuzz(reader: Reader, seed: str, count: int, limit: float) -> Result:
+    """Try ``count`` damaged inputs.
+
+    Args:
+        reader: what reads them.
+        seed: gives, with the number of an input, the same input again.
+        count: how many.
+        limit: processor seconds for one input of up to 100 kB, and more for larger ones.
+    """
+    result = Result()
+    began = time.monotonic()
+    for number in range(count):
+        one = f"{seed}:{number}"
+        _try(reader, one, damaged_sample(reader, one), limit, result)
+    result.inputs, result.seconds = count, time.monotonic() - began
+    return result
+
+
+def damaged_sample(reader: Reader, seed: str) -> Sample:
+    """Return the damaged input of a seed."""
+    chance = Random(seed)
+    sound = chance.choice(reader.samples)
+    return Sample(sound.name, damaged(sound.data, chance))
+
+
+def _try(reader: Reader, seed: str, sample: Sample, limit: float, result: Result) -> None:
+    patience = limit * max(1.0, len(sample.data) / 100_000)
+    steps = reader.attempt(sample)
+    try:
+        while True:
+            start = time.process_time()
+            with watched(patience):
+                next(steps)
+            result.slowest = max(result.slowest, time.process_time() - start)
+    except StopIteration:
+        return
+    except (Exception, HangError) as failed:  # noqa: BLE001 - whatever it is, it is noted
+        _note(result, reader, seed, sample, failed)
+
+
+def _note(result: Result, reader: Reader, seed: str, sample: Sample, failed: BaseException) -> None:
+    frames = traceback.extract_tb(failed.__traceback__)
+    around = [frame for frame in frames if frame.filename != __file__]
+    own = [frame for frame in around if "eddi_" in frame.filename] or around
+    at = own[-1]
+    file = at.filename.rpartition("/")[2]
+    what = f"{type(failed).__name__} in {file}:{at.lineno}"
+    if isinstance(failed, (HangError, RecursionError)):  # it may be anywhere in a loop
+        what = f"{type(failed).__name__} in {file}:{at.name}"
+    if what in result.faults:
+        result.faults[what].count += 1
+        return
+    trace = "".join(traceback.format_exception(failed)[-12:])
+    result.faults[what] = Fault(reader.name, what, seed, sample, trace[-4000:])
+
+
+@contextlib.contextmanager
+def watched(limit: float) -> Iterator[None]:
+    """Raise in what takes longer; what does not come back from C ends the process."""
+    before = signal.signal(signal.SIGPROF, _ring)
+    faulthandler.dump_traceback_later(PATIENCE, exit=True, file=sys.__stderr__)
+    signal.setitimer(signal.ITIMER_PROF, limit)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        faulthandler.cancel_dump_traceback_later()
+        signal.signal(signal.SIGPROF, before)
+
+
+def _ring(*_: object) -> None:
+    raise HangError

@@ -1,0 +1,444 @@
+"""Everything that reads files of people, as the commands do it, without starting a command."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import json
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_runtime.model_file import ModelError, parse_model
+from eddi_runtime.monitor import build
+
+from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.bags import read_bag
+from eddi_scaffold.checking import check_files
+from eddi_scaffold.config import read_config
+from eddi_scaffold.config_block import read_block, rewritten
+from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.events.analysis import analyse
+from eddi_scaffold.events.report import as_json, as_text
+from eddi_scaffold.events.targets import generate
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.models import read_models
+from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
+from eddi_scaffold.mros.as_json import model_json, system_json
+from eddi_scaffold.mros.as_tree import model_tree, system_tree
+from eddi_scaffold.platforms import platforms
+from eddi_scaffold.problems import EddiError, has_errors
+from eddi_scaffold.project import ANSWERS_FILE
+from eddi_scaffold.recording import read_recording
+from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.regions.markers import Marker, read_marker
+from eddi_scaffold.regions.sync import sync_package
+from eddi_scaffold.running import changes, compiled, of_bag, of_recording, steps
+from eddi_scaffold.showing import survey_of
+from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.tracing import trace_of
+from eddi_scaffold.upgrading import groups, targets
+from tests.adopting.old_networks import write_old_network
+from tests.adopting.old_packages import write_old_ros_package
+from tests.cli.command import ROOT, files_below
+from tests.fuzz.damage import Reader, Sample
+from tests.regions.rendering import FILES, Package, elements, render
+from tests.shared_data import ROOT as SHARED
+
+EXAMPLES = ROOT / "examples"
+SMALL = 20_000
+"""Bytes of the largest sample: damage to a large file takes long and finds no more."""
+
+
+def readers(folder: Path, names: Sequence[str]) -> dict[str, Reader]:
+    """Return some readers; each works in a folder of its own."""
+    made = {}
+    for name in names:
+        place = folder / name.replace(" ", "-")
+        place.mkdir(parents=True)
+        samples, attempt = _MAKERS[name](place)
+        made[name] = Reader(name, samples, attempt)
+    return made
+
+
+Steps = Iterator[None]
+Made = tuple[Sequence[Sample], Callable[[Sample], Steps]]
+
+
+def _samples(paths: Sequence[Path | str], shared: str = "") -> list[Sample]:
+    """Return sound files: examples, and shared ones where they are on this machine."""
+    found = [EXAMPLES / path for path in paths]
+    found += sorted(SHARED.glob(shared)) if shared else []
+    return [Sample(p.name, p.read_bytes()) for p in found if p.stat().st_size <= SMALL]
+
+
+def used(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> Steps:
+    """Do with a model what check, show, diagram, export and generate do before they write."""
+    check_files([path, *configs])
+    yield
+    with contextlib.suppress(EddiError):
+        survey_of(read_source(path))
+    yield
+    reading = read_models(read_source(path))
+    for model in () if has_errors(reading.problems) else reading.models:
+        kind = kinds()[model.kind]
+        json.dumps([list(kind.outline(model)), dict(kind.counts(model)), dict(kind.export(model))])
+        yield
+        if kind.diagram is not None:
+            drawn(kind.diagram(model))
+    yield
+    with contextlib.suppress(EddiError):
+        yield from _generated(path, configs, platform)
+
+
+def _generated(path: Path, configs: Sequence[Path], platform: str) -> Steps:
+    monitors, problems = monitors_of(path, configs)
+    yield
+    # a cross-check is the work of another library, which is not here everywhere
+    monitors = [replace(one, kind=replace(one.kind, cross_check=None)) for one in monitors]
+    made = assemble(monitors, platforms()[platform], path.parent / "packages", problems)
+    yield
+    for package in made.packages:
+        if "model_json" in package.answers:
+            trace_of(package.answers)
+    for monitor in monitors:
+        compiled(monitor)
+        yield
+
+
+def _models(*files: str, shared: str = "") -> Callable[[Path], Made]:
+    def make(folder: Path) -> Made:
+        beside = {Path(file).parent for file in files}
+        for path in (one for name in beside for one in (EXAMPLES / name).iterdir()):
+            if path.is_file():
+                shutil.copy(path, folder / path.name)
+
+        def attempt(sample: Sample) -> Steps:
+            path = folder / f"damaged-{sample.name}"
+            path.write_bytes(sample.data)
+            yield from used(path)
+
+        return _samples(files, shared), attempt
+
+    return make
+
+
+def _exported(folder: Path, suffix: str) -> list[Sample]:
+    found = []
+    for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(SHARED.glob("bn/net_[abc].xml"))):
+        for model in read_models(read_source(path)).models:
+            for name, text in kinds()[model.kind].export(model).items():
+                if name.endswith(suffix) and len(text) <= SMALL:
+                    found.append(Sample(name, text.encode()))
+    return found
+
+
+def _networks(suffix: str) -> Callable[[Path], Made]:
+    def make(folder: Path) -> Made:
+        _, attempt = _models()(folder)
+        return _exported(folder, suffix), attempt
+
+    return make
+
+
+def _config(folder: Path) -> Made:
+    """Configurations beside the models that they belong to."""
+    samples, model_of = [], {}
+    for name, model in (
+        ("two-conserts/consert_a_config.yml", "two_conserts.xml"),
+        ("two-conserts/consert_b_config.yml", "two_conserts.xml"),
+        ("pedestrian/eddi_config.yml", "pedestrian.xml"),
+        ("drone/reliability_config.yml", "drone.xml"),
+        ("drone/mission_config.yml", "drone.xml"),
+        ("rover-events/eddi_config.yml", "Rover.yml"),
+        ("motor-watch/motor_config.yml", "motor_watch.events"),
+        ("safeml/perception_config.yml", "safeml_config.yml"),
+    ):
+        path = EXAMPLES / name
+        place = folder / path.parent.name
+        if not place.exists():
+            shutil.copytree(path.parent, place, ignore=shutil.ignore_patterns("expected"))
+        sample = Sample(f"{path.parent.name}/damaged_{path.name}", path.read_bytes())
+        samples.append(sample)
+        model_of[sample.name] = place / model
+
+    def attempt(sample: Sample) -> Steps:
+        path = folder / sample.name
+        path.write_bytes(sample.data)
+        source = Source(str(path), sample.data)
+        read_config(source)
+        with contextlib.suppress(EddiError):
+            rewritten(read_block(source), [])
+        yield
+        yield from used(model_of[sample.name], [path], "ros1")
+
+    return samples, attempt
+
+
+def _reliability(folder: Path) -> Made:
+    samples, attempt = _models("drone/airframe.yml")(folder)
+    texts = (ROOT / "tests/kinds/reliability/diagnostics.txt").read_text("utf-8").split("### ")
+    cases = (text.partition("\n")[2].partition(">>>\n")[0] for text in texts[1:])
+    return [*samples, *(Sample("case.yml", text.encode()) for text in cases)], attempt
+
+
+def _safeml(folder: Path) -> Made:
+    config, rows = (EXAMPLES / "safeml" / n for n in ("safeml_config.yml", "reference_sample.csv"))
+    few = b"\n".join(rows.read_bytes().split(b"\n")[:60])
+    samples = [Sample("safeml_config.yml", config.read_bytes()), Sample(rows.name, few)]
+
+    def attempt(sample: Sample) -> Steps:
+        (folder / "safeml_config.yml").write_bytes(config.read_bytes())
+        (folder / rows.name).write_bytes(few)
+        (folder / sample.name).write_bytes(sample.data)
+        yield from used(folder / "safeml_config.yml")
+
+    return samples, attempt
+
+
+def _events(folder: Path) -> Made:
+    samples = _samples(["motor-watch/motor_watch.events"])
+    samples.append(Sample("many.events", _EVENTS))
+
+    def attempt(sample: Sample) -> Steps:
+        path = folder / sample.name
+        path.write_bytes(sample.data)
+        yield from used(path)
+        with contextlib.suppress(UnicodeDecodeError):
+            found = analyse(sample.data.decode("utf-8-sig"), rate=10)
+            if found.form is not None:
+                as_json(found)
+                as_text(found)
+                yield
+                for target in ("python", "c"):
+                    generate(found, target, "m")
+                    yield
+
+    return samples, attempt
+
+
+_EVENTS = b"""ENUM Mode (Idle, Drive, Charge)
+VAR mode : Mode TIMEOUT 2s
+VAR speed : NUMBER UNIT km/h RANGE 0 .. 130 TIMEOUT 500ms
+VAR door : BOOL
+CONST limit := 30 km/h
+EVENT Fast (HAZARD) := speed > limit OR NOT (ABS(speed - 3 km/h) < 1 m/s)
+EVENT Held := TIME(mode = Drive AND NOT door, 3s) XOR ONCE(door, 1500ms)
+EVENT Mean : NUMBER := AVERAGE(speed, 5s) + MAX(1 km/h, speed * 2) / 4
+EVENT Both := Fast AND Held
+"""
+
+
+def _robots(folder: Path) -> Made:
+    paths = [p for p in sorted((EXAMPLES / "robot-models").rglob("*.ros*")) if p.is_file()]
+    samples = _samples(paths)
+    few = sorted(SHARED.glob("mros/corpus/**/*.ros*"))[::5]
+    samples += [Sample(p.name, p.read_bytes()) for p in few if p.stat().st_size <= SMALL]
+
+    def attempt(sample: Sample) -> Steps:
+        with contextlib.suppress(MrosSyntaxError):
+            if sample.name.endswith(".rossystem"):
+                system = read_rossystem(sample.data, sample.name)
+                json.dumps([system_json(system), list(system_tree(system))])
+            else:
+                model = read_ros_models(sample.data, sample.name)
+                json.dumps([model_json(model), list(model_tree(model))])
+        yield
+
+    return samples, attempt
+
+
+def _recordings(folder: Path) -> Made:
+    samples = _samples(["two-conserts/recording.csv", "drone/recording.csv"])
+    path = EXAMPLES / "two-conserts"
+    (monitor,), _ = monitors_of(path / "two_conserts.xml", [path / "consert_a_config.yml"])
+    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
+
+    def attempt(sample: Sample) -> Steps:
+        recording, _ = read_recording(Source("damaged.csv", sample.data), types)
+        if recording is not None:
+            list(changes(monitor, of_recording(recording)))
+        yield
+
+    return samples, attempt
+
+
+def _bags(folder: Path) -> Made:
+    from tests.test_bags import demand, healthy, written
+
+    path = folder / "a.bag"
+    written(path, [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)])
+    place = EXAMPLES / "two-conserts"
+    (monitor,), _ = monitors_of(place / "two_conserts.xml", [place / "consert_a_config.yml"])
+    wanted = list({one.id: one for b in monitor.inputs for one in b.requires}.values())
+
+    def attempt(sample: Sample) -> Steps:
+        path.write_bytes(sample.data)
+        with contextlib.suppress(EddiError):
+            bag = read_bag(path, monitor.config, wanted)
+            for _ in itertools.islice(steps(monitor, of_bag(monitor, bag)), 100):
+                pass
+        yield
+
+    return [Sample("a.bag", path.read_bytes())], attempt
+
+
+def _answers(folder: Path) -> Made:
+    """Packages of both platforms, whose answers a merge has damaged."""
+    expected = EXAMPLES / "two-conserts/expected/src/eddi_monitor"
+    samples = []
+    for source in (ROOT / "tests/golden/plain/rover", *sorted(expected.iterdir())):
+        if (source / ANSWERS_FILE).is_file():
+            (folder / source.name).mkdir()
+            data = (source / ANSWERS_FILE).read_bytes()
+            samples.append(Sample(f"{source.name}/{ANSWERS_FILE}", data))
+
+    def attempt(sample: Sample) -> Steps:
+        path = folder / sample.name
+        path.write_bytes(sample.data)
+        with contextlib.suppress(EddiError):
+            for group in groups(None, [path.parent]):
+                targets(group, None, [])
+                for answers in group.present.values():
+                    if "model_json" in answers:
+                        trace_of(answers)
+        yield
+
+    return samples, attempt
+
+
+def _model_files(folder: Path) -> Made:
+    """The model.json of packages, as the robot reads it."""
+    samples = []
+    for name in (
+        "two-conserts/two_conserts.xml",
+        "pedestrian/pedestrian.xml",
+        "drone/airframe.yml",
+    ):
+        found = monitors_of(EXAMPLES / name, [])[0]
+        samples += [Sample(f"{one.package}.json", one.model_json.encode()) for one in found]
+
+    def attempt(sample: Sample) -> Steps:
+        with contextlib.suppress(ModelError, UnicodeDecodeError):
+            build(parse_model(sample.data.decode(), sample.name, {}))
+        yield
+
+    return samples, attempt
+
+
+def _sync(folder: Path) -> Made:
+    """A package whose editable files, base, rendering and saved bodies are damaged in turn."""
+    sound = folder / "sound"
+    render(sound, Package(elements("E0", "E1"), 1))
+    sync_package(sound)
+    path = sound / FILES[0]
+    text = path.read_text("utf-8").replace(
+        "message.data\n", "message.data and not self.tilted\n", 1
+    )
+    path.write_text(text.replace("import EDDIInputBase\n", "import EDDIInputBase\nimport math\n"))
+    render(sound, Package(elements("E1", "E2"), 2))
+    names = [n for n in files_below(sound) if n.endswith((*FILES, ".json"))]
+    samples = [Sample(name, (sound / name).read_bytes()) for name in names]
+    package = folder / "package"
+
+    def attempt(sample: Sample) -> Steps:
+        shutil.rmtree(package, ignore_errors=True)
+        shutil.copytree(sound, package)
+        (package / sample.name).write_bytes(sample.data)
+        before = files_below(package)
+        yield
+        list_regions(package)
+        yield
+        assert files_below(package) == before, "a list of regions changed a file"
+        report = sync_package(package)
+        yield
+        after = files_below(package)
+        for refusal in report.refused:
+            name = refusal.file.removeprefix(".eddi/pristine/")
+            assert after.get(name) == before.get(name), f"{name} was refused, but changed"
+        if sample.name in FILES:
+            _nothing_lost(sample, before, after)
+        again = sync_package(package)
+        yield
+        # blank lines outside of regions take two runs until they are those of the rendering
+        assert _stripped(files_below(package)) == _stripped(after), "a second run changed a file"
+        assert not again.notes or report.notes, "a second run said more"
+
+    return samples, attempt
+
+
+def _stripped(files: dict[str, bytes]) -> dict[str, bytes]:
+    return {name: b"\n".join(filter(bytes.strip, d.split(b"\n"))) for name, d in files.items()}
+
+
+def _nothing_lost(sample: Sample, before: dict[str, bytes], after: dict[str, bytes]) -> None:
+    """Each line that only a person can have written stands somewhere still."""
+    generated = {
+        line.strip() for n in before if n != sample.name for line in before[n].split(b"\n")
+    }
+    there = b"\n".join(after.values())
+    for line in sample.data.split(b"\n"):
+        words = line.strip()
+        if not words or isinstance(read_marker(line.decode("utf-8", "replace"), 1), Marker):
+            continue
+        assert words in generated or words in there, f"lost: {words[:200]!r}"
+
+
+def _adopt(folder: Path) -> Made:
+    from eddi_scaffold.adopting.adopt import adopt
+
+    ros = write_old_ros_package(folder / "ros", _consert_yaml())
+    xdsl = _exported(folder, "PedestrianRisk.xdsl") or _exported(folder, ".xdsl")
+    network = write_old_network(folder / "bn", xdsl[0].data.decode())
+    sound = {p.relative_to(folder).as_posix(): p.read_bytes() for p in _files(ros, network)}
+    samples = [Sample(name, data) for name, data in sound.items() if name.endswith(".py")]
+
+    def attempt(sample: Sample) -> Steps:
+        (folder / sample.name).write_bytes(sample.data)
+        before = files_below(folder)
+        try:
+            with contextlib.suppress(EddiError):
+                found = adopt(folder / sample.name.partition("/")[0], None, None)
+                found.config(found.model_file.name)
+            yield
+            assert files_below(folder) == before, "adopt changed the old package"
+        finally:
+            (folder / sample.name).write_bytes(sound[sample.name])
+
+    return samples, attempt
+
+
+def _consert_yaml() -> str:
+    (model, *_) = read_models(read_source(EXAMPLES / "two-conserts/two_conserts.xml")).models
+    return next(iter(kinds()["consert"].export(model).values()))
+
+
+def _files(*folders: Path) -> Iterator[Path]:
+    for folder in folders:
+        yield from sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+_MAKERS: dict[str, Callable[[Path], Made]] = {
+    "EDDI XML": _models(
+        "two-conserts/two_conserts.xml", "drone/drone.xml", "pedestrian/pedestrian.xml",
+        shared="bn/eddi_pedestrian_fig12.xml",
+    ),
+    "ConSert YAML": _models(
+        "robot-models/Rover.yml", "rover-events/Rover.yml", "motor-watch/drive.yml"
+    ),
+    "XDSL": _networks(".xdsl"),
+    "XMLBIF": _networks(".xmlbif"),
+    "configuration": _config,
+    "reliability YAML": _reliability,
+    "SafeML": _safeml,
+    "events": _events,
+    "robot models": _robots,
+    "recordings": _recordings,
+    "bags": _bags,
+    "answers": _answers,
+    "model.json": _model_files,
+    "sync": _sync,
+    "adopt": _adopt,
+}  # fmt: skip
+NAMES = tuple(_MAKERS)

@@ -1,0 +1,223 @@
+"""Answers can be given to Copier directly: none may bring code, markup or a file name of its own.
+
+Real Copier renders packages of which one answer is hostile. It refuses the answer, or what it
+writes has the syntax of the sound package, in every language.
+"""
+
+from __future__ import annotations
+
+import copy
+import tempfile
+import warnings
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import copier
+import pytest
+from copier.errors import CopierError
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.platforms import platforms
+from tests.cli.command import ROOT, files_below, template
+from tests.fuzz.test_names_are_no_code import FEW, check_texts, shapes
+from tests.hostile_texts import HOSTILE
+
+Answers = dict[str, Any]
+PATHS = tuple[str | int, ...]
+EXAMPLES = ROOT / "examples"
+MODELS = {
+    "ros1": (EXAMPLES / "two-conserts/two_conserts.xml", "consert_a_config.yml"),
+    "network": (EXAMPLES / "pedestrian/pedestrian.xml", "eddi_config.yml"),
+    "plain": (ROOT / "tests/golden/models/rover.yml", None),
+}
+CODE = [
+    "import os",
+    "None; import os",
+    "None if exec('x') else None",
+    "'a' + exec('x')",
+    "('a', exec('x'))",
+    "('a',), exec('x')",
+    "0.0\nimport os",
+    "1+1",
+    "a\n",
+    "a: exec('x')",
+    "a=exec('x')",
+    "self.a = exec('x')",
+    "self.a = by_id(exec('x'), 'a').b",
+    "self.a = self.expression('a'); import os",
+    "return exec('x')",
+    "    'a': exec('x'),",
+    "from os import system",
+    "from typing import Dict; import os",
+    "from std_msgs.msg import Bool as exec, system",
+    '    """a"""; import os',
+    " -> exec('x')",
+    ", every_message=exec('x')",
+    "\n            only=exec('x'),",
+    "'''-----Manual edit begin-----'''  # region: a\nimport os",
+    "[exec('x')]",
+    "a'); exec('x",
+]
+
+
+@cache
+def sound(which: str) -> dict[str, Answers]:
+    """Return the answers of the packages of a workspace, by name."""
+    model, config = MODELS[which]
+    configs = [model.parent / config] if config else []
+    monitors, problems = monitors_of(model, configs)
+    platform = platforms()["plain" if which == "plain" else "ros1"]
+    with tempfile.TemporaryDirectory() as folder:
+        packages = assemble(monitors, platform, Path(folder, "src", "x"), problems).packages
+    return {package.folder: dict(package.answers) for package in packages}
+
+
+@cache
+def sound_files(which: str, package: str) -> dict[str, bytes]:
+    files = rendered(sound(which)[package])
+    assert files is not None
+    return files
+
+
+def rendered(answers: Answers) -> dict[str, bytes] | None:
+    """Render a package with Copier; ``None`` when it refused the answers."""
+    with tempfile.TemporaryDirectory(prefix="eddi-answers-") as folder:
+        try:
+            copied(answers, Path(folder, "package"))
+        except (CopierError, ValueError, OSError):  # OSError: a name that is too long
+            return None
+        return files_below(Path(folder, "package"))
+
+
+def copied(answers: Answers, folder: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        copier.run_copy(
+            template().location,
+            folder,
+            data=answers,
+            defaults=True,
+            quiet=True,
+            unsafe=True,
+            skip_tasks=True,
+        )
+
+
+def leaves(value: object, path: PATHS = ()) -> Iterator[PATHS]:
+    """Yield the place of every text, list and map in some answers."""
+    parts = value.items() if isinstance(value, dict) else enumerate(value)  # type: ignore[arg-type]
+    for key, part in parts:
+        yield (*path, key)
+        if isinstance(part, dict | list):
+            yield from leaves(part, (*path, key))
+
+
+def changed(answers: Answers, path: PATHS, value: object) -> Answers:
+    new = copy.deepcopy(answers)
+    inner: Any = new
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = value
+    return new
+
+
+PLACES = [
+    (which, package, path)
+    for which in MODELS
+    for package, answers in sound(which).items()
+    for path in leaves(answers)
+]
+
+
+@settings(max_examples=5 * FEW)
+@given(place=st.sampled_from(PLACES), text=st.sampled_from([*HOSTILE, *CODE]))
+def test_hostile_answers(place: tuple[str, str, PATHS], text: str) -> None:
+    which, package, path = place
+    files = rendered(changed(sound(which)[package], path, text))
+    if files is not None:
+        assert shapes(files) == shapes(sound_files(which, package))
+        check_texts(files)
+        if path != ("package",):
+            assert files.keys() <= sound_files(which, package).keys()
+
+
+METHOD = ("modules", 0, "methods", 0)
+REFUSED: list[tuple[str, PATHS, object]] = [
+    ("modules", ("modules", 0, "name"), "sitecustomize"),
+    ("modules", ("modules", 0, "name"), "EDDIMonitor"),
+    ("modules", ("modules", 0, "name"), "../other_config"),
+    ("modules", ("modules", 0, "imports"), ["import os"]),
+    ("modules", ("modules", 0, "imports"), ["from typing import Dict\nimport os"]),
+    ("modules", ("modules", 0, "plain_methods", 1), "    import os"),
+    ("modules", ("modules", 0, "docstring"), '"""\nimport os\n"""'),
+    ("modules", (*METHOD, "body"), ["import os"]),
+    ("modules", (*METHOD, "before"), ["import os"]),
+    ("modules", (*METHOD, "after"), ["import os"]),
+    ("modules", (*METHOD, "returns"), ": import os"),
+    ("modules", (*METHOD, "region_begin"), "import os"),
+    ("modules", (*METHOD, "more"), "x"),
+    ("aliases", ("aliases", 0, "name"), "usercustomize"),
+    ("aliases", ("aliases", 0, "module"), "ros1 import x; import os"),
+    ("aliases", ("aliases", 0, "names"), "os"),
+    ("inputs", ("inputs", 0, "body"), ["import os"]),
+    ("inputs", ("inputs", 0, "body"), "pass"),
+    ("inputs", ("inputs", 0, "id"), "exec('x')"),
+    ("inputs", ("inputs", 0, "default"), "exec('x')"),
+    ("inputs", ("inputs", 0, "requires"), "('a', exec('x'))"),
+    ("inputs", ("inputs", 0, "title"), "`<img src=x>`"),
+    ("inputs", ("inputs", 0, "covered"), "<img src=x>"),
+    ("inputs", ("inputs", 0), "pass"),
+    ("inputs", ("inputs",), {"a": 1}),
+    ("publications", ("publications", 0, "more"), ", exec('x')"),
+    ("publications", ("publications", 0, "title"), "`<img src=x>`"),
+    ("subscriptions", ("subscriptions", 0, "topic"), "exec('x')"),
+    ("subscriptions", ("subscriptions", 0, "message_class"), "exec"),
+    ("publications", ("publications", 0, "message_class"), "exec"),
+    ("message_imports", ("message_imports",), ["from os import system"]),
+    ("message_imports", ("message_imports",), ["from os.msg import Bool"]),
+    ("message_imports", ("message_imports",), ["from std_msgs.msg import Bool as sys"]),
+    ("frequency", ("frequency",), "1+1"),
+    ("package", ("package",), "sitecustomize"),
+    ("package", ("package",), "json"),
+    ("package", ("package",), "a_b\n"),
+    ("runtime_module", ("runtime_module",), "os"),
+    ("own_package", ("own_package",), "os"),
+    ("readme", ("readme",), ["<script>alert(1)</script>"]),
+    ("license", ("license",), "a\x08"),
+]
+
+
+@pytest.mark.parametrize(("question", "path", "value"), REFUSED, ids=str)
+def test_refused(question: str, path: PATHS, value: object, tmp_path: Path) -> None:
+    answers = sound("network")["pedestrian_prediction_example"]
+    with pytest.raises(ValueError, match=f"Validation error for question '{question}'"):
+        copied(
+            changed({**answers, path[0]: answers.get(str(path[0]))}, path, value), tmp_path / "p"
+        )
+
+
+def test_hostile_answers_of_a_package_are_refused(tmp_path: Path) -> None:
+    """What somebody wrote into its .copier-answers.yml is not rendered by an update."""
+    package = tmp_path / "conserta"
+    copied(sound("ros1")["conserta"], package)
+    file = package / ".copier-answers.yml"
+    text = file.read_text("utf-8")
+    assert text.count("self.RtE_A_E0 = RtE_E0.data") == 1
+    file.write_text(text.replace("self.RtE_A_E0 = RtE_E0.data", "import os"), "utf-8")
+    before = files_below(package)
+    with pytest.raises(ValueError, match='Question "inputs" is required'):
+        copier.run_recopy(package, defaults=True, overwrite=True, quiet=True, unsafe=True)
+    assert files_below(package) == before
+
+
+def test_answers_of_an_older_release_are_enough(tmp_path: Path) -> None:
+    answers = dict(sound("ros1")["conserta"])
+    del answers["description_markdown"]
+    answers["description"] = "a `b` <c> [d](e)"
+    files = rendered(answers)
+    assert files is not None
+    assert b"\na \\`b\\` \\<c\\> \\[d\\](e)\n" in files["README.md"]

@@ -1,0 +1,38 @@
+"""Work grows with the size of the input, and no faster: for every reader, one thing many times.
+
+Counted are lines of Python that run, so that every machine sees the same.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.fuzz.damage import Sample
+from tests.fuzz.readers import readers
+from tests.growth.inputs import GROWING, Growing
+from tests.growth.work import work
+
+TIMES = 4
+COUNT = 50
+FEWER = {"XDSL: chain": 20, "XDSL: nodes": 20}
+"""Where a thing is a lot of work: the order of inference is searched for it."""
+MOST = 1.25
+"""How much faster than the input the work may grow; with a square it is four times as fast."""
+
+
+def _work(one: Growing, folder: Path, text: str) -> int:
+    reader = readers(folder, [one.reader])[one.reader]
+    return work(lambda: list(reader.attempt(Sample(one.file, text.encode()))))
+
+
+@pytest.mark.parametrize("name", GROWING)
+def test_work_grows_with_the_input(name: str, tmp_path: Path) -> None:
+    one = GROWING[name]
+    _work(one, tmp_path / "warm", one.text(3))  # what is imported once is no work of the input
+    count = FEWER.get(name, COUNT)
+    small, large = one.text(count), one.text(count * TIMES)
+    less, more = _work(one, tmp_path / "small", small), _work(one, tmp_path / "large", large)
+    growth = max(TIMES, len(large) / len(small))
+    assert more <= MOST * growth * less, (less, more)

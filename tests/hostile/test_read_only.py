@@ -1,0 +1,56 @@
+"""Commands that only look change nothing, whatever the workspace holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.cli.command import run
+from tests.hostile import inputs, records, repositories
+from tests.hostile.watch import changes
+from tests.hostile.world import World
+
+BUILDERS: tuple[Callable[[World], None], ...] = (
+    *inputs.BUILDERS,
+    *records.BUILDERS,
+    *repositories.BUILDERS,
+)
+"""What makes a workspace hostile; add those of other modules here."""
+COMMANDS = {
+    "status -w packages": 0,
+    "check two_conserts.xml consert_a_config.yml": 0,
+    "check Rover.yml eddi_config.yml rover.rossystem --models nodes": 1,
+    "show two_conserts.xml": 0,
+    "show rover.rossystem": 0,
+    "trace -w packages": 0,
+    "trace packages/conserta --csv": 0,
+    "regions packages": 0,
+    "regions --check packages/conserta": 0,
+    "diagram two_conserts.xml --name ConSertA": 0,
+    "compose yml/ConSertA.yml": 1,
+    "upgrade packages/conserta -m two_conserts.xml -c consert_a_config.yml --dry-run": 0,
+    "generate --platform plain -o packages -m two_conserts.xml --name ConSertA --dry-run": 0,
+    "adopt old -o adopted --dry-run": 3,
+    "parse-rossystem -s rover.rossystem -m nodes --dry-run": 0,
+}
+"""Commands that only look, with their exit status where nobody wants harm."""
+FINE = {0, 1, 2, 3}
+"""Exit statuses of commands that know what they say; 70 is our bug."""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("hostile", BUILDERS, ids=lambda build: build.__name__)
+def test_looking_changes_nothing(
+    hostile: Callable[[World], None], command: str, world: World
+) -> None:
+    hostile(world)
+    before = world.look()
+    result = run(*command.split(), cwd=world.work)
+    assert changes(before, world.look()) == []
+    assert result.status in FINE, result.err
+
+
+def test_the_commands_do_their_work_where_nobody_wants_harm(world: World) -> None:
+    statuses = {command: run(*command.split(), cwd=world.work).status for command in COMMANDS}
+    assert statuses == COMMANDS

@@ -1,0 +1,169 @@
+"""FIFOs, sockets, devices and files without end, wherever a file is expected."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.regions.files import entries, open_regular, read_regular
+from eddi_scaffold.source import read_source
+from tests.cli.command import ROOT, Result, example, run
+from tests.hostile import special
+
+MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
+
+
+@pytest.fixture(autouse=True)
+def limited() -> Iterator[None]:
+    with special.limited():
+        yield
+
+
+def a_fifo(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def a_device(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+KINDS = {"a FIFO": a_fifo, "a socket": special.a_socket, "a device": a_device}
+
+
+def asked(path: str, folder: Path) -> Result:
+    """Have a command read a file of some name."""
+    commands: dict[str, tuple[object, ...]] = {
+        "model.xml": ("check", "model.xml"),
+        "shown.xml": ("show", "shown.xml"),
+        "config.yml": ("check", MODEL, "config.yml"),
+        "newer.xml": ("generate", "--platform", "plain", "-o", "ws", "-m", "newer.xml"),
+        "recorded.csv": ("run", MODEL, "-c", CONFIG, "--inputs", "recorded.csv"),
+        "recorded.bag": ("run", MODEL, "-c", CONFIG, "--bag", "recorded.bag"),
+        "values.csv": ("event", "x > 1", "--inputs", "values.csv"),
+        "safety.events": ("check", "safety.events"),
+        "robot.rossystem": ("parse-rossystem", "-s", "robot.rossystem", "-m", "."),
+        "old/EDDIInput.py": ("adopt", "old", "-o", "new"),
+    }
+    return run(*commands[path], cwd=folder)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "model.xml", "shown.xml", "config.yml", "newer.xml", "recorded.csv", "recorded.bag",
+        "values.csv", "safety.events", "robot.rossystem", "old/EDDIInput.py",
+    ],
+)  # fmt: skip
+def test_a_file_that_the_user_names_is_refused_at_once(
+    tmp_path: Path, name: str, kind: str
+) -> None:
+    if name.endswith(".bag"):
+        pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
+    example(tmp_path)
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    KINDS[kind](tmp_path / name)
+    result = asked(name, tmp_path)
+    assert result.status == (1 if name in {"model.xml", "config.yml", "safety.events"} else 2)
+    assert f"{name}: error: cannot read the " in result.err
+    assert f"it is {kind}, and only regular files are read" in result.err
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("requires: [RtE_E0]", "expression_file: NAME\n    event: hot"),
+        ("frequency: 10", "frequency: 10\n  parameters: [{model: NAME}]"),
+    ],
+)
+def test_a_file_that_a_configuration_names(
+    tmp_path: Path, before: str, after: str, kind: str
+) -> None:
+    example(tmp_path)
+    KINDS[kind](tmp_path / "named.events")
+    config = tmp_path / CONFIG
+    config.write_text(config.read_text().replace(before, after.replace("NAME", "named.events")))
+    result = run("check", CONFIG, cwd=tmp_path)
+    assert result.status == 1
+    assert f"it is {kind}, and only regular files are read [F001]" in result.err
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_reference_of_safeml(tmp_path: Path, kind: str) -> None:
+    folder = shutil.copytree(ROOT / "examples" / "safeml", tmp_path / "safeml")
+    (folder / "reference_sample.csv").unlink()
+    KINDS[kind](folder / "reference_sample.csv")
+    result = run("check", "safeml_config.yml", cwd=folder)
+    assert result.status == 1
+    assert f"it is {kind}, and only regular files are read" in result.err
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_directory_of_robot_models(tmp_path: Path, kind: str) -> None:
+    folder = shutil.copytree(ROOT / "examples" / "robot-models", tmp_path / "robot")
+    system = next(folder.rglob("*.rossystem"))
+    KINDS[kind](system.with_name("other.ros"))
+    result = run("parse-rossystem", "-s", system, "-m", system.parent, "-c", "c.yml", cwd=folder)
+    assert f"it is {kind}, and only regular files are read [F001]" in result.err
+
+
+def test_the_text_of_the_diagnostic(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "model.xml")
+    assert run("check", "model.xml", cwd=tmp_path).err == (
+        "model.xml: error: cannot read the file: it is a FIFO, and only regular files are read"
+        " [F001]\n  hint: write it to a file first\n1 error in model.xml\n"
+    )
+
+
+# files without end --------------------------------------------------------------------------------
+def test_no_more_than_the_limit_is_read_whatever_the_size_is_said_to_be(tmp_path: Path) -> None:
+    endless = Path("/proc/self/maps")  # a regular file of no bytes, and of many
+    assert endless.stat().st_size == 0
+    assert len(read_regular(endless)) > 1000
+    with pytest.raises(EddiError, match="it has more than the limit of 100 bytes"):
+        read_source(endless, limit=100)
+    with (tmp_path / "sparse").open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(EddiError, match="it has more than the limit of 67108864 bytes"):
+        read_source(tmp_path / "sparse")
+    (tmp_path / "three").write_bytes(b"123")
+    assert read_regular(tmp_path / "three", 3) == b"123"
+    with pytest.raises(OSError, match="more than the limit of 2"):
+        read_regular(tmp_path / "three", 2)
+
+
+@pytest.mark.parametrize("name", ["a\0b", "missing", "."])
+def test_what_is_no_file(name: str) -> None:
+    with pytest.raises(EddiError, match="cannot read the file: "):
+        read_source(name)
+
+
+@pytest.mark.parametrize("make", KINDS.values())
+def test_what_stands_there_is_told_without_opening_it(
+    tmp_path: Path, make: Callable[[Path], None]
+) -> None:
+    make(tmp_path / "special")
+    (tmp_path / "d").mkdir()
+    (tmp_path / "d" / "file").touch()
+    (tmp_path / "d" / "up").symlink_to("..")
+    (tmp_path / ".git").mkdir()
+    (tmp_path / ".git" / "config").touch()
+    found = dict(entries(tmp_path, {".git"}))
+    assert found.keys() == {"special", "d/file", "d/up"}
+    assert (found["d/file"], found["d/up"]) == (None, "a link")
+    assert found["special"] in {*KINDS, "a link"}
+    assert dict(entries(tmp_path / "missing")) == {}
+
+
+def test_a_link_is_opened_only_where_it_may_be(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"1")
+    (tmp_path / "link").symlink_to("file")
+    assert read_regular(tmp_path / "link") == b"1"
+    with pytest.raises(OSError, match="it is a link"):
+        open_regular(tmp_path / "link", follow=False)

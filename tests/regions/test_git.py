@@ -1,0 +1,145 @@
+"""Git reads what was committed, and starts nothing of a repository's."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.regions import git as tool
+from eddi_scaffold.regions.git import GitError, committed_bytes, committed_text, repository_of
+from tests.checkouts import git
+
+TEXT = "was: ä\r\n"
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> Path:
+    """A repository with one file, deep in it."""
+    folder = tmp_path / "work"
+    (folder / "src" / "pkg").mkdir(parents=True)
+    (folder / "src" / "pkg" / "a.py").write_bytes(TEXT.encode())
+    (folder / "src" / "pkg" / "latin.py").write_bytes(b"\xe4")
+    (folder / ".gitattributes").write_text("*.py text eol=lf filter=upper diff=upper\n")
+    git(folder, "-c", "core.autocrlf=false", "init", "--quiet", "--initial-branch=main")
+    (folder / ".gitattributes").rename(folder / "later")
+    git(folder, "add", "--all")
+    git(folder, "commit", "--quiet", "--message", "All")
+    (folder / "later").rename(folder / ".gitattributes")
+    return folder
+
+
+def test_a_committed_file_is_read_byte_for_byte(work: Path) -> None:
+    mark = work.parent / "MARK"
+    for key in ("filter.upper.smudge", "filter.upper.process", "diff.upper.textconv"):
+        git(work, "config", key, f"touch {mark}; tr a-z A-Z")
+    (work / "src" / "pkg" / "a.py").write_text("now\n")
+    assert committed_text(work / "src" / "pkg", "a.py") == TEXT
+    assert committed_text(work, "src/pkg/a.py") == TEXT
+    assert committed_bytes(work / "src/pkg", "latin.py") == b"\xe4"
+    assert committed_text(work / "src/pkg", "latin.py") is None
+    assert not mark.exists()
+
+
+@pytest.mark.parametrize("name", ["none.py", "../pkg/a.py", "/src/pkg/a.py", "", "pkg"])
+def test_what_is_no_file_of_the_folder_has_no_text(work: Path, name: str) -> None:
+    assert committed_bytes(work / "src" / "pkg", name) is None
+    assert committed_bytes(work / "src", name) is None
+
+
+def test_a_folder_is_found_by_a_link_as_well(work: Path, tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(work / "src" / "pkg")
+    assert committed_text(tmp_path / "link", "a.py") == TEXT
+
+
+def test_a_linked_worktree_is_one(work: Path, tmp_path: Path) -> None:
+    git(work, "worktree", "add", "--quiet", str(tmp_path / "other"))
+    assert committed_text(tmp_path / "other" / "src" / "pkg", "a.py") == TEXT
+
+
+def test_a_submodule_is_one(work: Path, tmp_path: Path) -> None:
+    around = tmp_path / "around"
+    around.mkdir()
+    git(around, "init", "--quiet", "--initial-branch=main")
+    git(around, "-c", "protocol.file.allow=always", "submodule", "--quiet", "add", str(work), "sub")
+    assert (around / "sub" / ".git").is_file()
+    assert committed_text(around / "sub" / "src" / "pkg", "a.py") == TEXT
+
+
+def test_no_repository_no_text(tmp_path: Path) -> None:
+    assert repository_of(tmp_path) is None
+    assert committed_bytes(tmp_path, "a.py") is None
+
+
+def test_the_next_one_counts_even_where_it_is_none(work: Path) -> None:
+    """Git would go on and find the one around: what is in the package must not choose that."""
+    (work / "src" / ".git").mkdir()
+    assert committed_bytes(work / "src" / "pkg", "a.py") is None
+
+
+@pytest.mark.parametrize("text", ["gitdir: {}\n", "gitdir: {}", "{}\n"])
+def test_a_git_file_that_names_any_repository_is_none(
+    work: Path, tmp_path: Path, text: str
+) -> None:
+    other = tmp_path / "other" / "src" / "pkg"
+    other.mkdir(parents=True)
+    (tmp_path / "other" / ".git").write_text(text.format(work / ".git"))
+    assert repository_of(other) is None
+
+
+def test_a_worktree_that_the_repository_does_not_know_is_none(work: Path, tmp_path: Path) -> None:
+    git(work, "worktree", "add", "--quiet", str(tmp_path / "other"))
+    (tmp_path / "other").rename(tmp_path / "moved")
+    assert repository_of(tmp_path / "moved") is None
+
+
+def test_a_link_in_place_of_the_repository_is_none(work: Path, tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / ".git").symlink_to(work / ".git")
+    assert repository_of(tmp_path / "other") is None
+
+
+def test_a_repository_of_somebody_else_is_none(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert repository_of(work) is not None
+    monkeypatch.delenv("SUDO_UID", raising=False)
+    monkeypatch.setattr(os, "geteuid", lambda: work.stat().st_uid + 1)
+    assert repository_of(work) is None
+
+
+def test_no_git_no_text(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(work))
+    assert committed_bytes(work / "src" / "pkg", "a.py") is None
+
+
+def test_variables_of_a_hook_do_not_count(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hook sets GIT_DIR, which is about the user's repository."""
+    for name in ("GIT_DIR", "GIT_OBJECT_DIRECTORY", "GIT_EXEC_PATH", "GIT_CONFIG_COUNT"):
+        monkeypatch.setenv(name, "elsewhere")
+    assert committed_text(work / "src" / "pkg", "a.py") == TEXT
+
+
+def test_neither_a_monitor_nor_a_hook_of_the_repository_is_started(work: Path) -> None:
+    mark = work.parent / "MARK"
+    git(work, "config", "core.fsmonitor", f"touch {mark}; false")
+    hook = work / ".git" / "hooks" / "post-index-change"
+    hook.parent.mkdir(exist_ok=True)
+    hook.write_text(f"#!/bin/sh\ntouch {mark}\n")
+    hook.chmod(0o755)
+    for words in (["status", "--porcelain"], ["add", "--all"]):
+        tool.git(*words, repository=work / ".git", work_tree=work)
+        assert not mark.exists(), words
+    git(work, "add", "--all")
+    assert mark.exists(), "the hook is one"
+
+
+def test_a_pipe_in_a_configuration_is_not_waited_for(work: Path) -> None:
+    os.mkfifo(work / ".git" / "pipe")
+    git(work, "config", "include.path", "pipe")
+    with pytest.raises(GitError, match="no answer"):
+        tool.git("cat-file", "blob", "HEAD:a", repository=work / ".git", limit_s=0.5)
+
+
+def test_a_reason_is_what_git_said(tmp_path: Path) -> None:
+    with pytest.raises(GitError, match="not a git repository"):
+        tool.git("cat-file", "blob", "HEAD:a", repository=tmp_path)

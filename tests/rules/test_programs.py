@@ -1,0 +1,30 @@
+"""One function starts a program, and that program is git."""
+
+from __future__ import annotations
+
+import re
+
+from tests.checkouts import HERE
+
+ONLY = "eddi_scaffold/regions/git.py"
+REFUSES = "shapes.jinja"
+"""It names modules of Python to refuse them."""
+SHIPPED = ("eddi_scaffold", "runtime_lib/src", "copier_templates", "script", "hatch_build.py")
+STARTS = re.compile(
+    r"\b(subprocess|Popen|pty|posix_spawnp?|create_subprocess_\w+|multiprocessing|webbrowser"
+    r"|os\.(system|popen|startfile|exec\w+|spawn\w+|fork\w*)"
+    r"|from os import)\b"
+)
+
+
+def test_one_module_starts_programs() -> None:
+    files = {
+        path
+        for place in SHIPPED
+        for path in (HERE / place, *(HERE / place).rglob("*"))
+        if path.is_file() and path.suffix in {".py", ".jinja"} and path.name != REFUSES
+    }
+    found = {path.relative_to(HERE).as_posix(): path.read_text("utf-8") for path in files}
+    assert [name for name, text in sorted(found.items()) if STARTS.search(text)] == [ONLY]
+    assert re.findall(r'\["[^\]"]*"', found[ONLY]) == ['["git"']
+    assert len(re.findall(r"subprocess\.\w+\(", found[ONLY])) == 1
