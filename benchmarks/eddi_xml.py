@@ -154,7 +154,7 @@ def bare(file: str) -> Iterator[None]:
 
 def read(file: str) -> Iterator[None]:
     sys.path.insert(0, str(ROOT))
-    from eddi_scaffold.kinds.consert.from_eddi import read_eddi
+    from eddi_scaffold.kinds.consert.eddi.reading import read_eddi
     from eddi_scaffold.readers.eddi import read_document
     from eddi_scaffold.source import read_source
 

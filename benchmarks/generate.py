@@ -213,10 +213,10 @@ def start_rows(runs: int) -> list[dict[str, object]]:
     bare = [sys.executable, "-c", "pass"]
     cases = {
         "eddi-scaffold --help": [sys.executable, "-m", "eddi_scaffold", "--help"],
-        "import eddi_scaffold.generation": [
+        "import eddi_scaffold.packages.generation": [
             sys.executable,
             "-c",
-            "import eddi_scaffold.generation",
+            "import eddi_scaffold.packages.generation",
         ],
         "import eddi_runtime": [sys.executable, "-c", "import eddi_runtime"],
     }

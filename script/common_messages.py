@@ -4,7 +4,7 @@
 mkdir /tmp/debs && cd /tmp/debs
 apt-get download $(script/common_messages.py --packages)
 for deb in *.deb; do dpkg -x $deb root; done
-script/common_messages.py root/usr/share > eddi_scaffold/message_types/common.txt
+script/common_messages.py root/usr/share > eddi_scaffold/config/message_types/common.txt
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from eddi_scaffold.message_types.common import line_of
-from eddi_scaffold.message_types.definitions import fields_of
+from eddi_scaffold.config.message_types.common import line_of
+from eddi_scaffold.config.message_types.definitions import fields_of
 
 PACKAGES = (
     "actionlib_msgs", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs",

@@ -10,7 +10,7 @@ import pytest
 from eddi_scaffold import units
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.source import Source
-from tests.test_binding import SPEED
+from tests.monitors.test_binding import SPEED
 
 
 def test_every_spelling_is_one_unit_and_every_dimension_has_a_base() -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from eddi_scaffold.adopting.modules import Module
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.yaml_nodes import dump_plain
+from eddi_scaffold.positioned_yaml.nodes import dump_plain
 
 _TYPES = {bool: "bool", int: "int", float: "float", str: "str"}
 

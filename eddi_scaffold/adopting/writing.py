@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.adopting.adopt import Adoption, leftover
-from eddi_scaffold.assembly import assemble, monitors_of
-from eddi_scaffold.generation import Outcome, bring
 from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import Outcome, bring
+from eddi_scaffold.packages.rendering import Template
+from eddi_scaffold.packages.transaction import FileState, write
+from eddi_scaffold.packages.workspace import root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error
-from eddi_scaffold.project import Template
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.source import read_source
-from eddi_scaffold.transaction import FileState, write
-from eddi_scaffold.workspace import root_below
 
 
 @dataclass(frozen=True)

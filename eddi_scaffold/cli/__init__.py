@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from eddi_scaffold.console import console
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 
 EXIT_NO = 1

@@ -34,11 +34,11 @@ def adopt(
     """
     from eddi_scaffold.adopting.adopt import adopt as adopted
     from eddi_scaffold.adopting.writing import bring_in
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.console import console
+    from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError, Place, error
-    from eddi_scaffold.project import own_template
 
     if (workspace is None) == (output is None):
         raise EddiError(error("G006", "say where it goes: -w WORKSPACE, or -o FOLDER"))

@@ -43,13 +43,13 @@ def answers(
 
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """
-    from eddi_scaffold.assembly import assemble, monitors_of
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.packages.assembly import assemble, monitors_of
+    from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import chosen
+    from eddi_scaffold.positioned_yaml.writer import dump_plain
     from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.project import own_template
-    from eddi_scaffold.transaction import FileState, write
-    from eddi_scaffold.yaml_text import dump_plain
 
     target = chosen(platform)
     monitors, problems = monitors_of(

@@ -25,7 +25,7 @@ from eddi_scaffold.cli import (
     trace,
     upgrade,
 )
-from eddi_scaffold.console import console
+from eddi_scaffold.cli.console import console
 
 app = typer.Typer(
     name="eddi-scaffold",

@@ -34,11 +34,11 @@ def check(
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """
-    from eddi_scaffold.checking import BY_HAND, check_files
-    from eddi_scaffold.console import console, count_line
-    from eddi_scaffold.models import named_like_mros
+    from eddi_scaffold.cli.console import console, count_line
+    from eddi_scaffold.deployments.checking import BY_HAND, check_files
+    from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
-    from eddi_scaffold.robots import check_robots
+    from eddi_scaffold.robot.robot_models import check_robots
 
     robots = [file for file in files if named_like_mros(file.name)]
     others = [file for file in files if file not in robots]

@@ -22,9 +22,9 @@ def compose(
     """
     from pathlib import Path
 
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
-    from eddi_scaffold.models import checked_models
+    from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.problems import EddiError, error
 
     instances = []

@@ -28,9 +28,9 @@ def diagram(
 
     Example: eddi-scaffold diagram two_conserts.xml --name ConSertA -o conserta.svg
     """
-    from eddi_scaffold.console import console
-    from eddi_scaffold.picturing import pictures
-    from eddi_scaffold.transaction import FileState, write
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.monitors.drawing import pictures
+    from eddi_scaffold.packages.transaction import FileState, write
 
     found, problems = pictures(model, name, default_guarantee or (), single=_is_file(output))
     console.problems(problems)

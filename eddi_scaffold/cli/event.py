@@ -13,7 +13,7 @@ from eddi_scaffold.cli.options import Json, in_a_folder
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from eddi_scaffold.events import Analysis
+    from eddi_scaffold.language import Analysis
     from eddi_scaffold.problems import Problem
 
 
@@ -56,11 +56,11 @@ def event(
 
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
     """
-    from eddi_scaffold.console import console
-    from eddi_scaffold.events import analyse
-    from eddi_scaffold.events.report import as_json as report_json
-    from eddi_scaffold.events.report import as_text
-    from eddi_scaffold.events.targets.names import check_module_name
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.language import analyse
+    from eddi_scaffold.language.report import as_json as report_json
+    from eddi_scaffold.language.report import as_text
+    from eddi_scaffold.language.targets.names import check_module_name
     from eddi_scaffold.problems import EddiError, error
 
     if serve:
@@ -93,7 +93,7 @@ def event(
 
 def _source(text: str | None, file: Path | None) -> tuple[str, str]:
     """Return the text and the name of its file."""
-    from eddi_scaffold.events.diagnostics import EXPRESSION
+    from eddi_scaffold.language.diagnostics import EXPRESSION
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source
 
@@ -111,8 +111,8 @@ def _source(text: str | None, file: Path | None) -> tuple[str, str]:
 
 def _name_of(file: Path) -> str:
     """Return what files and functions begin with; says it where that is not the file's name."""
-    from eddi_scaffold.console import console
-    from eddi_scaffold.events.targets.names import module_name
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.language.targets.names import module_name
 
     name = module_name(file.stem)
     if name != file.stem:
@@ -135,10 +135,10 @@ def _file_of(text: str) -> Path | None:
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
     import json
 
-    from eddi_scaffold.console import console
-    from eddi_scaffold.events.playing import columns, play
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.language.playing import columns, play
     from eddi_scaffold.problems import EddiError
-    from eddi_scaffold.recording import read_recording
+    from eddi_scaffold.replay.recordings import read_recording
     from eddi_scaffold.source import read_source
 
     recording, found = read_recording(read_source(inputs), dict(columns(analysis)))
@@ -169,11 +169,11 @@ def _shown(value: bool | float | None) -> str:
 def _generate(
     analysis: Analysis, target: Target, name: str, output: Path | None, *, as_json: bool
 ) -> None:
-    from eddi_scaffold.console import console
-    from eddi_scaffold.events.report import as_json as report_json
-    from eddi_scaffold.events.targets import generate
-    from eddi_scaffold.events.targets.regions import keep_in_folder
-    from eddi_scaffold.transaction import FileState, write
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.language.report import as_json as report_json
+    from eddi_scaffold.language.targets import generate
+    from eddi_scaffold.language.targets.regions import keep_in_folder
+    from eddi_scaffold.packages.transaction import FileState, write
 
     files = generate(analysis, target.value, name)
     lost: list[str] = []
@@ -195,8 +195,8 @@ def _generate(
 
 
 def _serve(port: int) -> None:
-    from eddi_scaffold.console import console
-    from eddi_scaffold.events.page.server import open_server
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.language.page.server import open_server
 
     with open_server(port, _read_signal) as server:
         console.say(f"the Event Creator is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
@@ -207,7 +207,7 @@ def _read_signal(
     text: str, types: Mapping[str, str]
 ) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
     """Return the rows of a recording that was typed."""
-    from eddi_scaffold.recording import read_recording
+    from eddi_scaffold.replay.recordings import read_recording
     from eddi_scaffold.source import Source
 
     columns: dict[str, Any] = dict(types)

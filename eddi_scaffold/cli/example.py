@@ -16,10 +16,10 @@ def example(
 
     Example: eddi-scaffold example two-conserts demo
     """
-    from eddi_scaffold.console import console
-    from eddi_scaffold.examples import example_files, names
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.packages.examples import example_files, names
+    from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.problems import EddiError, Place, did_you_mean, error
-    from eddi_scaffold.transaction import write
 
     if name == "list":
         for known in names():

@@ -28,12 +28,12 @@ def export(
 
     Example: eddi-scaffold export example.xml -o models
     """
-    from eddi_scaffold.assembly import monitors_of
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.models import checked_models, select
+    from eddi_scaffold.monitors.loading import checked_models, select
+    from eddi_scaffold.packages.assembly import monitors_of
+    from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.problems import EddiError, did_you_mean, error, in_order
-    from eddi_scaffold.transaction import FileState, write
 
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"

@@ -45,18 +45,18 @@ def generate(
 
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
     """
-    from eddi_scaffold.assembly import assemble, monitors_of
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.console import console
-    from eddi_scaffold.generation import bring
-    from eddi_scaffold.handwritten import unwritten
+    from eddi_scaffold.deployments.wiring.check import members_of
+    from eddi_scaffold.deployments.wiring.topics import shared_by_robots
+    from eddi_scaffold.packages.assembly import assemble, monitors_of
+    from eddi_scaffold.packages.generation import bring
+    from eddi_scaffold.packages.handwritten import unwritten
+    from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.workspace import root_below
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError, Place, error
-    from eddi_scaffold.project import own_template
-    from eddi_scaffold.robots import beside_configs
-    from eddi_scaffold.wiring.check import members_of
-    from eddi_scaffold.wiring.topics import shared_by_robots
-    from eddi_scaffold.workspace import root_below
+    from eddi_scaffold.robot.robot_models import beside_configs
 
     if model is None and not config:
         raise EddiError(error("G015", "say of what: -m MODEL, or a -c that names its model"))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from eddi_scaffold.rossystem import Parsed
+    from eddi_scaffold.robot.rossystem import Parsed
 
 
 class Format(str, Enum):
@@ -92,10 +92,10 @@ def parse_rossystem(
 
     Example: eddi-scaffold parse-rossystem -s robot.rossystem -m models -c eddi_config.yml
     """
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.mros.filters import Filters
     from eddi_scaffold.problems import has_errors
-    from eddi_scaffold.rossystem import parse, read_robot, save
+    from eddi_scaffold.robot.rossystem import parse, read_robot, save
 
     robot = read_robot(system, models)
     filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)

@@ -27,8 +27,8 @@ def regions(
 
     Example: eddi-scaffold regions --check catkin_ws
     """
-    from eddi_scaffold.console import console
-    from eddi_scaffold.handwritten import accept_regions, inventory
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.packages.handwritten import accept_regions, inventory
 
     for region_id in accept_regions(path, accept) if accept else ():
         console.success(f"accepted {region_id}")

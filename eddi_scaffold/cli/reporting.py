@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import typer
 
-from eddi_scaffold.console import console
-from eddi_scaffold.generation import Outcome
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.packages.generation import Outcome
 
 _SHOWN = 12
 

@@ -11,9 +11,9 @@ import typer
 from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, for_pictures
 
 if TYPE_CHECKING:
-    from eddi_scaffold.binding import Monitor
+    from eddi_scaffold.monitors.binding import Monitor
     from eddi_scaffold.problems import Problem
-    from eddi_scaffold.running import Play
+    from eddi_scaffold.replay.running import Play
 
 
 def run(
@@ -50,11 +50,11 @@ def run(
     """
     import json
 
-    from eddi_scaffold.assembly import monitors_of
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.packages.assembly import monitors_of
+    from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.running import changes, picture, steps, table, watched
-    from eddi_scaffold.transaction import FileState, write
+    from eddi_scaffold.replay.running import changes, picture, steps, table, watched
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
@@ -86,8 +86,8 @@ def run(
 
 def _model_and_config(model: Path | None, config: Path | None) -> tuple[Path | None, Path | None]:
     """Tell model and configuration apart; a configuration may stand in place of its model."""
-    from eddi_scaffold.config import named_model_path, read_config
-    from eddi_scaffold.models import is_config
+    from eddi_scaffold.config.reading import named_model_path, read_config
+    from eddi_scaffold.monitors.loading import is_config
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source
 
@@ -110,8 +110,8 @@ def _model_and_config(model: Path | None, config: Path | None) -> tuple[Path | N
 
 
 def _from_csv(monitor: Monitor, path: Path | None) -> tuple[Play | None, Sequence[Problem]]:
-    from eddi_scaffold.recording import read_recording
-    from eddi_scaffold.running import of_recording
+    from eddi_scaffold.replay.recordings import read_recording
+    from eddi_scaffold.replay.running import of_recording
     from eddi_scaffold.source import read_source
 
     assert path is not None
@@ -121,9 +121,9 @@ def _from_csv(monitor: Monitor, path: Path | None) -> tuple[Play | None, Sequenc
 
 
 def _from_bag(monitor: Monitor, path: Path) -> tuple[Play | None, Sequence[Problem]]:
-    from eddi_scaffold.bags import absent, read_bag, written_by_hand
     from eddi_scaffold.problems import EddiError, error, warning
-    from eddi_scaffold.running import of_bag
+    from eddi_scaffold.replay.bags import absent, read_bag, written_by_hand
+    from eddi_scaffold.replay.running import of_bag
 
     if monitor.config is None:
         raise EddiError(error("G020", "--bag needs the topics of a configuration: -c"))

@@ -12,7 +12,7 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import JsonValue, Model
-    from eddi_scaffold.showing import Shown
+    from eddi_scaffold.monitors.survey import Shown
 
 
 def show(
@@ -27,10 +27,10 @@ def show(
 
     Example: eddi-scaffold show example.xml
     """
-    from eddi_scaffold.console import console
-    from eddi_scaffold.models import read_models, select, unfit
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.monitors.loading import read_models, select, unfit
+    from eddi_scaffold.monitors.survey import mros_of, only, survey_of
     from eddi_scaffold.problems import EddiError, has_errors
-    from eddi_scaffold.showing import mros_of, only, survey_of
     from eddi_scaffold.source import read_source
 
     source = read_source(model)
@@ -55,7 +55,7 @@ def show(
 
 def _show_robot(shown: Shown, *, as_json: bool) -> None:
     from eddi_scaffold.cli import EXIT_BAD_INPUT
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.problems import has_errors
 
     if as_json:
@@ -69,9 +69,9 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
 
 
 def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.showing import is_one_of
+    from eddi_scaffold.monitors.survey import is_one_of
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")

@@ -27,9 +27,9 @@ def status(
 
     Example: eddi-scaffold status -w catkin_ws
     """
-    from eddi_scaffold.console import console
-    from eddi_scaffold.drift import drift_of
-    from eddi_scaffold.upgrading import groups
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.packages.drift import drift_of
+    from eddi_scaffold.packages.upgrading import groups
 
     reports = [
         report

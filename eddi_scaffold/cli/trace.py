@@ -29,13 +29,13 @@ def trace(
     import csv
     import io
 
-    from eddi_scaffold.console import console
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.deployments.wiring.acceptances import acceptances
+    from eddi_scaffold.deployments.wiring.bounds import bounds
+    from eddi_scaffold.deployments.wiring.support import remembered
+    from eddi_scaffold.packages.tracing import COLUMNS, trace_of
+    from eddi_scaffold.packages.upgrading import groups
     from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.tracing import COLUMNS, trace_of
-    from eddi_scaffold.upgrading import groups
-    from eddi_scaffold.wiring.acceptances import acceptances
-    from eddi_scaffold.wiring.bounds import bounds
-    from eddi_scaffold.wiring.support import remembered
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))

@@ -27,12 +27,12 @@ def upgrade(
     """
     from dataclasses import replace
 
+    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.console import console
-    from eddi_scaffold.generation import Outcome, bring
-    from eddi_scaffold.project import own_template
-    from eddi_scaffold.upgrading import groups, targets
-    from eddi_scaffold.workspace import linked_package
+    from eddi_scaffold.packages.generation import Outcome, bring
+    from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.upgrading import groups, targets
+    from eddi_scaffold.packages.workspace import linked_package
 
     outcomes: list[Outcome] = []
     template = own_template()

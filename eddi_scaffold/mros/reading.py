@@ -6,8 +6,11 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from eddi_scaffold.mros import brace_models, brace_system, indent_models, indent_system
+from eddi_scaffold.mros.brace import models as brace_models
+from eddi_scaffold.mros.brace import system as brace_system
 from eddi_scaffold.mros.errors import MrosSyntaxError
+from eddi_scaffold.mros.indent import models as indent_models
+from eddi_scaffold.mros.indent import system as indent_system
 from eddi_scaffold.mros.model import Dialect, Model, System
 from eddi_scaffold.mros.text import Text, decoded
 

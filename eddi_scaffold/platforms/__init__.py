@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.problems import EddiError, error
 
 if TYPE_CHECKING:
-    from eddi_scaffold.binding import Monitor
-    from eddi_scaffold.config import Config
+    from eddi_scaffold.config.reading import Config
     from eddi_scaffold.kinds import JsonValue
+    from eddi_scaffold.monitors.binding import Monitor
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.regions.result import Orphan
 

@@ -14,16 +14,17 @@ from functools import cache
 from pathlib import Path
 from unittest.mock import patch
 
-from eddi_scaffold import cli, project
-from eddi_scaffold.console import console
-from eddi_scaffold.unpacking import PATHS
+from eddi_scaffold import cli
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.packages import rendering
+from eddi_scaffold.packages.unpacking import PATHS
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "two-conserts"
 
 
 @cache
-def template() -> project.Template:
+def template() -> rendering.Template:
     """Copy the templates as they lie there: faster than git, no note on uncommitted changes."""
     folder = Path(tempfile.mkdtemp(prefix="eddi-templates-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
@@ -32,7 +33,7 @@ def template() -> project.Template:
             shutil.copytree(ROOT / name, folder / name)
         else:
             shutil.copy(ROOT / name, folder / name)
-    return project.Template(str(folder), None)
+    return rendering.Template(str(folder), None)
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def run(*words: object, cwd: Path) -> Result:
     try:
         with (
             patch.object(sys, "argv", ["eddi-scaffold", *map(str, words)]),
-            patch.object(project, "own_template", template),
+            patch.object(rendering, "own_template", template),
             contextlib.redirect_stdout(out),
             contextlib.redirect_stderr(err),
         ):

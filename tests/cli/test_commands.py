@@ -13,7 +13,7 @@ import pytest
 
 from eddi_scaffold import __version__, cli
 from eddi_scaffold.cli import hoisted
-from eddi_scaffold.examples import names
+from eddi_scaffold.packages.examples import names
 from tests.cli.command import ROOT, Result, example, files_below, run
 
 COMMANDS = [
@@ -493,7 +493,7 @@ def test_what_the_system_refuses_is_no_bug(folder: Path, monkeypatch: pytest.Mon
     def refuse(*_: object) -> None:
         raise PermissionError(13, "Permission denied", "somewhere")
 
-    monkeypatch.setattr("eddi_scaffold.checking.check_files", refuse)
+    monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", refuse)
     result = run("check", MODEL, cwd=folder)
     assert result.status == 2
     assert result.err == (
@@ -507,7 +507,7 @@ def test_a_bug_is_one_line_unless_more_is_asked(
     def fail(*_: object) -> None:
         raise ZeroDivisionError("so that")
 
-    monkeypatch.setattr("eddi_scaffold.checking.check_files", fail)
+    monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", fail)
     result = run("check", "-q", MODEL, cwd=folder)
     assert (result.status, result.out) == (cli.EXIT_OUR_BUG, "")
     assert f"this is a bug in eddi-scaffold {__version__}: ZeroDivisionError: so that" in result.err

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold import project
+from eddi_scaffold.packages import rendering
+from eddi_scaffold.packages.rendering import Template, own_template, render
+from eddi_scaffold.packages.unpacking import Unpacked, unpacked
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.project import Template, own_template, render
-from eddi_scaffold.unpacking import Unpacked, unpacked
 
 
 def code_of(failure: pytest.ExceptionInfo[EddiError]) -> str:
@@ -22,7 +22,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the package folder of an installation with neither a checkout nor a bundle."""
     package = tmp_path / "site-packages" / "eddi_scaffold"
     package.mkdir(parents=True)
-    monkeypatch.setattr(project, "__file__", str(package / "project.py"))
+    monkeypatch.setattr(rendering, "__file__", str(package / "rendering.py"))
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     return package

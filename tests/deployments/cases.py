@@ -10,8 +10,8 @@ from typing import Any
 
 import yaml
 
-from eddi_scaffold.assembly import monitors_of
-from eddi_scaffold.binding import Monitor
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.packages.assembly import monitors_of
 from tests.deployments.history import History, Sample
 from tests.deployments.messages import Message, blank
 from tests.deployments.publishing import Publisher, resolved

@@ -7,7 +7,7 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
-from eddi_scaffold.node import Received
+from eddi_scaffold.replay.node import Received
 from tests.deployments.drafts import Draft, Instance
 from tests.deployments.messages import Message, blank, path_of, read, written
 from tests.deployments.pool.readings import Leaf

@@ -13,9 +13,15 @@ from typing import Any
 
 from eddi_runtime.monitor import Tree
 
-from eddi_scaffold.fields import Attribute, ByKey, FieldPath, Index, Step, parse_field
+from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, Index, Step, parse_field
+from eddi_scaffold.config.message_types import (
+    Fields,
+    FieldsOf,
+    element,
+    is_primitive,
+    known_messages,
+)
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.message_types import Fields, FieldsOf, element, is_primitive, known_messages
 
 Message = SimpleNamespace
 """One attribute for each field, and ``message_type``."""

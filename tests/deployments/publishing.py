@@ -8,9 +8,9 @@ from typing import Any
 
 from eddi_runtime import Monitor as RunningMonitor
 
-from eddi_scaffold.binding import Monitor
-from eddi_scaffold.fields import FieldPath
-from eddi_scaffold.publications import publications
+from eddi_scaffold.config.fields import FieldPath
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.publications import publications
 from tests.deployments.messages import Message, message_of, read
 
 Published = Sequence[tuple[str, Message]]

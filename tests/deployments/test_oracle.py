@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.assembly import monitors_of
-from eddi_scaffold.checking import check_files
+from eddi_scaffold.deployments.checking import check_files
+from eddi_scaffold.deployments.wiring.check import check_wiring
+from eddi_scaffold.deployments.wiring.deployment import Member
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
-from eddi_scaffold.wiring.check import check_wiring
-from eddi_scaffold.wiring.deployment import Member
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.world import Claims, World
 from tests.shared_data import ROOT, shared

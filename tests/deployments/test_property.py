@@ -15,7 +15,7 @@ import pytest
 from eddi_runtime.event import engine
 from hypothesis import settings
 
-from eddi_scaffold.checking import check_files
+from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.problems import EddiError, has_errors
 from tests.deployments.cases import deployment_of as deployment_of_case
 from tests.deployments.cases import read_case

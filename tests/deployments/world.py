@@ -12,9 +12,9 @@ from functools import cached_property
 
 from eddi_runtime import Monitor as RunningMonitor
 
-from eddi_scaffold.binding import Monitor
-from eddi_scaffold.node import Node, Received
-from eddi_scaffold.running import compiled
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.replay.node import Node, Received
+from eddi_scaffold.replay.running import compiled
 from tests.deployments.history import History
 from tests.deployments.messages import Message
 from tests.deployments.publishing import Publisher

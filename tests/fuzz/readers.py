@@ -13,32 +13,32 @@ from pathlib import Path
 from eddi_runtime.model_file import ModelError, parse_model
 from eddi_runtime.monitor import build
 
-from eddi_scaffold.assembly import assemble, monitors_of
-from eddi_scaffold.bags import read_bag
-from eddi_scaffold.checking import check_files
-from eddi_scaffold.config import read_config
-from eddi_scaffold.config_block import read_block, rewritten
+from eddi_scaffold.config.block import read_block, rewritten
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.diagrams import drawn
-from eddi_scaffold.events.analysis import analyse
-from eddi_scaffold.events.report import as_json, as_text
-from eddi_scaffold.events.targets import generate
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.models import read_models
+from eddi_scaffold.language.analysis import analyse
+from eddi_scaffold.language.report import as_json, as_text
+from eddi_scaffold.language.targets import generate
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.monitors.survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.as_json import model_json, system_json
 from eddi_scaffold.mros.as_tree import model_tree, system_tree
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.packages.tracing import trace_of
+from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError, has_errors
-from eddi_scaffold.project import ANSWERS_FILE
-from eddi_scaffold.recording import read_recording
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import sync_package
-from eddi_scaffold.running import changes, compiled, of_bag, of_recording, steps
-from eddi_scaffold.showing import survey_of
+from eddi_scaffold.replay.bags import read_bag
+from eddi_scaffold.replay.recordings import read_recording
+from eddi_scaffold.replay.running import changes, compiled, of_bag, of_recording, steps
 from eddi_scaffold.source import Source, read_source
-from eddi_scaffold.tracing import trace_of
-from eddi_scaffold.upgrading import groups, targets
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
@@ -265,7 +265,7 @@ def _recordings(folder: Path) -> Made:
 
 
 def _bags(folder: Path) -> Made:
-    from tests.test_bags import demand, healthy, written
+    from tests.replay.test_bags import demand, healthy, written
 
     path = folder / "a.bag"
     written(path, [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)])

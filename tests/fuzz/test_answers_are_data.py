@@ -20,7 +20,7 @@ from copier.errors import CopierError
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
 from tests.cli.command import ROOT, files_below, template
 from tests.fuzz.test_names_are_no_code import FEW, check_texts, shapes

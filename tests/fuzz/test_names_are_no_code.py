@@ -18,11 +18,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
-from eddi_scaffold.assembly import assemble, monitors_of
-from eddi_scaffold.generation import bring
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import bring
 from eddi_scaffold.platforms import platforms
+from eddi_scaffold.positioned_yaml.writer import dump_plain
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.yaml_text import dump_plain
 from tests.cli.command import XML_HEAD, XML_TAIL, template
 from tests.hostile_texts import HOSTILE
 

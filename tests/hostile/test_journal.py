@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold import transaction
-from eddi_scaffold.transaction import FileState, apply, recover, tree_of
+from eddi_scaffold.packages import transaction
+from eddi_scaffold.packages.transaction import FileState, apply, recover, tree_of
 from tests.cli.command import Result, example, files_below, run
 
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.packages.transaction import FileState, apply, write
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.__main__ import main as regions_tool
-from eddi_scaffold.transaction import FileState, apply, write
 from tests.cli.command import Result, example, run
 from tests.hostile import special
 

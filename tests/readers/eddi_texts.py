@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.from_eddi import read_eddi
+from eddi_scaffold.kinds.consert.eddi.reading import read_eddi
 from eddi_scaffold.problems import in_order
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.survey import survey

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold import generation, transaction
+from eddi_scaffold.packages import generation, transaction
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements, write_inputs

@@ -18,12 +18,12 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from eddi_scaffold import generation
+from eddi_scaffold.packages import generation
+from eddi_scaffold.packages.rendering import Template, render
+from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.project import Template, render
 from eddi_scaffold.regions.sync import sync_package
-from eddi_scaffold.unpacking import Unpacked
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates, git
 from tests.updates.test_sequences import CHANGES, OPERATIONS, WORDS, Life

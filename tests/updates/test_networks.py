@@ -16,9 +16,9 @@ import copier
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eddi_scaffold.assembly import assemble, monitors_of
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
+from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
 from eddi_scaffold.regions.document import Region, parse
 from eddi_scaffold.regions.store import load_orphans

@@ -25,9 +25,10 @@ import pytest
 from copier.errors import CopierError
 from hypothesis import settings
 
-from eddi_scaffold import cli, project, transaction
-from eddi_scaffold.assembly import assemble, monitors_of
+from eddi_scaffold import cli
 from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.packages import rendering, transaction
+from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
 from eddi_scaffold.regions.document import Document, Region, parse
 from eddi_scaffold.regions.store import load_orphans
@@ -149,11 +150,11 @@ class World:
     def command(self, *words: object) -> Result:
         """Run eddi-scaffold in this process, with the templates of today as its own."""
         argv = ["eddi-scaffold", *map(str, words)]
-        template = project.Template(str(self.templates.path), self.tag)
+        template = rendering.Template(str(self.templates.path), self.tag)
         said = io.StringIO()
         with (
             patch.object(sys, "argv", argv),
-            patch.object(project, "own_template", lambda: template),
+            patch.object(rendering, "own_template", lambda: template),
             contextlib.redirect_stderr(said),
             contextlib.redirect_stdout(said),
         ):

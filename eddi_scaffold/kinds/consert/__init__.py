@@ -6,18 +6,18 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Kind, Model, Reading, with_status
-from eddi_scaffold.kinds.consert.check import check_consert
+from eddi_scaffold.kinds.consert.check.model import check_consert
+from eddi_scaffold.kinds.consert.check.static import static_checks
 from eddi_scaffold.kinds.consert.claims import MEANINGS, support, unfulfilled
-from eddi_scaffold.kinds.consert.from_yaml import read_draft
+from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
 from eddi_scaffold.kinds.consert.inputs import inputs
-from eddi_scaffold.kinds.consert.marks import mark_defaults
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from eddi_scaffold.kinds.consert.options import KEYS, accepted, configure, lag, settings
 from eddi_scaffold.kinds.consert.outline import counts, outline
 from eddi_scaffold.kinds.consert.picture import diagram
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
-from eddi_scaffold.kinds.consert.static import static_checks
-from eddi_scaffold.kinds.consert.to_yaml import to_yaml
+from eddi_scaffold.kinds.consert.yaml.reading import read_draft
+from eddi_scaffold.kinds.consert.yaml.writing import to_yaml
 from eddi_scaffold.problems import has_errors, in_order
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ _OWN_KEY = re.compile(
 
 
 def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> Reading:
-    from eddi_scaffold.kinds.consert.from_eddi import read_eddi  # noqa: PLC0415 - needs lxml
+    from eddi_scaffold.kinds.consert.eddi.reading import read_eddi  # noqa: PLC0415 - needs lxml
 
     conserts, problems = read_eddi(document, source, marks)
     return _reading(conserts, problems, source, ())

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.claims import Acceptance, Meaning, Meanings, Use
-from eddi_scaffold.events.uses import Silence, accepted, inputs_of, lasts, uses
 from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.language.uses import Silence, accepted, inputs_of, lasts, uses
 
 _VERDICT = Meaning(
     (1,),

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.escaping import markdown_code, markdown_text
-from eddi_scaffold.events.analysis import Analysis, analyse
-from eddi_scaffold.events.report import cost_line
-from eddi_scaffold.events.scope import Variable
-from eddi_scaffold.events.syntax import is_list_path
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, Reading
 from eddi_scaffold.kinds.event.claims import uses_of
+from eddi_scaffold.language.analysis import Analysis, analyse
+from eddi_scaffold.language.report import cost_line
+from eddi_scaffold.language.scope import Variable
+from eddi_scaffold.language.syntax import is_list_path
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import Source
 from eddi_scaffold.units import accepted

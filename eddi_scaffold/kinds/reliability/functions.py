@@ -18,6 +18,7 @@ from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
+from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, read_map, value_11
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -29,7 +30,6 @@ from eddi_scaffold.problems import (
 )
 from eddi_scaffold.readers.eddi import EddiDocument, read_document
 from eddi_scaffold.source import Source, beside, read_source
-from eddi_scaffold.yaml_nodes import Items, Map, Node, read_map, value_11
 
 
 def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> Reading:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from eddi_scaffold.kinds.reliability.model import Chain, Component, Event, FaultTree, System
-from eddi_scaffold.yaml_nodes import dump_plain
+from eddi_scaffold.positioned_yaml.nodes import dump_plain
 
 
 def to_yaml(system: System) -> str:

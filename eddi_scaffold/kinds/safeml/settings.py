@@ -10,9 +10,7 @@ from typing import Any
 from eddi_runtime.safeml.arrays import NAMES as BACKENDS
 
 from eddi_scaffold.kinds.safeml.model import METRICS, Settings
-from eddi_scaffold.problems import Problem, did_you_mean, error
-from eddi_scaffold.source import Source
-from eddi_scaffold.yaml_nodes import (
+from eddi_scaffold.positioned_yaml.nodes import (
     Map,
     Node,
     Scalar,
@@ -22,6 +20,8 @@ from eddi_scaffold.yaml_nodes import (
     read_map,
     value_11,
 )
+from eddi_scaffold.problems import Problem, did_you_mean, error
+from eddi_scaffold.source import Source
 
 MAX_WINDOW = 1_000_000
 REQUIRED = ("window_size", "reference_sample_file", "significance_level", "distance_metric")

@@ -6,11 +6,11 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from eddi_scaffold.answers import shared_answers
-from eddi_scaffold.binding import InputBinding, Monitor
-from eddi_scaffold.config import Config
+from eddi_scaffold.config.reading import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
+from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.binding import InputBinding, Monitor
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import Problem
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from eddi_scaffold import __version__
-from eddi_scaffold.answers import identity_answers, shared_answers
-from eddi_scaffold.binding import Monitor
-from eddi_scaffold.config import Config, ConfigFile, SimulatorOutput
+from eddi_scaffold.config.message_types import packages_of
+from eddi_scaffold.config.reading import Config, ConfigFile, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.kinds import JsonValue, kinds
-from eddi_scaffold.message_types import packages_of
+from eddi_scaffold.monitors.answers import identity_answers, shared_answers
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1.outputs import publication_answers, rows
 from eddi_scaffold.problems import Problem, error
-from eddi_scaffold.publications import MESSAGE_PACKAGE, Publication, publications
 
 _RELEASE = ".".join(__version__.split(".")[:3])
 """Version of the packages that all monitors share: they come with the generator."""

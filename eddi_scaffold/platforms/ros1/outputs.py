@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from eddi_scaffold.config.fields import FieldPath, Step, plain_step
 from eddi_scaffold.escaping import markdown_code, python_literal
-from eddi_scaffold.fields import FieldPath, Step, plain_step
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.publications import MESSAGE_PACKAGE, STATUS, Publication
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication
 
 
 def rows(published: Iterable[Publication]) -> list[Publication]:

@@ -12,11 +12,11 @@ from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import build
 from hypothesis import strategies as st
 
-from eddi_scaffold.binding import Monitor, monitor_of
-from eddi_scaffold.config import read_config
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
-from eddi_scaffold.models import read_models
+from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.source import Source, read_source
 

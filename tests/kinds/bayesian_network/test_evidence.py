@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 import yaml
 
-from eddi_scaffold.assembly import monitors_of
-from eddi_scaffold.binding import Monitor
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.bayesian_network import KIND
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1.answers import monitor_answers, support_answers
 from tests.kinds.bayesian_network.networks import running
 from tests.kinds.bayesian_network.test_network import EXAMPLE

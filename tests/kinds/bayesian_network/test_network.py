@@ -261,7 +261,7 @@ def test_an_observed_node_without_influence_is_told() -> None:
 
 def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
     code = (
-        "import sys; from eddi_scaffold.models import read_models; "
+        "import sys; from eddi_scaffold.monitors.loading import read_models; "
         "from eddi_scaffold.source import read_source; "
         "from eddi_scaffold.kinds import kinds; "
         f"model = read_models(read_source({str(EXAMPLE / 'pedestrian.xml')!r})).models[0]; "

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.kinds.bayesian_network.model import Network
-from eddi_scaffold.models import read_models
+from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.source import Source
 from tests.kinds.bayesian_network.networks import KIND, joined, read, read_path, running
 from tests.shared_data import shared

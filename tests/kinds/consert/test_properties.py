@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.kinds.consert import KIND
-from eddi_scaffold.kinds.consert.check import check_consert
+from eddi_scaffold.kinds.consert.check.model import check_consert
+from eddi_scaffold.kinds.consert.check.static import static_checks
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.from_yaml import read_consert
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     Bound,
@@ -29,8 +29,8 @@ from eddi_scaffold.kinds.consert.model import (
     Range,
     RequiredService,
 )
-from eddi_scaffold.kinds.consert.static import static_checks
-from eddi_scaffold.kinds.consert.to_yaml import to_yaml
+from eddi_scaffold.kinds.consert.yaml.reading import read_consert
+from eddi_scaffold.kinds.consert.yaml.writing import to_yaml
 from eddi_scaffold.problems import has_errors
 from eddi_scaffold.source import Source
 from tests.kinds.consert.example import ROVER

@@ -7,6 +7,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.kinds.consert.check.static import static_checks
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     ConSert,
@@ -17,7 +18,6 @@ from eddi_scaffold.kinds.consert.model import (
     ProvidedService,
 )
 from eddi_scaffold.kinds.consert.paths import constants, path_sets
-from eddi_scaffold.kinds.consert.static import static_checks
 
 B = BinaryDimension("T")
 

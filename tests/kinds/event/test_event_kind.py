@@ -12,7 +12,7 @@ import pytest
 from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import build
 
-from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import ROOT, run
 
 TEXT = """\

@@ -10,13 +10,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.assembly import monitors_of
-from eddi_scaffold.checking import check_files
+from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds.reliability import KIND
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
-from eddi_scaffold.recording import frames, read_recording
-from eddi_scaffold.running import compiled
+from eddi_scaffold.replay.recordings import frames, read_recording
+from eddi_scaffold.replay.running import compiled
 from eddi_scaffold.source import read_source
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import models_of, read_text

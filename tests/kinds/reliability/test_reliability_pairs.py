@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.checking import check_files
+from eddi_scaffold.deployments.checking import check_files
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
 

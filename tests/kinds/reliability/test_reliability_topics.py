@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.assembly import monitors_of
 from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1.answers import monitor_answers
 from tests.kinds.reliability.monitors import read_text, sound
 from tests.kinds.reliability.test_reliability_example import EXAMPLE

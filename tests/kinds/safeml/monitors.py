@@ -8,10 +8,10 @@ from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
 
-from eddi_scaffold.assembly import monitors_of
-from eddi_scaffold.binding import Monitor
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
-from eddi_scaffold.running import compiled
+from eddi_scaffold.replay.running import compiled
 
 LONG_NAMES = {
     "ks": "KolmogorovSmirnovDistance",

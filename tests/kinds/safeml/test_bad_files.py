@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.assembly import monitors_of
+from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.running import compiled
+from eddi_scaffold.replay.running import compiled
 from tests.fuzz.mutations import mutations
 from tests.kinds.safeml.monitors import joined
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.config import options_of, read_config
+from eddi_scaffold.config.reading import options_of, read_config
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.problems import Problem, in_order
 from eddi_scaffold.source import Source, read_source

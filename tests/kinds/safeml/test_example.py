@@ -8,11 +8,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.assembly import monitors_of
-from eddi_scaffold.binding import Monitor
-from eddi_scaffold.checking import check_files
-from eddi_scaffold.recording import frames, read_recording
-from eddi_scaffold.running import changes, compiled, of_recording, picture
+from eddi_scaffold.deployments.checking import check_files
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.replay.recordings import frames, read_recording
+from eddi_scaffold.replay.running import changes, compiled, of_recording, picture
 from eddi_scaffold.source import Source, read_source
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.assembly import assemble, monitors_of
-from eddi_scaffold.generation import bring
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.rendering import own_template
+from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.project import own_template
-from eddi_scaffold.upgrading import groups, targets
 from tests.kinds.safeml.monitors import CONNECTED, lay
 
 _CHANCE = random.Random(1)

@@ -1,0 +1,172 @@
+"""Everything that is printed: data to stdout, words to stderr; only this module writes there."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import TextIO
+
+from eddi_scaffold.cli.excerpts import with_source_lines
+from eddi_scaffold.problems import EddiError, Problem, error, in_order
+
+_COLOURS = {
+    "error": "31",
+    "warning": "33",
+    "info": "36",
+    "hint": "36",
+    "success": "32",
+    "place": "1",
+}
+_WIDTH = 160
+"""Characters of a source line that are shown."""
+
+
+class Console:
+    """Where a command's words go.
+
+    Attributes:
+        quiet: print errors only.
+        verbose: print infos as well.
+        colour: ``None`` decides by terminal, ``NO_COLOR`` and ``FORCE_COLOR``.
+    """
+
+    def __init__(self) -> None:
+        self.quiet = False
+        self.verbose = False
+        self.colour: bool | None = None
+
+    def data(self, text: str) -> None:
+        """Print data that one could pipe."""
+        _write(sys.stdout, _clean(f"{text}\n"))
+
+    def json(self, value: object) -> None:
+        """Print one JSON value."""
+        _write(sys.stdout, json.dumps(value, indent=2) + "\n")
+
+    def say(self, text: str) -> None:
+        """Print words, unless quiet."""
+        if not self.quiet:
+            _write(sys.stderr, _clean(f"{text}\n"))
+
+    def complain(self, text: str) -> None:
+        """Print words, quiet or not."""
+        _write(sys.stderr, _clean(f"{text}\n"))
+
+    def success(self, text: str) -> None:
+        """Print that something is done, unless quiet."""
+        if not self.quiet:
+            _write(sys.stderr, self._painted("success", _clean(text)) + "\n")
+
+    def progress(self, text: str) -> None:
+        """Print what is being done, on a terminal only."""
+        if _on_terminal() and not self.quiet:
+            _write(sys.stderr, f"{text}\n")
+
+    def problems(self, problems: Iterable[Problem], *, summary: bool = True) -> None:
+        """Print problems in order, with source lines, carets, hints and a closing count."""
+        shown = [p for p in in_order(problems) if self.shows(p)]
+        for problem in with_source_lines(shown):
+            _write(sys.stderr, self._problem(problem))
+        if shown and summary:
+            self.say(count_line(shown))
+
+    def shows(self, problem: Problem) -> bool:
+        """Tell whether a problem of this level is printed."""
+        if problem.level == "error":
+            return True
+        return not self.quiet and (problem.level == "warning" or self.verbose)
+
+    def _problem(self, problem: Problem) -> str:
+        place = problem.place
+        where = ":".join(str(part) for part in (place.file, place.line, place.col) if part)
+        level = self._painted(problem.level, f"{problem.level}:")
+        start = self._painted("place", f"{_one_line(where)}: ") if where else ""
+        lines = [f"{start}{level} {_one_line(problem.message)} [{problem.code}]"]
+        if problem.excerpt is not None and problem.excerpt.strip():
+            lines += [f"    {line}" for line in _excerpt(problem.excerpt, place.col)]
+        if problem.hint:
+            lines.append(f"  {self._painted('hint', 'hint:')} {_one_line(problem.hint)}")
+        return "".join(f"{line}\n" for line in lines)
+
+    def _painted(self, role: str, text: str) -> str:
+        return f"\x1b[{_COLOURS[role]}m{text}\x1b[0m" if self._coloured() else text
+
+    def _coloured(self) -> bool:
+        if self.colour is not None:
+            return self.colour
+        if os.environ.get("NO_COLOR"):
+            return False
+        return bool(os.environ.get("FORCE_COLOR")) or _on_terminal()
+
+
+def count_line(problems: Sequence[Problem]) -> str:
+    """Return the closing line: ``2 errors, 1 warning``."""
+    counts = Counter(problem.level for problem in problems)
+    parts = [
+        f"{counts[level]} {level}{'s' if counts[level] != 1 else ''}"
+        for level in ("error", "warning", "info")
+        if counts[level]
+    ]
+    return ", ".join(parts)
+
+
+def _on_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()  # None: closed before we started
+
+
+def _excerpt(line: str, col: int | None) -> list[str]:
+    """Return the part of a source line around a column, with a caret below it."""
+    start = max(0, col - _WIDTH // 2) if col is not None and col > _WIDTH else 0
+    part = line[start : start + _WIDTH].expandtabs(8)
+    if col is None or col > len(line) + 1:
+        return [_one_line(part)]
+    before = _one_line(line[start : col - 1].expandtabs(8))
+    return [_one_line(part), f"{' ' * len(before)}^"]
+
+
+def _one_line(text: str) -> str:
+    return re.sub(r"\s*\n\s*", " ", _clean(text))
+
+
+def _clean(text: str) -> str:
+    """Replace what is not printable, so that text of a model cannot steer the terminal."""
+    return "".join(
+        char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text
+    )
+
+
+def _write(stream: TextIO | None, text: str) -> None:
+    """Write text; what the encoding of the stream cannot hold becomes an escape.
+
+    Whoever read the stream may have gone (`| head`): the command goes on, and ends with the status
+    that its work deserves.
+
+    Raises:
+        EddiError: data could not be written to stdout, for instance on a full disk (F007).
+    """
+    if stream is None:  # closed before we started
+        return
+    encoding = stream.encoding or "utf-8"
+    try:
+        stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
+        stream.flush()
+    except OSError as refused:
+        _mute(stream)
+        if stream is sys.stdout and not isinstance(refused, BrokenPipeError):
+            message = f"cannot write to the standard output: {refused.strerror}"
+            raise EddiError(error("F007", message)) from None
+
+
+def _mute(stream: TextIO) -> None:
+    """Let what is written from now on vanish, also what the interpreter flushes at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
+
+
+console = Console()
+"""The one console of the process; its flags are set by the command line."""

@@ -1,0 +1,123 @@
+"""What the documentation of common messages says of a field: unit, range, no measurement."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+
+from eddi_scaffold.config.message_types.definitions import Fields, element
+
+_ROW = re.compile(
+    r"(?P<unit>\S+)(?: (?P<low>[^.\s]+)\.\.(?P<high>[^.\s]+))?(?P<inf> inf)?"
+    r"(?: unless (?P<field>\S+)=(?P<value>\S+))?"
+)
+_ELEMENTS = re.compile(r"\[([0-9,]+)\]")
+NONE = "none"
+
+
+@dataclass(frozen=True)
+class Documented:
+    """What is known of a field.
+
+    Attributes:
+        units: one, or those of which the joint decides; none when the field has no unit.
+        range: least and greatest measurement.
+        limits: the same as paths of fields in the message.
+        infinite: infinities are measurements.
+        unless: path of a field and the value by which it says that there is no measurement.
+    """
+
+    units: tuple[str, ...] = ()
+    range: tuple[float, float] | None = None
+    limits: tuple[str, str] | None = None
+    infinite: bool = False
+    unless: tuple[str, float] | None = None
+
+
+def documented(
+    message: str, path: Sequence[str], fields_of: Callable[[str], Fields | None]
+) -> Documented | None:
+    """Return what is known of the field at the end of a path, ``None`` for nothing.
+
+    The outermost message that says something counts: an ``Imu`` knows more of its
+    ``angular_velocity.x`` than a ``Vector3`` of its ``x``.
+
+    Args:
+        message: type of the message.
+        path: names of fields, each with ``[]`` or ``[2]`` behind it where an element is taken.
+        fields_of: message type -> fields.
+    """
+    of: str | None = message
+    for start in range(len(path)):
+        if of is None:
+            return None
+        row = _row(of, path[start:])
+        if row is not None:
+            return _seen_from(row, path[:start])
+        inner = (fields_of(of) or {}).get(path[start].partition("[")[0])
+        of = None if inner is None else element(inner) or inner
+    return None
+
+
+def _row(message: str, path: Sequence[str]) -> Documented | None:
+    rows = _rows().get(message, {})
+    exact = ".".join(path)
+    every = re.sub(r"\[[0-9]+\]", "[]", exact)
+    parent, _, _ = every.rpartition(".")
+    return next((rows[one] for one in (exact, every, f"{parent}.*") if one in rows), None)
+
+
+def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
+    """Return a row of an inner message with the paths of the outer one."""
+    if not before:
+        return row
+    inside_a_list = any("[" in name for name in before)
+    head = ".".join(before)
+    if inside_a_list or (row.limits is None and row.unless is None):
+        return Documented(row.units, row.range, None, row.infinite)
+    limits = row.limits and (f"{head}.{row.limits[0]}", f"{head}.{row.limits[1]}")
+    unless = row.unless and (f"{head}.{row.unless[0]}", row.unless[1])
+    return Documented(row.units, row.range, limits, row.infinite, unless)
+
+
+@cache
+def _rows() -> Mapping[str, Mapping[str, Documented]]:
+    """Return message type -> path -> what its documentation says."""
+    found: dict[str, dict[str, Documented]] = {}
+    of = ""
+    for line in (files(__package__) / "units.txt").read_text("utf-8").splitlines():
+        if line.startswith("    "):
+            paths, _, text = line.strip().partition(": ")
+            said = _said(text)
+            found[of].update((path, said) for name in paths.split() for path in _paths(name))
+        elif line and not line.startswith("#"):
+            of = line
+            found[of] = {}
+    return found
+
+
+def _paths(name: str) -> Iterator[str]:
+    match = _ELEMENTS.search(name)
+    if match is None:
+        yield name
+        return
+    for number in match[1].split(","):
+        yield f"{name[: match.start()]}[{number}]{name[match.end() :]}"
+
+
+def _said(text: str) -> Documented:
+    match = _ROW.fullmatch(text)
+    assert match is not None, text
+    units = () if match["unit"] == NONE else tuple(match["unit"].split("|"))
+    low, high = match["low"], match["high"]
+    fixed = low is not None and re.fullmatch(r"-?[0-9]+", low) is not None
+    return Documented(
+        units,
+        (float(low), float(high)) if fixed else None,
+        (low, high) if low is not None and not fixed else None,
+        match["inf"] is not None,
+        (match["field"], float(match["value"])) if match["field"] else None,
+    )

@@ -1,0 +1,91 @@
+"""Message types of a configuration: do they exist, as far as their packages are known?"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from difflib import get_close_matches
+
+from eddi_scaffold.config.message_types import FieldsOf
+from eddi_scaffold.config.message_types.installed import installed_message, installed_types
+from eddi_scaffold.config.reading import ConfigFile
+from eddi_scaffold.problems import Problem, error, nearest, warning
+
+_LIKE = 0.9
+"""Names of packages are alike already: they end in ``_msgs``."""
+_WHAT_TO_DO = "give the models of the robot (--models), or declare it below MessageTypes"
+
+
+def check_types(config: ConfigFile, whole: FieldsOf, used: Collection[str]) -> Iterator[Problem]:
+    """Check the types of ``SimulatorOutputs``.
+
+    What does not exist in a package that is wholly known is an error (K048). Of a package that is
+    not known, it is said what stays unchecked: a field (K039), else the package, once (K049).
+
+    Args:
+        config: the configuration; its ``MessageTypes`` are known as well.
+        whole: the messages of packages of which every message is in here.
+        used: ids of the outputs that an input is made of.
+    """
+    unchecked: dict[str, list[int]] = {}
+    for index, source in enumerate(config.config.SimulatorOutputs):
+        package = _package(source.type)
+        there = _types_of(package, whole)
+        known = source.type in there or source.type in config.config.MessageTypes
+        if known or installed_message(source.type) is not None:
+            continue
+        if there:
+            hint = _exists_elsewhere(source.type, whole) or _nearest(source.type, there)
+            place = config.place("SimulatorOutputs", index, "type")
+            yield error("K048", f"there is no message type {source.type}", place, hint)
+        elif source.id in used:
+            unchecked.setdefault(package, []).append(index)
+    for of_package in unchecked.values():
+        fields = list(_unchecked_fields(config, of_package))
+        yield from fields or [_unknown_package(config, of_package[0], whole)]
+
+
+def _package(type_: str) -> str:
+    return type_.partition("/")[0]
+
+
+def _types_of(package: str, whole: FieldsOf) -> frozenset[str]:
+    """Return every type of a package that is wholly known; none for other packages."""
+    table = frozenset(name for name in whole if name.startswith(f"{package}/"))
+    return table | installed_types(package)
+
+
+def _exists_elsewhere(type_: str, whole: FieldsOf) -> str | None:
+    """Return the hint at the same name in another package."""
+    message = type_.partition("/")[2].casefold()
+    found = [name for name in whole if name.casefold().endswith(f"/{message}")]
+    return f"did you mean {found[0]!r}?" if found else None
+
+
+def _nearest(type_: str, there: Collection[str]) -> str | None:
+    package, _, message = type_.partition("/")
+    found = nearest(message, [name.partition("/")[2] for name in there])
+    return f"did you mean '{package}/{found}'?" if found is not None else None
+
+
+def _unchecked_fields(config: ConfigFile, sources: Sequence[int]) -> Iterator[Problem]:
+    types = {one.id: one.type for one in map(config.config.SimulatorOutputs.__getitem__, sources)}
+    for index, entry in enumerate(config.config.EDDIInputs):
+        type_ = next((types[name] for name in entry.requires if name in types), None)
+        if entry.field is not None and type_ is not None:
+            message = f"the fields of {type_} are not known here, so {entry.field!r} is unchecked"
+            yield warning("K039", message, config.place("EDDIInputs", index, "field"), _WHAT_TO_DO)
+
+
+def _unknown_package(config: ConfigFile, index: int, whole: FieldsOf) -> Problem:
+    type_ = config.config.SimulatorOutputs[index].type
+    package = _package(type_)
+    place = config.place("SimulatorOutputs", index, "type")
+    declared = [name for name in config.config.MessageTypes if _package(name) == package]
+    if declared:
+        message = f"{type_} is not declared like others of its package, so it is unchecked"
+        return warning("K049", message, place, _nearest(type_, declared) or _WHAT_TO_DO)
+    message = f"the package {package} is not known here, so its types are unchecked"
+    packages = sorted({_package(name) for name in whole if "/" in name})
+    near = get_close_matches(package, packages, n=1, cutoff=_LIKE)
+    hint = f"did you mean {near[0]!r}? Else {_WHAT_TO_DO}" if near else _WHAT_TO_DO
+    return warning("K049", message, place, hint)

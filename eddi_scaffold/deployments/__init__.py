@@ -1,0 +1,1 @@
+"""Deployments: several monitors, wired by topics, on one platform."""

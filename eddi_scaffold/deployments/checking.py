@@ -1,0 +1,148 @@
+"""``check`` as a function: every problem of some files, and of their combination."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.reading import ConfigFile, Robot, named_model_path, read_config
+from eddi_scaffold.config.topic_types import check_types
+from eddi_scaffold.deployments.joining import join, packages_of, without_model
+from eddi_scaffold.deployments.wiring.check import members_of
+from eddi_scaffold.deployments.wiring.deployment import deployment
+from eddi_scaffold.deployments.wiring.topics import absent_publishers
+from eddi_scaffold.kinds import Model, Reading, kinds
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
+from eddi_scaffold.platforms import Platform, chosen
+from eddi_scaffold.problems import EddiError, Problem, has_errors, info
+from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.source import Source, read_source
+
+BY_HAND = "to be written by hand: "
+"""How the message about an input begins that hand-written code must give (K050)."""
+_OF_CONFIGS = "ros1"
+"""The platform that a configuration is for, unless another one is named."""
+
+
+def check_files(
+    files: Sequence[Path],
+    default_guarantees: Sequence[str] = (),
+    robot: Robot | None = None,
+    platform: str | None = None,
+) -> list[Problem]:
+    """Check every file by itself, and all that ``generate`` would make of them together.
+
+    Args:
+        files: models and configurations.
+        default_guarantees: the marks of ``--default-guarantee``.
+        robot: what models of a robot say beside the configurations.
+        platform: where monitors are to run. By default, models with configurations are checked for
+            ROS 1, others by themselves.
+
+    Raises:
+        EddiError: there is no such platform.
+    """
+    target = chosen(platform) if platform is not None else None
+    models, configs, problems = _read_files(files, default_guarantees, robot, target)
+    alone = [] if models else [config for config in configs if not _names_its_model(config)]
+    if not has_errors(problems):  # else what is wrong may be the file with their models
+        problems += [found for config in alone for found in _alone(config, target)]
+    configs = [config for config in configs if config not in alone]
+    if target is None and configs:
+        target = chosen(_OF_CONFIGS)
+    return problems + _together(models, configs, target, default_guarantees)
+
+
+def _read_files(
+    files: Iterable[Path], marks: Sequence[str], robot: Robot | None, target: Platform | None
+) -> tuple[list[Model], list[ConfigFile], list[Problem]]:
+    """Read every file, with all that is wrong with it by itself."""
+    models: list[Model] = []
+    configs: list[ConfigFile] = []
+    problems: list[Problem] = []
+    for path in files:
+        try:
+            source = read_source(path)
+        except EddiError as failure:
+            problems += failure.problems
+            continue
+        if is_config(source):
+            config, found = read_config(source, robot)
+            configs += [config] if config is not None else []
+            problems += found
+        else:
+            reading = _read(source, marks, target)
+            models += reading.models
+            problems += reading.problems
+    return models, configs, problems
+
+
+def _read(source: Source, marks: Sequence[str], target: Platform | None) -> Reading:
+    """Read models with everything that can be said of them."""
+    reading = read_models(source, marks)
+    problems = [*reading.problems, *reading.unread, *_static(reading.models)]
+    if is_xml(source) and not reading.models and not has_errors(problems):
+        problems.append(_wanted(no_model(source), target))
+    return Reading(reading.models, tuple(problems))
+
+
+def _wanted(missing: Problem, target: Platform | None) -> Problem:
+    """Return an error where a monitor is asked for; files by themselves may be what they are."""
+    return missing if target is not None else replace(missing, level="warning")
+
+
+def _alone(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
+    """Say what can be said of a configuration without its model."""
+    yield _wanted(without_model(config), target)
+    used = {name for entry in config.config.EDDIInputs for name in entry.requires}
+    yield from check_types(config, known_messages(kinds().values()), used)
+
+
+def _static(models: Iterable[Model]) -> list[Problem]:
+    return [problem for model in models for problem in kinds()[model.kind].check(model)]
+
+
+def _named(path: Path, marks: Sequence[str]) -> Reading:
+    """Read the file that a configuration names, with everything that can be said of it."""
+    reading = checked_models(path, marks)
+    return Reading(reading.models, (*reading.problems, *_static(reading.models)))
+
+
+def _names_its_model(config: ConfigFile) -> bool:
+    try:
+        return named_model_path(config) is not None
+    except EddiError:
+        return True  # joining says why
+
+
+def _together(
+    models: Sequence[Model],
+    configs: Sequence[ConfigFile],
+    platform: Platform | None,
+    marks: Sequence[str],
+) -> list[Problem]:
+    """Return what is wrong with models and configurations as monitors of a platform."""
+    if platform is None:
+        return []
+    monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
+    problems += packages_of(monitors, platform, None)[1]
+    problems += absent_publishers(deployment(members_of(monitors)))
+    return [*problems, *_by_hand(monitors)]
+
+
+def _by_hand(monitors: Iterable[Monitor]) -> Iterable[Problem]:
+    """Name the inputs that only hand-written code can make of their messages (K050)."""
+    for monitor in monitors:
+        if monitor.config is None:
+            continue
+        index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
+        for binding in monitor.inputs:
+            if binding.requires and not binding.is_given:
+                message = f"{BY_HAND}{binding.model.id} (input of {monitor.model.name})"
+                place = monitor.config.place("EDDIInputs", index[binding.model.id])
+                hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
+                yield info("K050", message, place, hint)

@@ -1,0 +1,174 @@
+"""Tracks as one self-contained SVG: no scripts, no fonts to load, the same bytes everywhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from eddi_scaffold.diagrams.plotting.tracks import Track, stretches, ticks
+from eddi_scaffold.escaping import xml_text
+
+_LEFT, _RIGHT, _WIDTH = 230, 70, 1000
+_TOP, _BAND, _GRAPH, _GAP, _HEADING = 46, 18, 64, 8, 24
+_COLOURS = {True: "#2e7d4f", False: "#c9ced6", None: "url(#unknown)"}
+_WORDS = {True: "active or true", False: "inactive or false", None: "unknown"}
+_STYLE = (
+    "text{font:12px sans-serif;fill:#1f2933}.small{font-size:10px;fill:#52606d}"
+    ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
+    ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
+)
+_MAX_COLUMNS = 2000
+"""Steps of a line that are drawn; of more, the lowest and highest of each column are kept."""
+
+
+def plot(title: str, tracks: Sequence[Track]) -> str:
+    """Return the SVG of some tracks over their common time.
+
+    Args:
+        title: one line above.
+        tracks: from top to bottom; a heading stands where the group changes.
+    """
+    times = [t for track in tracks for t in (*track.times[:1], *track.times[-1:])]
+    start, end = (min(times), max(times)) if times else (0.0, 1.0)
+    end = end if end > start else start + 1.0
+    body: list[str] = []
+    y = _TOP
+    group = None
+    for track in tracks:
+        if track.group != group:
+            group = track.group
+            body.append(_text(12, y + 14, group, "group"))
+            y += _HEADING
+        height = _GRAPH if track.form == "number" else _BAND
+        body += _track(track, y, height, start, end)
+        y += height + _GAP
+    bottom = y
+    grid = list(_grid(start, end, bottom))
+    return _document(title, bottom + 56, [*grid, *body, *_legend(bottom + 40)])
+
+
+def _document(title: str, height: int, parts: Iterable[str]) -> str:
+    hatch = (
+        '<defs><pattern id="unknown" width="6" height="6" patternUnits="userSpaceOnUse" '
+        'patternTransform="rotate(45)"><rect width="6" height="6" fill="#fff4d6"/>'
+        '<rect width="2" height="6" fill="#e0a100"/></pattern></defs>'
+    )
+    root = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{height}" '
+        f'viewBox="0 0 {_WIDTH} {height}" role="img" aria-label="{xml_text(title)}">'
+    )
+    lines = [
+        root,
+        f"<title>{xml_text(title)}</title>",
+        f"<style>{_STYLE}</style>{hatch}",
+        f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
+        _text(12, 24, title, "title"),
+        *parts,
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _track(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
+    parts = [_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=32)]
+    if track.form == "number":
+        return parts + _line(track, y, height, start, end)
+    for begin, until, value in stretches(track, end):
+        x, wide = _x(begin, start, end), max(_x(until, start, end) - _x(begin, start, end), 1.0)
+        truth = None if value is None else bool(value)
+        colour = "#d6e4f5" if isinstance(value, str) else _COLOURS[truth]
+        shown = value if isinstance(value, str) else _WORDS[truth]
+        parts.append(
+            f'<rect x="{_number(x)}" y="{y}" width="{_number(wide)}" height="{height}" '
+            f'fill="{colour}"><title>{xml_text(shown)}: {begin:g} s to {until:g} s'
+            f"</title></rect>"
+        )
+        if isinstance(value, str) and wide > 7 * len(value):
+            parts.append(_text(x + 4, y + 13, value, "small"))
+    return parts
+
+
+def _line(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
+    known = [v for v in track.values if isinstance(v, int | float) and math.isfinite(v)]
+    low, high = (min(known), max(known)) if known else (0.0, 1.0)
+    span = high - low or 1.0
+
+    def at(value: float) -> float:
+        return y + height - 4 - (min(max(value, low), high) - low) / span * (height - 8)
+
+    frame = f'x="{_LEFT}" y="{y}" width="{_WIDTH - _LEFT - _RIGHT}" height="{height}"'
+    parts = [
+        f'<rect {frame} fill="none" stroke="#e4e7eb"/>',
+        _text(_WIDTH - _RIGHT + 6, y + 12, f"{high:.4g}", "small"),
+        _text(_WIDTH - _RIGHT + 6, y + height - 2, f"{low:.4g}", "small"),
+    ]
+    path: list[str] = []
+    pen_down = False
+    for begin, until, value in _thinned(stretches(track, end), start, end):
+        left, right = _number(_x(begin, start, end)), _number(_x(until, start, end))
+        if value is None:
+            wide = _number(float(right) - float(left))
+            parts.append(
+                f'<rect x="{left}" y="{y}" width="{wide}" height="{height}" '
+                'fill="url(#unknown)" opacity="0.6"><title>unknown</title></rect>'
+            )
+            pen_down = False
+            continue
+        level = _number(at(float(value)))
+        path.append(f"{'L' if pen_down else 'M'}{left} {level}L{right} {level}")
+        pen_down = True
+    return [*parts, f'<path class="line" d="{"".join(path)}"/>'] if path else parts
+
+
+def _thinned(
+    parts: Sequence[tuple[float, float, object]], start: float, end: float
+) -> list[tuple[float, float, float | None]]:
+    """Keep at most the lowest and the highest value of each column, and every unknown one."""
+    values = [(a, b, v if isinstance(v, int | float) else None) for a, b, v in parts]
+    if len(values) <= _MAX_COLUMNS:
+        return values
+    columns: dict[int, list[tuple[float, float, float | None]]] = {}
+    for part in values:
+        number = int((part[0] - start) / (end - start) * _MAX_COLUMNS / 2)
+        columns.setdefault(number, []).append(part)
+    kept: list[tuple[float, float, float | None]] = []
+    for column in columns.values():
+        unknown = [part for part in column if part[2] is None]
+        known = sorted((p for p in column if p[2] is not None), key=lambda p: (p[2] or 0.0, p[0]))
+        chosen = {id(p): p for p in (*unknown[:1], *known[:1], *known[-1:])}
+        kept += sorted(chosen.values(), key=lambda part: part[0])
+    ends = [*(part[0] for part in kept[1:]), end]
+    return [(a, until, v) for (a, _, v), until in zip(kept, ends, strict=True)]
+
+
+def _grid(start: float, end: float, bottom: int) -> Iterable[str]:
+    for t in ticks(start, end):
+        x = _number(_x(t, start, end))
+        yield f'<line class="grid" x1="{x}" y1="{_TOP - 6}" x2="{x}" y2="{bottom}"/>'
+        yield _text(float(x), bottom + 14, f"{t:g}", "small", anchor="middle")
+    yield _text(_WIDTH - _RIGHT + 6, bottom + 14, "s", "small")
+
+
+def _legend(y: int) -> Iterable[str]:
+    x = _LEFT
+    for value, word in _WORDS.items():
+        yield f'<rect x="{x}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
+        yield _text(x + 20, y, word, "small")
+        x += 140
+
+
+def _x(t: float, start: float, end: float) -> float:
+    return _LEFT + (t - start) / (end - start) * (_WIDTH - _LEFT - _RIGHT)
+
+
+def _number(value: float) -> str:
+    return f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+def _text(
+    x: float, y: float, text: str, kind: str = "", *, anchor: str = "start", width: int = 200
+) -> str:
+    shown = text if len(text) <= width else f"{text[: width - 1]}…"
+    kind = f' class="{kind}"' if kind else ""
+    place = f'x="{_number(x)}" y="{_number(y)}"'
+    return f'<text {place}{kind} text-anchor="{anchor}">{xml_text(shown)}</text>'

@@ -1,0 +1,1 @@
+"""Checks of ConSerts: what is wrong with a model by itself."""

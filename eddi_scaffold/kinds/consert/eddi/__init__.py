@@ -1,0 +1,1 @@
+"""ConSerts from EDDI XML."""

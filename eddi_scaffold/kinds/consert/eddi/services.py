@@ -1,0 +1,102 @@
+"""Services of a ConSert in EDDI XML: referred to by its demands and guarantees, or listing them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.kinds.consert.eddi import spelling as names
+from eddi_scaffold.kinds.consert.eddi.graph import node_name
+from eddi_scaffold.kinds.consert.model import ProvidedService, RequiredService
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from eddi_scaffold.kinds.consert.eddi.graph import Graph
+    from eddi_scaffold.readers.findings import Findings
+    from eddi_scaffold.readers.spelling import Spelling
+    from eddi_scaffold.readers.xmi import Element
+
+
+def required_services(
+    consert: Element, graph: Graph, findings: Findings
+) -> tuple[RequiredService, ...]:
+    """Return the services that the demands need, in the order of their first use."""
+    demands = findings.document.children(consert, names.DEMANDS)
+    members = _referred(demands, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES, graph, findings)
+    members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, graph, findings)
+    graph.services += members
+    return tuple(
+        RequiredService(name, kind, tuple(ids), findings.document.place(service))
+        for service, ids in members.items()
+        if (name := node_name(service, findings)) and (kind := _service_type(service, findings))
+    )
+
+
+def provided_services(
+    consert: Element, graph: Graph, findings: Findings
+) -> tuple[ProvidedService, ...]:
+    """Return the services that the guarantees provide, in the order of their first use."""
+    guarantees = findings.document.children(consert, names.GUARANTEES)
+    wanted = names.PROVIDED_SERVICES
+    members = _referred(guarantees, names.PROVIDED_SERVICE, wanted, graph, findings)
+    members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, graph, findings)
+    graph.services += members
+    return tuple(
+        ProvidedService(name, kind, tuple(ids), findings.document.place(service))
+        for service, ids in members.items()
+        if (name := node_name(service, findings)) and (kind := _service_type(service, findings))
+    )
+
+
+def _referred(
+    elements: Iterable[Element], link: Spelling, wanted: Spelling, graph: Graph, findings: Findings
+) -> dict[Element, list[str]]:
+    """Return the services that elements refer to, with the ids of these elements."""
+    members: dict[Element, list[str]] = {}
+    for element in elements:
+        found, problems, _ = findings.document.targets(element, link)
+        findings.add(*problems)
+        for service in found:
+            if not wanted.accepts(findings.document.feature(service)):
+                shown = findings.document.describe(service)
+                message = f"{link.name} points at {shown}, expected one of {wanted.name}"
+                findings.error("X009", message, element)
+            elif element in graph.ids:
+                members.setdefault(service, []).append(graph.ids[element])
+    return members
+
+
+def _listed(
+    consert: Element, feature: Spelling, link: Spelling, graph: Graph, findings: Findings
+) -> dict[Element, list[str]]:
+    """Return the services of the configuration around a ConSert, with the ids that they list."""
+    configuration = consert.getparent()
+    document = findings.document
+    if configuration is None or not names.CONFIGURATIONS.accepts(document.feature(configuration)):
+        return {}
+    members: dict[Element, list[str]] = {}
+    for service in document.children(configuration, feature):
+        found, problems, _ = document.targets(service, link)
+        findings.add(*problems)
+        members[service] = []
+        for end in found:
+            if end in graph.ids and link.accepts(document.feature(end)):
+                members[service].append(graph.ids[end])
+            elif end.getparent() is not consert or not link.accepts(document.feature(end)):
+                message = (
+                    f"{link.name} points at {document.describe(end)}, expected one of "
+                    f"{link.name} of the ConSert of this configuration"
+                )
+                findings.error("X009", message, service)
+    return members
+
+
+def _service_type(service: Element, findings: Findings) -> str | None:
+    for child in findings.document.children(service, names.SERVICE_TYPE):
+        kind = findings.document.attribute(child, names.NAME)
+        if kind:
+            return kind
+    owner = findings.document.describe(service)
+    message = f"the type of {owner} is missing: a child serviceType with a name"
+    findings.error("X010", message, service)
+    return None

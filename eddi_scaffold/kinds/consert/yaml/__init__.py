@@ -1,0 +1,1 @@
+"""ConSerts from and to YAML."""

@@ -1,0 +1,201 @@
+"""ConSert YAML (SESAME D7.2 Fig 6) -> model: what each key holds, with the place of each element.
+
+Only the shape is judged here; what the elements mean together is the business of ``check``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+from eddi_scaffold.kinds.consert.model import (
+    ConSert,
+    Demand,
+    Evidence,
+    Gate,
+    Guarantee,
+    Propagation,
+    ProvidedService,
+    RequiredService,
+)
+from eddi_scaffold.kinds.consert.yaml.dimensions import read_dimension, read_dimensions
+from eddi_scaffold.kinds.consert.yaml.shape import Element, Shape
+from eddi_scaffold.positioned_yaml import nodes as y
+from eddi_scaffold.problems import Place, Problem, has_errors
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from eddi_scaffold.source import Source
+
+SECTIONS = (
+    "guarantees",
+    "demands",
+    "evidence",
+    "gates",
+    "tree_propagations",
+    "required_services",
+    "provided_services",
+)
+"""The mandatory keys of the top level, in the order of SESAME D7.2 Fig 6."""
+
+GATE_FUNCTIONS = ("And", "Or")
+
+_Item = TypeVar("_Item")
+
+
+def read_consert(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
+    """Read one ConSert.
+
+    Args:
+        source: the YAML file.
+        name: name of the ConSert; the stem of the file when ``None``.
+
+    Returns:
+        The ConSert, ``None`` when anything is wrong with its shape (C001 to C006, C016); and
+        all problems.
+    """
+    consert, problems = read_draft(source, name)
+    return (None if has_errors(problems) else consert), problems
+
+
+def read_draft(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
+    """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
+
+    Returns:
+        A ConSert in which faulty parts are left out or replaced, ``None`` when an id or an edge
+        could not be read (checking would report its consequences); and all problems.
+    """
+    root, problems = y.read_map(source, "C001")
+    if root is None:
+        return None, problems
+    shape = Shape()
+    top = shape.element(root, "the ConSert", SECTIONS)
+    sections = {key: _Section(shape, top, key) for key in SECTIONS}
+    consert = ConSert(
+        name=source.stem if name is None else name,
+        guarantees=sections["guarantees"].read(_guarantee),
+        demands=sections["demands"].read(_demand),
+        evidence=sections["evidence"].read(_evidence),
+        gates=sections["gates"].read(_gate),
+        tree_propagations=sections["tree_propagations"].read(_propagation),
+        required_services=sections["required_services"].read(_required),
+        provided_services=sections["provided_services"].read(_provided),
+        place=Place(source.name, root.place.line, root.place.col),
+    )
+    whole = all(section.whole for section in sections.values())
+    return (consert if whole else None), [*problems, *shape.problems]
+
+
+class _Section:
+    """One list of the top level.
+
+    Attributes:
+        whole: every element of the list could be read far enough to be referred to.
+    """
+
+    def __init__(self, shape: Shape, top: Element | None, key: str) -> None:
+        self._shape, self._key = shape, key
+        node = None if top is None else top.get(key)
+        self._nodes = None if node is None else shape.items(node, f"{key!r}")
+        self.whole = self._nodes is not None
+
+    def read(self, read_one: Callable[[Shape, y.Node, str], _Item | None]) -> tuple[_Item, ...]:
+        read = [
+            read_one(self._shape, node, f"item {number} of {self._key!r}")
+            for number, node in enumerate(self._nodes or (), 1)
+        ]
+        kept = tuple(item for item in read if item is not None)
+        self.whole = self.whole and len(kept) == len(read)
+        return kept
+
+
+def _guarantee(shape: Shape, node: y.Node, what: str) -> Guarantee | None:
+    item = shape.element(
+        node, what, ("id", "dimensions"), ("description", "default", "ranking"), kind="guarantee"
+    )
+    if item is None or item.id is None:
+        return None
+    return Guarantee(
+        item.id,
+        read_dimensions(shape, item),
+        shape.optional_text(item, "description"),
+        shape.boolean(item, "default", otherwise=False),
+        shape.integer(item, "ranking"),
+        item.place,
+    )
+
+
+def _demand(shape: Shape, node: y.Node, what: str) -> Demand | None:
+    item = shape.element(node, what, ("id", "dimensions"), ("description",), kind="demand")
+    if item is None or item.id is None:
+        return None
+    description = shape.optional_text(item, "description")
+    return Demand(item.id, read_dimensions(shape, item), description, item.place)
+
+
+def _evidence(shape: Shape, node: y.Node, what: str) -> Evidence | None:
+    item = shape.element(node, what, ("id", "dimension"), ("description",), kind="evidence")
+    if item is None or item.id is None:
+        return None
+    dimension = read_dimension(shape, item.get("dimension"), f"'dimension' of {item.what}")
+    return Evidence(item.id, dimension, shape.optional_text(item, "description"), item.place)
+
+
+def _gate(shape: Shape, node: y.Node, what: str) -> Gate | None:
+    item = shape.element(node, what, ("id", "function"), kind="gate")
+    if item is None or item.id is None:
+        return None
+    function = shape.variant(item, "function", GATE_FUNCTIONS, "gate function", _GATE_HINTS)
+    return Gate(item.id, "Or" if function == "Or" else "And", item.place)
+
+
+_GATE_HINTS = dict.fromkeys(
+    ("not", "xor", "nand", "nor"),
+    "a ConSert has no negation: describe the negated property as evidence",
+)
+
+
+def _propagation(shape: Shape, node: y.Node, what: str) -> Propagation | None:
+    item = shape.element(node, what, ("from", "to"))
+    if item is None:
+        return None
+    source, target = shape.text(item, "from"), shape.text(item, "to")
+    if source is None or target is None:
+        return None
+    return Propagation(source, target, item.place)
+
+
+def _required(shape: Shape, node: y.Node, what: str) -> RequiredService | None:
+    service = _service(shape, node, what, "demands")
+    return None if service is None else RequiredService(*service)
+
+
+def _provided(shape: Shape, node: y.Node, what: str) -> ProvidedService | None:
+    service = _service(shape, node, what, "guarantees")
+    return None if service is None else ProvidedService(*service)
+
+
+def _service(
+    shape: Shape, node: y.Node, what: str, members: str
+) -> tuple[str, str, tuple[str, ...], Place] | None:
+    keys = ("id", "functional_service_type", members)
+    item = shape.element(node, what, keys, kind="service")
+    if item is None:
+        return None
+    type_ = shape.text(item, "functional_service_type")
+    names = _names(shape, item, members)
+    if item.id is None or type_ is None or names is None:
+        return None
+    return item.id, type_, names, item.place
+
+
+def _names(shape: Shape, item: Element, key: str) -> tuple[str, ...] | None:
+    node = item.get(key)
+    nodes: Sequence[y.Node] | None = None
+    if node is not None:
+        nodes = shape.items(node, f"{key!r} of {item.what}")
+    if nodes is None:
+        return None
+    read = [shape.scalar(one, f"a member of {key!r} of {item.what}") for one in nodes]
+    names = tuple(name for name in read if name is not None)
+    return names if len(names) == len(read) else None

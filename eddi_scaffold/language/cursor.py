@@ -1,0 +1,160 @@
+"""Reading tokens one after the other, and the pieces that declarations and expressions share."""
+
+from __future__ import annotations
+
+import math
+from typing import NoReturn
+
+from eddi_scaffold.identifiers import key_text
+from eddi_scaffold.language.diagnostics import Findings
+from eddi_scaffold.language.durations import DURATIONS, nanoseconds
+from eddi_scaffold.language.syntax import Bound, Named
+from eddi_scaffold.language.tokens import RESERVED, Token
+from eddi_scaffold.problems import did_you_mean
+from eddi_scaffold.units import words
+
+DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
+_PATH_INDEX = 10**6
+
+
+class Wrong(Exception):  # noqa: N818 - it ends one declaration, a Finding says what is wrong
+    """The rest of a declaration cannot be read."""
+
+
+class Cursor:
+    """A place among the tokens of a text."""
+
+    def __init__(self, tokens: tuple[Token, ...], findings: Findings) -> None:
+        self._tokens = tokens
+        self._findings = findings
+        self._k = 0
+        self._declared = ""
+
+    @property
+    def _token(self) -> Token:
+        return self._tokens[self._k]
+
+    def _peek(self, ahead: int = 1) -> Token:
+        return self._tokens[min(self._k + ahead, len(self._tokens) - 1)]
+
+    def _is_symbol(self, text: str) -> bool:
+        return self._token.kind == "symbol" and self._token.text == text
+
+    def _expect(self, symbol: str, shown: str | None = None) -> None:
+        if not self._is_symbol(symbol):
+            wanted = shown or repr(symbol)
+            self._fail("E002", f"{wanted} is expected, found {self._token.shown}")
+        self._k += 1
+
+    def _new_name(self, what: str) -> Named:
+        token = self._token
+        if token.kind != "word":
+            self._fail("E002", f"{what} is expected, found {token.shown}")
+        if token.word in RESERVED:
+            self._fail("E012", f"{token.shown} is a reserved word, it cannot be a name")
+        self._k += 1
+        self._declared = self._declared or token.text
+        return Named(token.text, token.start)
+
+    def _number(self) -> float:
+        """Take a number that a double can hold."""
+        token = self._token
+        value = float(token.text)
+        digits = token.text.lower().partition("e")[0]
+        if not math.isfinite(value) or (value == 0 and digits.strip("0.") != ""):
+            self._fail("E013", "the number does not fit into a double", at=token.start)
+        self._k += 1
+        return value
+
+    def _signed(self) -> Bound:
+        at, negative = self._token.start, self._is_symbol("-")
+        self._k += negative
+        if self._token.kind != "number":
+            self._fail("E002", f"a number is expected, found {self._token.shown}")
+        value = self._number()
+        return Bound(-value if negative else value, self._unit(), at)
+
+    def _unit(self) -> str | None:
+        """Take the unit behind a number, if there is one."""
+        token, number = self._token, self._tokens[self._k - 1]
+        if token.kind != "word":
+            return None
+        if token.text in words():
+            self._k += 1
+            return token.text
+        if token.start == number.end:  # 5x: it cannot be anything else
+            hint = did_you_mean(token.text, words()) or f"units: {', '.join(sorted(words()))}"
+            self._fail("E009", f"there is no unit {token.shown}", hint=hint)
+        return None
+
+    def _duration(self, code: str) -> int:
+        number, unit = self._token, self._peek()
+        if number.kind != "number" or unit.kind != "word" or unit.text not in DURATIONS:
+            hint = f"the unit is one of {', '.join(DURATIONS)}"
+            self._fail(code, f"a duration such as 5s is expected, found {number.shown}", hint=hint)
+        if unit.start != number.end:
+            hint = f"write {number.text}{unit.text}"
+            self._fail(code, "the unit of a duration stands directly behind the number", hint=hint)
+        try:
+            length = nanoseconds(number.text, unit.text)
+        except OverflowError:
+            self._fail("E013", "the duration does not fit into 62 bits of nanoseconds")
+        if length == 0:
+            self._fail(code, "a duration must be longer than 0")
+        self._k += 2
+        return length
+
+    def _fail(
+        self, code: str, message: str, *, at: int | None = None, hint: str | None = None
+    ) -> NoReturn:
+        self._findings.error(code, self._token.start if at is None else at, message, hint)
+        raise Wrong
+
+    def _path_rest(self, name: str) -> str:
+        while True:
+            if self._is_symbol(".") and self._peek().kind == "word":
+                name += f".{self._peek().text}"
+                self._k += 2
+            elif self._is_symbol("["):
+                self._k += 1
+                name += f"[{self._element()}]"
+                self._expect("]")
+            else:
+                return name
+
+    def _element(self) -> str:
+        """Take what stands in brackets: an index, a key, or a field and its key."""
+        field = ""
+        while self._token.kind == "word" and self._peek().text in ("=", "."):
+            field += self._token.text + self._peek().text
+            self._k += 2
+        if field.endswith("."):
+            self._fail("E002", f"'=' and a key are expected, found {self._token.shown}")
+        token = self._token
+        if token.kind in ("word", "text"):
+            key = key_text(token.text.strip('"'))
+        elif self._is_symbol("*") and not field:
+            key = "*"
+        elif token.text.isdigit() and len(token.text) < 8 and int(token.text) < _PATH_INDEX:
+            key = str(int(token.text)) + self._last_of_part()
+        else:
+            message = f"an index from 0 on or a key is expected, found {token.shown}"
+            self._fail("E002", message, hint='[0], [name], ["a name"] or [field="a name"]')
+        self._k += 1
+        return field + key
+
+    def _last_of_part(self) -> str:
+        """Take the end of a part of a list, ``..5``, if there is one."""
+        if not (self._peek().text == ".." and self._peek(2).text.isdigit()):
+            return ""
+        first, last = self._token, self._peek(2)
+        if len(last.text) > 7 or int(last.text) < int(first.text) or int(last.text) >= _PATH_INDEX:
+            self._fail("E002", f"an index behind {first.text} is expected, found {last.shown}")
+        self._k += 2
+        return f"..{int(last.text)}"
+
+    def _declaration(self) -> str:
+        """Return the word that opens a declaration here, empty when there is none."""
+        word = self._token.word
+        opens = word in DECLARATIONS and self._peek().kind == "word"
+        return word if opens or (word in DECLARATIONS and self._peek().kind == "end") else ""

@@ -1,0 +1,92 @@
+"""Texts of events as tokens."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from eddi_scaffold.language.diagnostics import Findings
+
+TokenKind = Literal["word", "number", "text", "symbol", "end"]
+RESERVED = frozenset(
+    {
+        *("AND", "OR", "XOR", "NOT", "IMPLIES", "TRUE", "FALSE", "UNKNOWN"),
+        *("ENUM", "VAR", "CONST", "EVENT", "COVERAGE"),
+    }
+)
+"""Words that are no names, in any case of letters."""
+
+_TOKEN = re.compile(
+    r"""(?P<blank>[ \t\r\n\f]+|//[^\n]*)
+      | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
+      | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
+      | (?P<text>"[^"\r\n]+")
+      | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=])""",
+    re.VERBOSE,
+)
+_INSTEAD = {
+    "&": "AND",
+    "|": "OR",
+    "!": "NOT",
+    "\N{LESS-THAN OR EQUAL TO}": "<=",
+    "\N{GREATER-THAN OR EQUAL TO}": ">=",
+    "#": "// for a comment",
+    "\N{NO-BREAK SPACE}": "a plain blank",
+    "%": "the unit pct",
+    "\N{DEGREE SIGN}": "the unit degC",
+}
+
+
+@dataclass(frozen=True)
+class Token:
+    """One token.
+
+    Attributes:
+        kind: ``end`` stands behind the last token.
+        text: as it stands in the text; empty at the end.
+        start: offset of its first character.
+        end: offset behind its last one.
+    """
+
+    kind: TokenKind
+    text: str
+    start: int
+    end: int
+
+    @property
+    def word(self) -> str:
+        """The text in upper case when this is a word, else empty."""
+        return self.text.upper() if self.kind == "word" else ""
+
+    @property
+    def shown(self) -> str:
+        """The token in a message."""
+        if self.kind == "end":
+            return "the end of the text"
+        return repr(self.text if len(self.text) <= 40 else f"{self.text[:37]}...")
+
+
+def tokens_of(text: str, findings: Findings) -> tuple[Token, ...]:
+    """Return the tokens of a text; characters outside the language are E001 and left out."""
+    found: list[Token] = []
+    position = last = 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
+        if match is None:
+            char = text[position]
+            instead = _INSTEAD.get(char)
+            findings.error(
+                "E001",
+                position,
+                f"unexpected character {char!r}",
+                f"write {instead}" if instead else None,
+            )
+            position += 1
+            continue
+        position = match.end()
+        if match.lastgroup in ("number", "word", "text", "symbol"):
+            kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # one of these four
+            found.append(Token(kind, match.group(), match.start(), position))
+            last = position
+    return (*found, Token("end", "", last, last))

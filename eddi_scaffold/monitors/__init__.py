@@ -1,0 +1,1 @@
+"""Monitors: a model, joined with the configuration that connects it to a robot."""

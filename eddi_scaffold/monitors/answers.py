@@ -1,0 +1,200 @@
+"""From a monitor to the answers that every platform shares.
+
+Everything that reaches a template as code is made here or in a platform: a checked identifier or a
+ready literal. Templates put text in place and loop, nothing else.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+
+from eddi_scaffold import __version__
+from eddi_scaffold.config.reading import Config
+from eddi_scaffold.escaping import (
+    markdown_code,
+    markdown_text,
+    one_line,
+    python_comment,
+    python_literal,
+)
+from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
+from eddi_scaffold.monitors.binding import InputBinding, Monitor
+from eddi_scaffold.regions import markers
+
+ACCESS = ("by_id", "by_key", "by_name", "joined")
+"""Functions of the runtime that generated lines of ``process_<input>`` call."""
+_DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
+
+
+def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
+    """Return the answers about identity that the templates of all platforms ask for."""
+    config = monitor.config.config if monitor.config else None
+    source = monitor.model.source
+    title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
+    identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)
+    return {
+        "template": template,
+        **identity,
+        "description_markdown": markdown_text(identity["description"]),
+        "kind": monitor.kind.name,
+        "model_id_text": python_comment(monitor.model.name),
+        "model_file": markdown_code(source.file_name),
+        "model_sha256": source.sha256,
+        "inputs": [_input_answers(binding) for binding in monitor.inputs],
+        "runtime_names": _runtime_names(monitor.inputs),
+        **_kind_answers(monitor),
+        "default_guarantees": list(monitor.default_guarantees),
+        "config_json": monitor.config.as_json() if monitor.config else "",
+        "model_json": monitor.model_json,
+    }
+
+
+def _kind_answers(monitor: Monitor) -> dict[str, JsonValue]:
+    """Return what only some kinds have."""
+    model, kind = monitor.model, monitor.kind
+    readme = [one_line(line) for line in kind.readme(model)]
+    if monitor.cross_check:
+        readme += ["", one_line(monitor.cross_check)]
+    return {
+        "modules": [_module_answers(module) for module in kind.modules(model)],
+        "aliases": [
+            {
+                "name": alias.name,
+                "module": alias.module,
+                "names": list(alias.names),
+                "monitor_names": list(alias.monitor_names),
+            }
+            for alias in kind.aliases
+        ],
+        "readme": ["", *readme] if readme else [],
+    }
+
+
+def _module_answers(module: EditableModule) -> dict[str, JsonValue]:
+    name = module.file.removesuffix(".py")
+    return {
+        "name": name,
+        "docstring": module.docstring,
+        "imports": list(module.imports),
+        "class_name": module.class_name,
+        "class_docstring": module.class_docstring,
+        "plain_methods": list(module.plain_methods),
+        "methods": [_method_answers(method) for method in module.methods],
+    }
+
+
+def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
+    sig = _hash([method.name, *method.arguments, *method.uses])
+    return {
+        "name": method.name,
+        "arguments": list(method.arguments),
+        "returns": f" -> {method.returns}" if method.returns else "",
+        "comments": list(method.comments),
+        "before": list(method.before),
+        "region_begin": markers.begin_marker(method.region, was=list(method.was), sig=sig),
+        "body": list(method.body),
+        "region_end": markers.end_marker(method.region),
+        "after": list(method.after),
+    }
+
+
+def _runtime_names(inputs: Sequence[InputBinding]) -> list[str]:
+    """Return what EDDIInput.py imports from the runtime."""
+    text = " ".join(binding.expression or "" for binding in inputs)
+    called = (name for name in ACCESS if f"{name}(" in text)
+    return ["EDDIInputBase", *called]
+
+
+def identity_answers(package: str, description: str, config: Config | None) -> dict[str, JsonValue]:
+    """Return the answers that stand in every package.xml."""
+    section = config.Package if config else None
+    maintainer = (section.maintainer if section else None) or _DEFAULT_MAINTAINER
+    name, _, address = maintainer.rstrip(">").partition("<")
+    return {
+        "generator_version": __version__,
+        "package": package,
+        "package_version": section.version if section else "0.1.0",
+        "description": one_line((section.description if section else None) or description),
+        "maintainer_name": name.strip(),
+        "maintainer_email": address.strip(),
+        "license": section.license if section else "Apache-2.0",
+    }
+
+
+def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
+    item = binding.model
+    region = f"input:{item.id}"
+    was = [f"input:{binding.renamed_from}"] if binding.renamed_from else []
+    return {
+        "id": python_literal(item.id),
+        "title": markdown_code(item.id),
+        "attribute": binding.attribute,
+        "updater": _updater(binding),
+        "type": markdown_text(f"{item.type} in {binding.unit}") if binding.unit else item.type,
+        "default": python_literal(binding.default),
+        "arguments": list(binding.arguments),
+        "requires": python_literal(tuple(source.id for source in binding.requires)),
+        "comments": _comments(binding),
+        "region_begin": markers.begin_marker(region, was=was, sig=_signature(binding)),
+        "region_end": markers.end_marker(region),
+        "body": _body(binding),
+        "sources": ", ".join(f"`{markdown_code(s.topic or s.id)}`" for s in binding.requires)
+        or "nothing",
+        "covered": markdown_text(item.covered) if item.covered else "-",
+        "age_text": "never" if binding.max_age in {None, "none"} else f"{binding.max_age} s",
+    }
+
+
+def _updater(binding: InputBinding) -> str:
+    """Return the method of the runtime that calls ``process_<input>``."""
+    if binding.computed is not None:
+        return "update_expression"
+    return "update_each" if binding.model.every_message else "update"
+
+
+def _comments(binding: InputBinding) -> list[str]:
+    item = binding.model
+    lines = []
+    if item.description:
+        lines.append(python_comment(item.description))
+    unit = f" in {python_comment(binding.unit)}" if binding.unit else ""
+    if binding.factor is not None:
+        unit += f" (converted to {python_comment(item.unit or 'a ratio')})"
+    good = f", good when {python_comment(item.covered)}" if item.covered else ""
+    lines.append(f"{item.type}{unit}{good}")
+    if binding.computed_text:
+        lines.append(f"computed: {python_comment(binding.computed_text)}")
+    return lines
+
+
+def _body(binding: InputBinding) -> list[str]:
+    if binding.computed is not None:
+        return [f"self.{binding.attribute} = self.expression({python_literal(binding.model.id)})"]
+    if binding.expression is not None:
+        return [f"self.{binding.attribute} = {binding.expression}"]
+    shown = "; ".join(
+        f"{name} has {', '.join(f'.{field}' for field in of)}"
+        for name, of in (binding.known_fields or {}).items()
+    )
+    hint = f" ({python_comment(shown)})" if shown else ""
+    arguments = ", ".join(binding.arguments) or "what you know"
+    return [
+        f"# TODO: set self.{binding.attribute} from {arguments}{hint}; None means unknown",
+        f"self.{binding.attribute} = None",
+    ]
+
+
+def _signature(binding: InputBinding) -> str:
+    """Hash what the body may use: a changed one asks for a look at a hand-written body."""
+    uses: list[str | None] = [binding.attribute, binding.model.type, binding.unit]
+    uses += [
+        f"{name}: {source.type}"
+        for name, source in zip(binding.arguments, binding.requires, strict=True)
+    ]
+    return _hash(uses)
+
+
+def _hash(uses: Sequence[str | None]) -> str:
+    return hashlib.sha256(json.dumps(uses).encode()).hexdigest()[:8]

@@ -1,0 +1,505 @@
+"""A model joined with its configuration: what a monitor listens to, and how it gets its inputs.
+
+What does not fit is a problem with the place in the configuration.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold import units
+from eddi_scaffold.config import fields
+from eddi_scaffold.config.field_types import documented_at, resolve
+from eddi_scaffold.config.message_types import Fields, FieldsOf, declared, python_type
+from eddi_scaffold.config.message_types.installed import installed_message
+from eddi_scaffold.config.reading import ConfigFile, Input, SimulatorOutput, options_of
+from eddi_scaffold.config.topic_types import check_types
+from eddi_scaffold.identifiers import attribute, package_name
+from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
+from eddi_scaffold.monitors.expression_names import KeyPaths
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, InputExpression, bind_expression
+from eddi_scaffold.monitors.model_document import model_document
+from eddi_scaffold.problems import (
+    EddiError,
+    NearNames,
+    Place,
+    Problem,
+    error,
+    has_errors,
+    warning,
+)
+
+_PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
+    "bool": bool,
+    "float": (int, float),
+    "int": int,
+    "str": str,
+    "state": str,
+}
+
+
+_MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
+
+
+@dataclass(frozen=True)
+class InputBinding:
+    """One input of the model, joined with what the configuration says about it.
+
+    Attributes:
+        model: the input as the model has it.
+        attribute: name in ``EDDIInput``.
+        requires: the simulator outputs it is made of; one of its own id without a configuration.
+        arguments: a Python name for each of them.
+        expression: Python expression over the arguments that gives the value, ``None`` when a
+            person must write it.
+        max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
+        default: value before the first message.
+        factor: exact factor from the configured unit to the model's, or ``None``.
+        unit: unit in which the value is given.
+        renamed_from: former id.
+        known_fields: argument -> its fields, for the messages that are known.
+        computed: what ``expression:`` computes, for the runtime.
+        computed_text: the same for people.
+        key_paths: simulator output -> name in ``expression:`` with keys in brackets -> its path.
+    """
+
+    model: ModelInput
+    attribute: str
+    requires: tuple[SimulatorOutput, ...] = ()
+    arguments: tuple[str, ...] = ()
+    expression: str | None = None
+    max_age: float | str | None = None
+    default: bool | int | float | str | None = None
+    factor: tuple[int, int] | None = None
+    unit: str | None = None
+    renamed_from: str | None = None
+    known_fields: Mapping[str, Sequence[str]] | None = None
+    computed: Mapping[str, JsonValue] | None = None
+    computed_text: str = ""
+    key_paths: KeyPaths = field(default_factory=dict)
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the value comes without hand-written code."""
+        return self.expression is not None or self.computed is not None
+
+
+@dataclass(frozen=True)
+class Monitor:
+    """Everything a platform needs to know of one monitor.
+
+    Attributes:
+        package: name of its package.
+        model: the model, configured.
+        model_json: text of its ``config/model.json``, without the last line end.
+        default_guarantees: marks that were given when the model was read.
+        cross_check: how the compiled model compares with an independent tool, one sentence.
+    """
+
+    package: str
+    model: Model
+    kind: Kind
+    config: ConfigFile | None
+    inputs: tuple[InputBinding, ...]
+    model_json: str
+    default_guarantees: tuple[str, ...] = ()
+    cross_check: str = ""
+
+
+def monitor_of(
+    model: Model,
+    kind: Kind,
+    config: ConfigFile | None,
+    known_messages: FieldsOf,
+    marks: Sequence[str] = (),
+) -> tuple[Monitor | None, list[Problem]]:
+    """Join a checked model with its configuration.
+
+    Args:
+        model: what is monitored.
+        kind: the kind of the model.
+        config: how it is connected, if it is.
+        known_messages: the fields of the messages of packages that are wholly known.
+        marks: the default guarantees that were marked when the model was read; remembered.
+
+    Returns:
+        The monitor, ``None`` when a problem is an error, and all problems of the join.
+    """
+    configured, problems = kind.configure(model, options_of(config))
+    if configured is None and not kind.inputs_of_model:
+        return None, problems  # what the inputs are is not known
+    model = configured or model
+    bindings, found = _bind(model, kind, config, _with_declared(known_messages, config))
+    problems = [*problems, *found]
+    if config is not None:
+        used = {source.id for binding in bindings for source in binding.requires}
+        problems += check_types(config, known_messages, used)
+        problems += _check_model_section(model, kind, config)
+    problems += _repeated_attributes(bindings)
+    if configured is None or has_errors(problems):
+        return None, problems
+    place = config.place("Model") if config is not None else model.place
+    inputs = [_input_document(binding) for binding in bindings]
+    try:
+        text = model_document(model, kind, inputs, place)
+    except EddiError as refused:
+        return None, [*problems, *refused.problems]
+    package = package_name(config.config.Model.id if config is not None else model.name)
+    monitor = Monitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
+    return monitor, problems
+
+
+def _with_declared(known: FieldsOf, config: ConfigFile | None) -> FieldsOf:
+    """Add the message types that a configuration declares itself; its word counts."""
+    given = config.config.MessageTypes if config is not None else {}
+    own = {
+        name: declared(((of, field) for field, of in fields.items()), name.partition("/")[0])
+        for name, fields in given.items()
+    }
+    return {**known, **own}
+
+
+def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
+    every = {"every_message": True} if binding.model.every_message else {}
+    computed = {"expression": binding.computed} if binding.computed is not None else {}
+    return {
+        **every,
+        **computed,
+        "id": binding.model.id,
+        "attribute": binding.attribute,
+        "requires": [source.id for source in binding.requires],
+        "max_age": binding.max_age,
+        "factor": list(binding.factor) if binding.factor else None,
+        "default": binding.default,
+    }
+
+
+def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterable[Problem]:
+    section = config.config.Model
+    if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
+        message = f"the model is a {kind.title}, the configuration says {section.type!r}"
+        yield error("K010", message, config.place("Model", "type"))
+    if section.id != model.name and package_name(section.id) == package_name(model.name):
+        message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
+        yield warning("K012", message, config.place("Model", "id"))
+    elif package_name(section.id) != package_name(model.name):
+        message = f"Model id {section.id!r} names the package, the model is called {model.name!r}"
+        yield warning("K012", message, config.place("Model", "id"))
+
+
+def _bind(
+    model: Model, kind: Kind, config: ConfigFile | None, known: FieldsOf
+) -> tuple[list[InputBinding], list[Problem]]:
+    inputs = kind.inputs(model)
+    if config is None:
+        return [_unconfigured(item) for item in inputs], []
+    problems: list[Problem] = []
+    left = {item.id: item for item in inputs}
+    types = {item.id: item.type for item in inputs}
+    bindings: list[InputBinding] = []
+    near = NearNames([item.id for item in inputs], "the inputs are")
+    for index, entry in enumerate(config.config.EDDIInputs):
+        item = left.pop(entry.id, None)
+        if item is None:
+            place = config.place("EDDIInputs", index, "id")
+            message = f"the model has no input {entry.id!r}"
+            problems.append(error("K013", message, place, near.hint(entry.id)))
+            continue
+        binding, found = _Binder(item, entry, index, config, known, types).bind()
+        bindings.append(binding)
+        problems += found
+    for item in left.values():
+        message = (
+            f"no entry of EDDIInputs provides {item.id!r}: it stays unknown, and "
+            f"{kind.without_input}"
+        )
+        hint = f"add `- id: {item.id}` with `requires:`"
+        problems.append(warning("K014", message, config.place("EDDIInputs"), hint))
+        bindings.append(InputBinding(item, _attribute(item), unit=item.unit))
+    return bindings, problems
+
+
+def _unconfigured(item: ModelInput) -> InputBinding:
+    """Bind an input to a value of its own id: what a plain program passes in."""
+    name = _attribute(item)
+    source = SimulatorOutput.model_construct(id=item.id, type="", topic="", max_age=None)
+    return InputBinding(item, name, (source,), (name,), name, unit=item.unit)
+
+
+def _attribute(item: ModelInput) -> str:
+    return item.attribute or attribute(item.id)
+
+
+def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
+    first: dict[str, str] = {}
+    for binding in bindings:
+        other = first.setdefault(binding.attribute, binding.model.id)
+        if other != binding.model.id:
+            message = (
+                f"the inputs {other!r} and {binding.model.id!r} give the same name "
+                f"{binding.attribute!r}"
+            )
+            yield error("K025", message, hint="rename one of them in the model")
+
+
+class _Binder:
+    """Joins one input of the model with one entry of ``EDDIInputs``."""
+
+    def __init__(
+        self,
+        item: ModelInput,
+        entry: Input,
+        index: int,
+        config: ConfigFile,
+        known: FieldsOf,
+        types: Mapping[str, str],
+    ) -> None:
+        self.item, self.entry, self.index, self.config = item, entry, index, config
+        self.problems: list[Problem] = []
+        self.known = known
+        self.types = types
+        sources = {source.id: source for source in reversed(config.config.SimulatorOutputs)}
+        self.requires = tuple(sources[name] for name in dict.fromkeys(entry.requires))
+        self.arguments = tuple(attribute(source.id) for source in self.requires)
+        self.fields = {
+            name: known[source.type]
+            for name, source in zip(self.arguments, self.requires, strict=True)
+            if source.type in known
+        }
+
+    def bind(self) -> tuple[InputBinding, list[Problem]]:
+        """Return the joined input and what does not fit."""
+        computed = self._computed()
+        self._check_arguments()
+        self._check_type()
+        factor = self._factor()
+        self._check_default(factor)
+        binding = InputBinding(
+            self.item,
+            _attribute(self.item),
+            self.requires,
+            self.arguments,
+            self._expression() if computed is None else None,
+            self._max_age(),
+            self.entry.default,
+            factor,
+            self.entry.unit if factor is not None else self.item.unit,
+            self.entry.renamed_from,
+            {name: tuple(of) for name, of in self.fields.items()},
+            computed.document if computed is not None else None,
+            computed.text if computed is not None else "",
+            computed.key_paths if computed is not None else {},
+        )
+        return binding, self.problems
+
+    def _computed(self) -> InputExpression | None:
+        """Check ``expression:`` and its like; what it reads becomes what the input requires."""
+        entry = self.entry
+        if entry.event is not None and entry.expression_file is None:
+            message = f"{entry.id!r} has `event:`, but no `expression_file:` that it is of"
+            self._error("K043", message, "event")
+        if not entry.is_computed:
+            return None
+        if entry.field is not None:
+            key = "expression" if entry.expression_file is None else "expression_file"
+            self._error("K043", f"{entry.id!r} has `field:` and `{key}:`", "field")
+        found, problems = bind_expression(
+            self.item, self.index, self.config, self._fields_of, self.types
+        )
+        self.problems += problems
+        if found is not None:
+            self._check_unit((found.unit,) if found.unit else (), found.text)
+            self.requires = found.requires
+            self.arguments = tuple(attribute(source.id) for source in self.requires)
+        return found
+
+    def _place(self, *key: str) -> Place:
+        return self.config.place("EDDIInputs", self.index, *key)
+
+    def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
+        self.problems.append(error(code, message, self._place(key), hint))
+
+    def _check_arguments(self) -> None:
+        if len(set(self.arguments)) != len(self.arguments):
+            names = ", ".join(self.arguments)
+            message = f"the ids that {self.entry.id!r} requires give the same Python name: {names}"
+            self._error("K015", message, "requires", "rename one")
+
+    def _check_type(self) -> None:
+        given, wanted = self.entry.type, self.item.type
+        if given is not None and given != wanted and not {given, wanted} <= {"int", "float"}:
+            message = f"input {self.entry.id!r} is a {wanted} in the model, not a {given}"
+            self._error("K016", message, "type")
+
+    def _max_age(self) -> float | str | None:
+        max_age = self.entry.max_age if self.entry.max_age is not None else _shortest(self.requires)
+        if max_age is None and self.item.safety:
+            topics = ", ".join(source.topic for source in self.requires) or "nothing"
+            message = (
+                f"input {self.entry.id!r} (from {topics}) has no max_age: it stays as it was if "
+                "its publisher dies"
+            )
+            hint = (
+                "write `max_age:` in seconds, about 2.5 periods of the publisher, "
+                "or `max_age: none`"
+            )
+            self.problems.append(warning("K017", message, self._place(), hint))
+        return max_age
+
+    def _expression(self) -> str | None:
+        """Return the expression of ``field:``, or of the only field where that fits."""
+        entry = self.entry
+        if entry.is_computed:
+            return None  # it has an error
+        if self.item.type == "float[]" and self.requires:
+            return self._numbers()
+        if len(self.requires) != 1:
+            if entry.field is not None:
+                message = (
+                    f"`field:` of {entry.id!r} needs exactly one message in `requires`, "
+                    f"not {len(self.requires)}"
+                )
+                hint = "write the region in EDDIInput.py by hand instead"
+                self._error("K018", message, "field", hint)
+            return None
+        argument = self.arguments[0]
+        of_type = self.fields.get(argument)
+        if entry.field is None:
+            return _only_fitting_field(argument, of_type, self.item.type)
+        return self._taken(argument, self.requires[0].type, entry.field)
+
+    def _numbers(self) -> str | None:
+        """Return the expression for a list of numbers, joined where several messages hold it.
+
+        A ``MultiArray`` is taken as a whole, because its layout says where its data begin.
+        """
+        field = self.entry.field
+        parts: list[str | None] = []
+        for argument, source in zip(self.arguments, self.requires, strict=True):
+            if field in {None, "data"} and _MULTI_ARRAY.fullmatch(source.type):
+                parts.append(argument)
+            elif field is not None:
+                parts.append(self._taken(argument, source.type, field))
+            else:
+                of_type = self.fields.get(argument)
+                parts.append(_only_fitting_field(argument, of_type, self.item.type))
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            return None
+        return known[0] if len(known) == 1 else f"joined({', '.join(known)})"
+
+    def _taken(self, argument: str, message: str, field: str) -> str | None:
+        """Return the expression that takes a field from a message."""
+        try:
+            path = fields.parse_field(field)
+        except ValueError as problem:
+            self._error("K019", str(problem), "field")
+            return None
+        return fields.expression(argument, self._checked(path, message))
+
+    def _checked(self, path: fields.FieldPath, message: str) -> fields.FieldPath:
+        """Check a path with what is known of the message, also by the ROS of this machine."""
+        try:
+            found = resolve(path, message, self._fields_of)
+        except ValueError as problem:
+            text, _, hint = str(problem).partition("; ")
+            self._error("K020", text, "field", hint or None)
+            return path
+        self._check_end(found.type, message)
+        said = documented_at(found.path, message, self._fields_of)
+        if said is not None:
+            self._check_unit(said.units, f"{self.entry.field} of {message}")
+        return found.path
+
+    def _check_unit(self, given: Sequence[str], what: str) -> None:
+        """Compare the unit that a value has with the one that the input is said to have."""
+        wanted = self.entry.unit if self.entry.unit is not None else self.item.unit
+        if wanted is None or self.item.units is None or not units.contradict(given, wanted):
+            return
+        factors = [units.factor(unit, wanted) for unit in given]
+        shown = " or ".join(unit for unit in given)
+        message = f"{what} is in {shown}, {self.entry.id!r} in {wanted or 'a ratio'}"
+        key = "unit" if self.entry.unit is not None else self._given_by
+        if not any(factors):
+            self._error("K052", f"{message}: they are not of one dimension", key)
+            return
+        unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
+        times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
+        self._error("K052", message, key, f"write `unit: {unit}`, which is converted: {times}")
+
+    @property
+    def _given_by(self) -> str:
+        return next((k for k in ("field", *EXPRESSION_KEYS) if getattr(self.entry, k)), "id")
+
+    def _check_end(self, of: str | None, message: str) -> None:
+        if of is not None and not _fits(of, self.item.type):
+            text = (
+                f"{self.entry.field!r} of {message} is a {of}, {self.item.id!r} a {self.item.type}"
+            )
+            self._error("K038", text, "field")
+
+    def _fields_of(self, message: str) -> Fields | None:
+        return self.known[message] if message in self.known else installed_message(message)
+
+    def _factor(self) -> tuple[int, int] | None:
+        given, wanted = self.entry.unit, self.item.unit
+        if given is None or given == (wanted or ""):
+            return None
+        if self.item.type not in {"float", "int"}:
+            self._error("K021", f"input {self.entry.id!r} is no number and has no unit", "unit")
+            return None
+        factor = (self.item.units or {}).get(given)
+        if factor is None:
+            fitting = ", ".join(unit or '""' for unit in self.item.units or {})
+            message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
+            self._error("K022", message, "unit", f"units that can: {fitting}")
+            return None
+        return None if factor[0] == factor[1] else factor
+
+    def _check_default(self, factor: tuple[int, int] | None) -> None:
+        value, item = self.entry.default, self.item
+        if value is None:
+            return
+        finite = not isinstance(value, float) or math.isfinite(value)
+        fits = finite and isinstance(value, _PYTHON_TYPES.get(item.type, ()))
+        if not fits or (item.type != "bool" and isinstance(value, bool)):
+            message = f"the default of {item.id!r} is {value!r}, a {item.type} is expected"
+            self._error("K023", message, "default")
+            return
+        if factor is not None and isinstance(value, int | float):
+            value = value * factor[0] / factor[1]
+        if item.is_good is None or not item.is_good(value) or self.entry.allow_unsafe_default:
+            return
+        message = (
+            f"the default {self.entry.default!r} of {item.id!r} counts as good evidence before "
+            "any message has come"
+        )
+        hint = "leave it out, or write `allow_unsafe_default: true` beside it"
+        self._error("K024", message, "default", hint)
+
+
+def _shortest(requires: Sequence[SimulatorOutput]) -> float | str | None:
+    ages = [source.max_age for source in requires if source.max_age is not None]
+    numbers = [age for age in ages if not isinstance(age, str)]
+    return min(numbers) if numbers else (ages[0] if ages else None)
+
+
+def _only_fitting_field(
+    argument: str, of_type: Mapping[str, str] | None, wanted: str
+) -> str | None:
+    if of_type is None or len(of_type) != 1:
+        return None
+    ((name, of),) = of_type.items()
+    return f"{argument}.{name}" if _fits(python_type(of), wanted) else None
+
+
+def _fits(given: str, wanted: str) -> bool:
+    """Tell whether a field of one Python type can fill an input."""
+    if wanted == "state":  # a name, or one likelihood per state
+        return given in ("bool", "int", "str", "float[]")
+    if wanted == "float[]":  # one number is a list of one
+        return given in ("float", "int", "float[]")
+    return given == wanted or (given, wanted) == ("int", "float")

@@ -1,0 +1,120 @@
+"""Configurations that belong together: one monitor's output is another one's input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from eddi_scaffold.config import fields
+from eddi_scaffold.config.reading import ConfigFile, Input, SimulatorOutput, full_topic
+from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.monitors.binding import InputBinding, Monitor
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.problems import Problem, did_you_mean, error, warning
+
+_PERIODS = 2
+
+
+def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
+    """Warn where an input gives up on a monitor that is only between two of its steps (K029)."""
+    providers = {
+        _full(config, output.topic): config.config.Model
+        for config in configs
+        for output in config.config.EDDIOutputs
+    }
+    for config in configs:
+        topics = {one.id: _full(config, one.topic) for one in config.config.SimulatorOutputs}
+        for index, item in enumerate(config.config.EDDIInputs):
+            for provider in (providers.get(topics.get(name, "")) for name in item.requires):
+                limit = _limit(item)
+                if provider is None or limit is None or limit * provider.frequency >= _PERIODS:
+                    continue
+                message = (
+                    f"input {item.id!r} is unknown after {limit} s, but {provider.id} publishes "
+                    f"only every {1 / provider.frequency:g} s"
+                )
+                place = config.place("EDDIInputs", index, "max_age")
+                hint = f"at least {_PERIODS} periods: max_age: {_PERIODS / provider.frequency:g}"
+                yield warning("K029", message, place, hint)
+
+
+def check_ids(monitors: Sequence[Monitor]) -> Iterable[Problem]:
+    """Report inputs that take what no monitor beside them gives: ``evidence[RtE_gone]`` (K047)."""
+    providers = {given: monitor for monitor in monitors for given in _given(monitor)}
+    for monitor in monitors:
+        if monitor.config is not None:
+            for binding in monitor.inputs:
+                yield from _unknown_ids(monitor.config, binding, providers)
+
+
+def _unknown_ids(
+    config: ConfigFile, binding: InputBinding, providers: Mapping[tuple[str, str], Monitor]
+) -> Iterable[Problem]:
+    for index, item in enumerate(config.config.EDDIInputs):
+        if item.id != binding.model.id:
+            continue
+        for source in binding.requires:
+            provider = providers.get((_full(config, source.topic), source.type))
+            if provider is None or provider.config is config:
+                continue
+            for key, text, path in _paths(item, binding, source):
+                for name, known in _missing(path, provider):
+                    message = f"{text!r}: {provider.model.name} gives no {name!r}"
+                    hint = did_you_mean(name, known) or f"it gives: {', '.join(known) or 'none'}"
+                    yield error("K047", message, config.place("EDDIInputs", index, key), hint)
+
+
+def _given(monitor: Monitor) -> Iterable[tuple[str, str]]:
+    """Yield topic and type of the messages that a monitor publishes."""
+    kind, beside = monitor.kind, monitor.kind.beside(monitor.model)
+    config = monitor.config
+    for output in config.config.EDDIOutputs if config is not None else ():
+        assert config is not None
+        topic = _full(config, output.topic)
+        yield topic, f"eddi_messages/{kind.output_message}"
+        for name, message in beside.items():
+            yield f"{topic}/{name}", f"eddi_messages/{message}"
+
+
+def _full(config: ConfigFile, topic: str) -> str:
+    """Return the full name of a topic: a relative one and an absolute one may be the same."""
+    return full_topic(topic, "", package_name(config.config.Model.id))
+
+
+def _paths(
+    item: Input, binding: InputBinding, source: SimulatorOutput
+) -> Iterable[tuple[str, str, Sequence[fields.PlainStep]]]:
+    """Yield the paths of an input into one message: key of the entry, text, steps."""
+    if item.field is not None:
+        try:
+            yield (
+                "field",
+                item.field,
+                [fields.plain_step(s) for s in fields.parse_field(item.field)],
+            )
+        except ValueError:  # no path, which is said elsewhere
+            return
+    key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
+    for name, path in binding.key_paths.get(source.id, {}).items():
+        yield key, name, path
+
+
+def _missing(
+    path: Sequence[fields.PlainStep], provider: Monitor
+) -> Iterable[tuple[str, Sequence[str]]]:
+    """Yield the id that a path asks for and the monitor does not have, with those it has."""
+    ids = provider.kind.ids(provider.model)
+    before = ""
+    for step in path:
+        if isinstance(step, str):
+            before += f".{step}" if before else step
+            continue
+        wanted = step if isinstance(step, int) else step[-1] if step[0] != "*" else 0
+        known = ids.get(before)
+        if known is not None and isinstance(wanted, str) and wanted not in known:
+            yield wanted, known
+            return
+        before += f"[{wanted}]"
+
+
+def _limit(item: Input) -> float | None:
+    return item.max_age if isinstance(item.max_age, float) else None

@@ -1,0 +1,180 @@
+"""Names of an expression in a configuration: fields of messages, and other inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from eddi_scaffold import units
+from eddi_scaffold.config.field_types import FieldsOf, Resolved, documented_at, resolve
+from eddi_scaffold.config.fields import (
+    Beside,
+    ByKey,
+    Every,
+    FieldPath,
+    PlainStep,
+    parse_field,
+    plain_step,
+)
+from eddi_scaffold.config.reading import Input, SimulatorOutput
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.language.diagnostics import Locate
+from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type, Variable
+from eddi_scaffold.language.syntax import Named, is_list_path
+from eddi_scaffold.problems import Problem, did_you_mean, error
+
+_TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
+KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]
+"""Simulator output -> name with keys in brackets -> its path."""
+
+
+class Names:
+    """What the names of one input's expressions are.
+
+    Attributes:
+        problems: what is wrong with them (E008, E009, K020).
+        checks: name -> when it is a measurement, for the runtime.
+    """
+
+    def __init__(
+        self,
+        entry: Input,
+        sources: Mapping[str, SimulatorOutput],
+        inputs: Mapping[str, Input],
+        types: Mapping[str, str],
+        fields_of: FieldsOf,
+    ) -> None:
+        """Take over what can be named.
+
+        Args:
+            entry: the input.
+            sources: name -> message.
+            inputs: name -> other input.
+            types: input of the model -> its type.
+            fields_of: message type -> fields.
+        """
+        self.problems: list[Problem] = []
+        self.checks: dict[str, list[JsonValue]] = {}
+        self._entry, self._sources, self._inputs = entry, sources, inputs
+        self._types, self._fields_of = types, fields_of
+        self._resolved: dict[str, Resolved] = {}
+
+    def declared(self, name: str, unit: Named | None, locate: Locate, at: int) -> None:
+        """Look up where a name with a VAR comes from; its keys are those of the message."""
+        source = self._source(name, locate, at)
+        if source is None or head_of(name) == name:
+            return
+        found = self._resolve(name, source, locate, at)
+        said = found and documented_at(found.path, source.type, self._fields_of)
+        if said and unit is not None and units.contradict(said.units, unit.name):
+            message = f"{name} is in {' or '.join(said.units)}, its VAR says {unit.name}"
+            words = " or ".join(units.word(one) for one in said.units)
+            self.problems.append(error("E009", message, locate(at), f"write UNIT {words}"))
+
+    def variable(self, name: str, locate: Locate, at: int) -> Variable | None:
+        """Return what a name is by the types of the messages, ``None`` after an error."""
+        head = head_of(name)
+        if head in self._inputs and head == name:
+            of = self._types.get(self._inputs[head].id)
+            return Variable(name, _TYPES.get(of or "", None), declared=of is not None)
+        source = self._source(name, locate, at)
+        found = None if source is None else self._resolve(name, source, locate, at)
+        if source is None or found is None:
+            return None
+        timeout = _nanoseconds(self._entry.max_age, source.max_age)
+        of = "float" if found.type in ("time", "duration") else found.type
+        if of is not None and of not in _TYPES:
+            message = f"{name} is a {of}; an expression needs a number or a boolean"
+            self.problems.append(error("K020", message, locate(at)))
+            return None
+        variable = Variable(name, _TYPES.get(of or ""), timeout=timeout, declared=of is not None)
+        return self._documented(variable, found.path, source)
+
+    def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
+        """Check what is read without a name in the text: the angles of a scan."""
+        for name in names:
+            source = self._sources.get(head_of(name))
+            if source is None or name in self._resolved or "." not in name:
+                continue
+            if self._resolve(name, source, locate, 0) is None:
+                return
+
+    def key_paths(self, names: Sequence[str]) -> KeyPaths:
+        """Return the paths that the runtime cannot tell from the names: those with keys."""
+        found: dict[str, dict[str, list[PlainStep]]] = {}
+        for name in names:
+            path = self._resolved[name].path if name in self._resolved else ()
+            if any(isinstance(step, ByKey | Beside | Every) for step in path):
+                of = self._sources[head_of(name)].id
+                found.setdefault(of, {})[name] = [plain_step(step) for step in path]
+        return found
+
+    def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
+        """Return the message that a name is a part of; ``None`` for an input, or after an error."""
+        head = head_of(name)
+        if head not in self._sources and not (head in self._inputs and head == name):
+            names = [*self._sources, *self._inputs]
+            hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
+            message = f"there is no simulator output {head!r}"
+            self.problems.append(error("E008", message, locate(at), hint))
+        return self._sources.get(head)
+
+    def _resolve(
+        self, name: str, source: SimulatorOutput, locate: Locate, at: int
+    ) -> Resolved | None:
+        """Return the path of a name in its message, ``None`` after an error."""
+        try:
+            path = path_behind(name)
+            found = self._resolved[name] = resolve(path, source.type, self._fields_of)
+        except ValueError as problem:
+            text, _, hint = str(problem).partition("; ")
+            self.problems.append(error("K020", text, locate(at), hint or None))
+            return None
+        return found
+
+    def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:
+        """Add what the documentation of the message says of a number."""
+        said = documented_at(path, source.type, self._fields_of)
+        if said is None or variable.type != NUMBER:
+            return variable
+        within = None
+        if said.limits is not None:
+            head = head_of(variable.name)
+            within = f"{head}.{said.limits[0]}", f"{head}.{said.limits[1]}"
+            if not is_list_path(variable.name):
+                self._check(variable.name, ["within", *map(_steps, said.limits)])
+        if said.unless is not None:
+            self._check(variable.name, ["unless", _steps(said.unless[0]), said.unless[1]])
+        unit = said.units[0] if len(said.units) == 1 else None
+        return replace(variable, unit=unit, range=said.range, infinite=said.infinite, within=within)
+
+    def _check(self, name: str, check: list[JsonValue]) -> None:
+        self.checks.setdefault(name, []).append(check)
+
+
+def head_of(name: str) -> str:
+    """Return the first word of a path: the id of a message or of an input."""
+    return name.partition(".")[0].partition("[")[0]
+
+
+def path_behind(name: str) -> FieldPath:
+    """Return the path behind the first word of a name.
+
+    Raises:
+        ValueError: it is no path.
+    """
+    rest = name[len(head_of(name)) :].removeprefix(".")
+    return parse_field(rest, lists=True) if rest else ()
+
+
+def _steps(field: str) -> list[JsonValue]:
+    return [*map(plain_step, parse_field(field))]
+
+
+def _nanoseconds(*ages: float | str | None) -> int | None:
+    for age in ages:
+        if isinstance(age, float | int):
+            return round(age * 1e9)
+        if age is not None:
+            return None
+    return None

@@ -1,0 +1,240 @@
+"""``expression:`` of an EDDI input, or the event of a file: checked against the messages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from eddi_scaffold.config.field_types import FieldsOf
+from eddi_scaffold.config.reading import ConfigFile, Input, SimulatorOutput
+from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.kinds import JsonValue, ModelInput
+from eddi_scaffold.language.diagnostics import Findings, Locate, in_text
+from eddi_scaffold.language.inputs import CompiledExpression, ExpressionText, compile_input
+from eddi_scaffold.language.parser import parse
+from eddi_scaffold.language.scope import Variable
+from eddi_scaffold.monitors.expression_names import KeyPaths, Names
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
+
+EXPRESSION_KEYS = ("expression", "expression_file", "states")
+"""Keys of an input of which one says how it is computed."""
+
+
+@dataclass(frozen=True)
+class InputExpression:
+    """A checked expression.
+
+    Attributes:
+        requires: simulator outputs that it reads.
+        document: for ``EDDIInputBase`` of the runtime: the compiled forms, and what the names are.
+        text: canonical form, for comments; what stands in a file, with its name before.
+        unit: of its value, ``None`` for none.
+        key_paths: simulator output -> name with keys in brackets -> its path.
+    """
+
+    requires: tuple[SimulatorOutput, ...]
+    document: dict[str, JsonValue]
+    text: str
+    unit: str | None
+    key_paths: KeyPaths
+
+
+def bind_expression(
+    item: ModelInput,
+    index: int,
+    config: ConfigFile,
+    fields_of: FieldsOf,
+    types: Mapping[str, str],
+) -> tuple[InputExpression | None, list[Problem]]:
+    """Check the expression of one entry of ``EDDIInputs``.
+
+    Problems are those of the language (E, W), K020, K033, K042 to K044 and K046.
+
+    Args:
+        item: the input in the model.
+        index: of the entry.
+        config: with the entry, and the messages that it may name.
+        fields_of: message type -> fields.
+        types: input of the model -> its type.
+    """
+    return _Binder(item, index, config, fields_of, types).bind()
+
+
+class _Binder:
+    def __init__(
+        self,
+        item: ModelInput,
+        index: int,
+        config: ConfigFile,
+        fields_of: FieldsOf,
+        types: Mapping[str, str],
+    ) -> None:
+        self.item, self.index, self.config, self.fields_of = item, index, config, fields_of
+        self.types = types
+        self.entry: Input = config.config.EDDIInputs[index]
+        self.problems: list[Problem] = []
+        self.sources = {attribute(one.id): one for one in config.config.SimulatorOutputs}
+        before = config.config.EDDIInputs[:index]
+        self.inputs = {attribute(one.id): one for one in before}
+        self.polarity = self.entry.polarity
+        self.names = Names(self.entry, self.sources, self.inputs, types, fields_of)
+
+    def bind(self) -> tuple[InputExpression | None, list[Problem]]:
+        if self.item.type not in ("bool", "float", "int", "state"):
+            self._error("K044", f"an expression cannot give a {self.item.type}", "expression")
+            return None, self.problems
+        texts = self._texts()
+        if not texts:
+            return None, self.problems
+        variables = self._variables(texts)
+        self.problems += self.names.problems
+        if has_errors(self.problems):
+            return None, self.problems
+        compiled, problems = compile_input(
+            texts,
+            self.item.type,
+            rate=self.config.config.Model.frequency,
+            variables=variables,
+            declarations="\n".join(self.config.config.declarations),
+            polarity=self.polarity,
+        )
+        if self._says_polarity:
+            problems = [problem for problem in problems if problem.code != "W002"]
+        self.problems += problems
+        if compiled is None:
+            return None, self.problems
+        self.names.check_unnamed(compiled.names, texts[0].locate)
+        if self.names.problems:
+            return None, [*self.problems, *self.names.problems]
+        requires = self._requires(compiled)
+        document = {**compiled.document, "names": self._names(compiled)}
+        checks: dict[str, JsonValue] = {
+            name: self.names.checks[name] for name in compiled.names if name in self.names.checks
+        }
+        if checks:
+            document["checks"] = checks
+        key_paths = self.names.key_paths(compiled.names)
+        if key_paths:
+            document["paths"] = {
+                name: list(path) for paths in key_paths.values() for name, path in paths.items()
+            }
+        text = "; ".join(compiled.canonical)
+        if self.entry.expression_file is not None:
+            text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
+        return InputExpression(requires, document, text, compiled.unit, key_paths), self.problems
+
+    def _texts(self) -> list[ExpressionText]:
+        entry = self.entry
+        given = [key for key in EXPRESSION_KEYS if getattr(entry, key) is not None]
+        if len(given) != 1 or (entry.states is not None and self.item.type != "state"):
+            message = (
+                "give `expression:` or `expression_file:`, or for a state `states:` with one "
+                "expression for each"
+            )
+            self._error("K043", message, given[-1])
+            return []
+        if entry.states is not None:
+            return [
+                ExpressionText(text, self._locate("states", state), state)
+                for state, text in entry.states.items()
+            ]
+        if self.item.type == "state":
+            self._error("K043", f"a state needs `states:`, not `{given[0]}:`", given[0])
+            return []
+        if entry.expression is not None:
+            return [ExpressionText(entry.expression, self._locate("expression"))]
+        assert entry.expression_file is not None
+        return self._in_file(entry.expression_file)
+
+    def _in_file(self, name: str) -> list[ExpressionText]:
+        """Return the text of a file of events, and which event of it is meant."""
+        text = self.config.event_files.get(name)
+        if text is None:
+            self._error("K033", f"the text of {name!r} is not remembered", "expression_file")
+            return []
+        findings = Findings(text, in_text(text, self.config.path(name)))
+        events = {event.name: event for event in parse(text, findings).events}
+        if has_errors(findings.problems):
+            self.problems += findings.problems
+            return []
+        only = next(iter(events)) if len(events) == 1 else None
+        wanted = self.entry.event or only
+        if wanted is None or wanted not in events:
+            there = ", ".join(events) or "none"
+            message, key = f"{name} has no event {wanted!r}", "event"
+            if wanted is None:
+                message, key = f"`event:` must say which event of {name} it is", "expression_file"
+            self._error(
+                "K046", message, key, did_you_mean(wanted or "", events) or f"events: {there}"
+            )
+            return []
+        self._take_polarity(events[wanted].polarity, name)
+        return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
+
+    @property
+    def _says_polarity(self) -> bool:
+        return "polarity" in self.entry.model_fields_set
+
+    def _take_polarity(self, polarity: str | None, name: str) -> None:
+        """Let an event mean by UNKNOWN what it says, unless the input says something else."""
+        if polarity is None:
+            return
+        if self._says_polarity and self.entry.polarity != polarity:
+            message = f"{name} says {polarity}, `polarity:` {self.entry.polarity}"
+            self._error("K043", message, "polarity", "leave `polarity:` out")
+        self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
+
+    def _locate(self, *path: str) -> Locate:
+        return self.config.inside("EDDIInputs", self.index, *path)
+
+    def _variables(self, texts: Sequence[ExpressionText]) -> dict[str, Variable]:
+        """Return what each name of the expressions is, by the types of the messages."""
+        declared = parse(
+            "\n".join(self.config.config.declarations), Findings("", lambda _: Place())
+        )
+        known = {one.name for one in declared.constants}
+        known |= {literal.name for one in declared.enums for literal in one.literals}
+        typed = {one.name: one.unit for one in declared.variables}
+        found: dict[str, Variable] = {}
+        for one in texts:
+            findings = Findings(one.text, one.locate)
+            file = parse(one.text, findings)
+            if has_errors(findings.problems):
+                self.problems += findings.problems
+                continue
+            file = file if one.event is None else file.reduced_to(one.event)
+            local = {event.name for event in file.events if not event.anonymous}
+            local |= {v.name for v in file.constants}
+            local |= {literal.name for enum in file.enums for literal in enum.literals}
+            local_typed = typed | {v.name: v.unit for v in file.variables}
+            nodes = [node for event in file.events for node in file.nodes_of(event)]
+            names = {node.text: node.start for node in reversed(nodes) if node.op == "name"}
+            for name, at in names.items():
+                if name in local_typed:
+                    self.names.declared(name, local_typed[name], one.locate, at)
+                elif name not in {*known, *local, *found}:
+                    variable = self.names.variable(name, one.locate, at)
+                    if variable is not None:
+                        found[name] = variable
+        return found
+
+    def _requires(self, compiled: CompiledExpression) -> tuple[SimulatorOutput, ...]:
+        used = [self.sources[name] for name in compiled.requires if name in self.sources]
+        given = {one.id: one for one in self.config.config.SimulatorOutputs}
+        for one in used:
+            if self.entry.requires and one.id not in self.entry.requires:
+                message = f"the expression uses {one.id!r}, which `requires` does not name"
+                self._error("K042", message, "requires", "add it, or leave `requires` out")
+        listed = [given[name] for name in self.entry.requires if name in given]
+        return tuple(dict.fromkeys([*listed, *used]))
+
+    def _names(self, compiled: CompiledExpression) -> dict[str, list[str]]:
+        """Return first word of a name -> whether it is a message or an input, and its id."""
+        return {
+            name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
+            for name in compiled.requires
+        }
+
+    def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
+        place = self.config.place("EDDIInputs", self.index, key)
+        self.problems.append(error(code, f"input {self.entry.id!r}: {message}", place, hint))

@@ -1,0 +1,150 @@
+"""Which models are in a file, whatever its format: the one way from a path to typed models."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
+from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
+from eddi_scaffold.positioned_yaml.nodes import read_map
+from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.readers.unread import foreign, unread
+from eddi_scaffold.source import Source, read_source
+
+_YAML_SUFFIXES = (".yml", ".yaml")
+_HEAD = 4096
+_CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
+_CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
+
+
+def is_config(source: Source) -> bool:
+    """Tell whether a file is an eddi_config.yml, which no reader of models understands."""
+    if is_xml(source):
+        return False
+    node, _ = read_map(source, "K001")
+    if node is None:  # no YAML, or damaged: what it is meant to be still shows
+        return _CONFIG_LINE.search(source.data) is not None
+    return not _CONFIG_SECTIONS.isdisjoint(node.keys())
+
+
+def is_mros(source: Source) -> bool:
+    """Tell by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
+    return named_like_mros(source.name)
+
+
+def named_like_mros(name: str) -> bool:
+    """Tell whether a file name is that of a ``.rossystem``, ``.ros``, ``.ros1`` or ``.ros2``."""
+    return name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
+
+
+def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:
+    """Read every model of every kind in one file, with all problems."""
+    for kind in kinds().values():
+        if kind.sniff(source):
+            return kind.read_file(source, default_guarantees)
+    with source.open() as stream:
+        head = stream.read(_HEAD)
+    if len(head) < _HEAD and not head.strip():
+        return Reading((), (error("F003", "this file is empty", Place(source.name)),))
+    if is_xml(source):
+        return _read_eddi(source, default_guarantees)
+    if is_config(source):
+        hint = "name the EDDI XML or ConSert YAML that it belongs to"
+        message = "this is an eddi_config.yml, not a model"
+        return Reading((), (error("F008", message, Place(source.name), hint),))
+    if is_mros(source):
+        message = "this describes the robot's nodes, it is not a model of its dependability"
+        hint = "parse-rossystem, or generate --system with --models, reads it"
+        return Reading((), (error("F003", message, Place(source.name), hint),))
+    if source.name.lower().endswith(_YAML_SUFFIXES):
+        # damaged beyond recognition: this kind says best what such a file should look like
+        return kinds()["consert"].read_file(source, default_guarantees)
+    known = ", ".join(kind.title for kind in kinds().values())
+    if b"\0" in head or not _is_utf8(source.data):
+        message = f"this is no text, so it is no model ({known})"
+        return Reading((), (error("F003", message, Place(source.name)),))
+    message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
+    return Reading((), (error("F003", message, Place(source.name)),))
+
+
+def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
+    document, problems = read_document(source)
+    if document is None:
+        return Reading((), tuple(problems))
+    models: list[Model] = []
+    for kind in kinds().values():
+        reading = kind.read_eddi(document, source, default_guarantees)
+        models += reading.models
+        problems = [*problems, *reading.problems]
+    found = foreign(document) if not models else None
+    if found is not None:
+        return Reading((), (found,))
+    return Reading(tuple(models), tuple(problems), tuple(unread(document)))
+
+
+def _is_utf8(data: bytes) -> bool:
+    try:
+        data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Reading:
+    """Read the models of a file for a command that needs them whole.
+
+    Raises:
+        EddiError: a problem is an error, or there is no model in the file (F004).
+    """
+    source = read_source(path)
+    reading = read_models(source, default_guarantees)
+    if has_errors(reading.problems):
+        raise EddiError(*reading.problems)
+    if not reading.models:
+        raise EddiError(no_model(source), *reading.problems, *reading.unread)
+    return reading
+
+
+def no_model(source: Source) -> Problem:
+    """Return F004: the file is sound, but of no use for a monitor."""
+    message = "there is no model in this file that a monitor can be made of"
+    return error("F004", message, Place(source.name))
+
+
+def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) -> Sequence[Model]:
+    """Select the models called ``name`` (compared without case) and of ``kind``.
+
+    Raises:
+        EddiError: none is left (F005).
+    """
+    left = [model for model in models if kind is None or model.kind == kind.name]
+    if name is not None:
+        exact = [model for model in left if model.name == name]
+        left = exact or [model for model in left if model.name.casefold() == name.casefold()]
+    if not left:
+        names = [model.name for model in models]
+        wanted = f"no model {name!r}" if name is not None else "no such model"
+        hint = (did_you_mean(name, names) if name else None) or (
+            f"there are: {', '.join(names) or 'none that a monitor can be made of'}"
+        )
+        place = Place(models[0].source.name) if models else Place()
+        raise EddiError(error("F005", f"there is {wanted} in this file", place, hint))
+    return left
+
+
+def unfit(models: Sequence[Model]) -> list[Problem]:
+    """Return why no monitor can be made of some models without a configuration, as warnings."""
+    found = [kinds()[model.kind].configure(model, Options())[1] for model in models]
+    return [
+        replace(
+            problem, level="warning", place=problem.place if problem.place.file else model.place
+        )
+        for model, problems in zip(models, found, strict=True)
+        for problem in problems
+        if problem.level == "error"
+    ]

@@ -1,0 +1,120 @@
+"""What a monitor publishes: its messages, or one value of them as a message of ``std_msgs``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from eddi_scaffold.config.field_types import Resolved, resolve
+from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, parse_field
+from eddi_scaffold.config.message_types import FieldsOf, known_messages
+from eddi_scaffold.config.reading import ConfigFile, Output
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error
+
+MESSAGE_PACKAGE = "eddi_messages"
+STATUS = "status"
+"""Name of the message with the facts behind a result."""
+_OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
+
+
+@dataclass(frozen=True)
+class Publication:
+    """One topic that a node publishes.
+
+    Attributes:
+        output: the entry of ``EDDIOutputs``, or one that the model asks for.
+        type: message type (``std_msgs/Bool``).
+        place: where its topic is named.
+        path: where the value stands in the message; empty for all of it.
+        of: which message of the monitor: empty for the result, else a name of ``Kind.beside``.
+        message: type of the message that the value stands in, or of the whole message.
+    """
+
+    output: Output
+    type: str
+    place: Place
+    message: str
+    path: FieldPath = ()
+    of: str = ""
+
+
+def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication], list[Problem]]:
+    """Return what the node publishes, and what is wrong with the paths (K034)."""
+    messages = _messages(monitor)
+    known = known_messages([monitor.kind])
+    found: list[Publication] = []
+    problems: list[Problem] = []
+    parts = list(monitor.kind.parts(monitor.model))
+    for index, output in enumerate(config.config.EDDIOutputs):
+        places = partial(config.place, "EDDIOutputs", index)
+        if output.event is not None and output.event not in parts:
+            hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
+            message = f"the monitor gives no message of {output.event!r} alone"
+            problems.append(error("K045", message, places("event"), hint))
+            continue
+        if output.field is None:
+            found += _whole(output, messages, places("topic"))
+            continue
+        try:
+            path = parse_field(output.field)
+            of = _holder(path, messages, known)
+            end = _value_at(path, messages[of], known)
+        except ValueError as problem:
+            problems.append(error("K034", str(problem), places("field")))
+            continue
+        found.append(
+            Publication(output, _std_msgs(end), places("topic"), messages[of], end.path, of)
+        )
+    for one in monitor.kind.outputs(monitor.model):
+        path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in one.path)
+        end = _value_at(path, messages[one.of], known)
+        own = _output(one.id, one.topic)
+        found.append(
+            Publication(own, _std_msgs(end), one.place, messages[one.of], end.path, one.of)
+        )
+    return found, problems
+
+
+def _messages(monitor: Monitor) -> dict[str, str]:
+    """Return name -> type of what the monitor says; the name of the result is empty."""
+    names = {"": monitor.kind.output_message, **monitor.kind.beside(monitor.model)}
+    return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
+
+
+def _whole(output: Output, messages: Mapping[str, str], place: Place) -> Iterator[Publication]:
+    """Yield the topic of the result, then those of the messages beside it."""
+    yield Publication(output, messages[""], place, messages[""])
+    for name, type_ in messages.items():
+        if name:
+            below = _output(f"{output.id}/{name}", f"{output.topic}/{name}")
+            yield Publication(below, type_, place, type_, of=name)
+
+
+def _output(name: str, topic: str) -> Output:
+    return Output.model_construct(id=name, topic=topic, field=None, event=None)
+
+
+def _holder(path: FieldPath, messages: Mapping[str, str], known: FieldsOf) -> str:
+    """Return the first message that has the field with which a path begins, else the result."""
+    first = path[0]
+    assert isinstance(first, Attribute), "a path begins with a field"
+    return next((name for name, type_ in messages.items() if first.name in known[type_]), "")
+
+
+def _value_at(path: FieldPath, message: str, known: FieldsOf) -> Resolved:
+    """Return a path with its keys; a single value is at its end.
+
+    Raises:
+        ValueError: the message has no such field, or the path ends too early or too late.
+    """
+    found = resolve(path, message, known.get)
+    if found.type not in _OF_STD_MSGS:
+        raise ValueError(f"the path ends at {found.type}, not at a single value")
+    return found
+
+
+def _std_msgs(end: Resolved) -> str:
+    assert end.type is not None
+    return f"std_msgs/{_OF_STD_MSGS[end.type]}"

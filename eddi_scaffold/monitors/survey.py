@@ -1,0 +1,87 @@
+"""The survey of ``show --json``: every model of a file, also of kinds without a monitor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from eddi_scaffold.kinds import JsonValue, Model, kinds
+from eddi_scaffold.monitors.loading import is_mros, read_models
+from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
+from eddi_scaffold.mros.as_json import failure_json, model_json, system_json
+from eddi_scaffold.mros.as_tree import model_tree, system_tree
+from eddi_scaffold.mros.definitions import noticed
+from eddi_scaffold.mros.directory import problem_of
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.readers.survey import survey
+from eddi_scaffold.source import Source
+
+
+def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
+    """Return models, elements and references of a file, and what makes it unreadable."""
+    if is_xml(source) and not any(kind.sniff(source) for kind in kinds().values()):
+        document, problems = read_document(source)
+        return (survey(document).as_json() if document is not None else {"models": []}), problems
+    reading = read_models(source)
+    models = [
+        {
+            "kind": model.kind,
+            "name": model.name,
+            "path": model.place.path,
+            "line": model.place.line,
+            "counts": dict(kinds()[model.kind].counts(model)),
+        }
+        for model in reading.models
+    ]
+    return {"models": models}, []
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A ``.rossystem`` or ``.ros*`` file, as both forms of ``show`` print it.
+
+    Attributes:
+        document: the JSON object.
+        tree: lines; none where the file cannot be read.
+    """
+
+    document: dict[str, JsonValue]
+    tree: tuple[str, ...]
+    problems: tuple[Problem, ...]
+
+
+def mros_of(source: Source) -> Shown | None:
+    """Return what is in a file of the MROS family; ``None`` for another file."""
+    if not is_mros(source):
+        return None
+    try:
+        if source.name.endswith(SYSTEM_SUFFIX):
+            system = read_rossystem(source.data, source.name)
+            document, tree, notices = system_json(system), system_tree(system), system.notices
+        else:
+            model = read_ros_models(source.data, source.name)
+            document, tree, notices = model_json(model), model_tree(model), model.notices
+    except MrosSyntaxError as failed:
+        problem = replace(problem_of(failed), level="error")
+        return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
+    return Shown(document, tuple(tree), tuple(noticed(notices, source.name)))
+
+
+def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, JsonValue]:
+    """Return a survey with no more than the chosen models; the facts of the file stay."""
+    return {**survey, "models": [one for one in survey["models"] if is_one_of(one, chosen)]}
+
+
+def is_one_of(found: JsonValue, models: Sequence[Model]) -> bool:
+    """Is this model of a survey among ``models``?
+
+    In XML its place tells: a fault tree becomes a model for each of its top events.
+    """
+    path: str | None = found["path"]
+    if path is None:
+        return (found["kind"], found["name"]) in {(model.kind, model.name) for model in models}
+    inside = path.rstrip("/") + "/"
+    places = [model.place.path or "" for model in models]
+    return any(place == path or place.startswith(inside) for place in places)

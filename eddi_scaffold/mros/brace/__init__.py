@@ -1,0 +1,1 @@
+"""Readers of the brace dialects of MROS."""

@@ -1,0 +1,227 @@
+"""Reader of the brace dialect of ``.ros`` (2018 to 2022)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from eddi_scaffold.mros.brace.tokens import Braces, either
+from eddi_scaffold.mros.model import (
+    Artifact,
+    Field,
+    Interface,
+    Kind,
+    Model,
+    Node,
+    Notice,
+    Package,
+    Spec,
+)
+from eddi_scaffold.mros.text import Text
+
+_PACKAGES = ("Package", "CatkinPackage", "AmentPackage")
+_SECTIONS: dict[str, tuple[Kind, str, str]] = {
+    "Publishers": ("publisher", "Publisher", "message"),
+    "publisher": ("publisher", "Publisher", "message"),
+    "Subscribers": ("subscriber", "Subscriber", "message"),
+    "subscriber": ("subscriber", "Subscriber", "message"),
+    "ServiceServers": ("serviceserver", "ServiceServer", "service"),
+    "serviceserver": ("serviceserver", "ServiceServer", "service"),
+    "ServiceClients": ("serviceclient", "ServiceClient", "service"),
+    "serviceclient": ("serviceclient", "ServiceClient", "service"),
+    "ActionServers": ("actionserver", "ActionServer", "action"),
+    "actionserver": ("actionserver", "ActionServer", "action"),
+    "ActionClients": ("actionclient", "ActionClient", "action"),
+    "actionclient": ("actionclient", "ActionClient", "action"),
+}
+_SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"}
+_PARTS = ("message", "request", "response", "goal", "result", "feedback")
+
+
+def read_model(text: Text) -> Model:
+    """Read the packages of a file.
+
+    Raises:
+        MrosSyntaxError: the text is no model of this dialect.
+    """
+    return _ModelReader(Braces(text)).read()
+
+
+@dataclass
+class _Draft:
+    """A package while it is read."""
+
+    artifacts: list[Artifact] = field(default_factory=list)
+    specs: list[Spec] = field(default_factory=list)
+    dependencies: list[str] = field(default_factory=list)
+
+
+@dataclass
+class _ModelReader:
+    braces: Braces
+    packages: list[Package] = field(default_factory=list)
+
+    def read(self) -> Model:
+        braces = self.braces
+        braces.expect("PackageSet")
+        opened = braces.open()
+        if braces.accept("package"):
+            braces.block(self._package)
+        else:
+            while braces.is_word(*_PACKAGES):
+                self._package()
+                braces.accept_punct(",")
+        braces.close("}", opened, *either(_PACKAGES))
+        message = "this brace closes nothing: the packages ended before; what was read counts"
+        notices = [Notice("surplus-brace", message, line, col) for line, col in braces.surplus()]
+        braces.expect_end("package set")
+        return Model("brace", tuple(self.packages), tuple(notices))
+
+    def _package(self) -> None:
+        braces = self.braces
+        line, col = braces.place()
+        kind = braces.expect(*_PACKAGES)
+        name = braces.name("the name of the package")
+        opened = braces.open()
+        draft = _Draft()
+        while self._part(draft):
+            pass
+        known = ["FromGitRepo", "Specs", "Artifact", "Dependencies"]
+        braces.close("}", opened, *either(known))
+        self.packages.append(
+            Package(
+                name,
+                kind,
+                tuple(draft.artifacts),
+                tuple(draft.specs),
+                tuple(draft.dependencies),
+                line,
+                col,
+            )
+        )
+
+    def _part(self, draft: _Draft) -> bool:
+        braces = self.braces
+        if braces.accept("FromGitRepo"):
+            braces.name("the address of a repository")
+        elif braces.accept("Specs", "spec"):
+            braces.block(lambda: draft.specs.append(self._spec()))
+        elif braces.accept("artifact"):
+            braces.block(lambda: draft.artifacts.append(self._artifact()))
+        elif braces.is_word("Artifact"):
+            draft.artifacts.append(self._artifact())
+            braces.accept_punct(",")
+        elif braces.accept("Dependencies", "dependency"):
+            braces.block(lambda: self._dependency(draft))
+        else:
+            return False
+        return True
+
+    def _dependency(self, draft: _Draft) -> None:
+        braces = self.braces
+        braces.accept("PackageDependency", "ExternalDependency")
+        if braces.is_punct("{") or braces.is_punct("["):
+            braces.skip_group()
+        else:
+            draft.dependencies.append(braces.name("the name of a package"))
+
+    def _artifact(self) -> Artifact:
+        braces = self.braces
+        line, col = braces.place()
+        braces.expect("Artifact")
+        name = braces.name("the name of the artifact")
+        opened = braces.open()
+        braces.accept("node")
+        node = self._node() if braces.is_word("Node") else None
+        braces.close("}", opened, *(() if node else ("'Node'",)))
+        return Artifact(name, node, line, col)
+
+    def _node(self) -> Node:
+        braces = self.braces
+        braces.expect("Node")
+        opened = braces.open()
+        braces.expect("name")
+        name = braces.name("the name of the node")
+        interfaces: list[Interface] = []
+        parameters = 0
+        while True:
+            section = braces.accept(*_SECTIONS)
+            if section is not None:
+                kind, entry, type_word = _SECTIONS[section]
+                braces.block(
+                    lambda kind=kind, entry=entry, word=type_word: interfaces.append(  # type: ignore[misc]  # bound now
+                        self._interface(kind, entry, word)
+                    )
+                )
+            elif braces.accept("Parameters", "parameter"):
+                found: list[int] = []
+                braces.block(lambda found=found: found.append(self._parameter()))  # type: ignore[misc]  # bound now
+                parameters += len(found)
+            else:
+                break
+            braces.accept_punct(",")
+        known = [word for word in _SECTIONS if word[0].isupper()]
+        braces.close("}", opened, *either([*known, "Parameters"]))
+        return Node(name, tuple(interfaces), parameters)
+
+    def _interface(self, kind: Kind, entry: str, type_word: str) -> Interface:
+        braces = self.braces
+        line, col = braces.place()
+        if braces.accept(entry) is None:
+            braces.fail(f"'{entry}'", "'}'")
+        opened = braces.open()
+        braces.expect("name")
+        name = braces.name("the name of the interface")
+        braces.expect(type_word)
+        type_line, type_col = braces.place()
+        of = braces.name("a type")
+        ns = None
+        if braces.accept("namespace"):
+            ns = braces.name("a namespace")
+            if braces.is_punct("{") or braces.is_punct("("):
+                braces.skip_group()
+        braces.close("}", opened)
+        return Interface(kind, name, of, ns, line, col, type_line, type_col)
+
+    def _parameter(self) -> int:
+        braces = self.braces
+        if braces.accept("Parameter") is None:
+            braces.fail("'Parameter'", "'}'")
+        opened = braces.open()
+        braces.expect("name")
+        braces.name("the name of the parameter")
+        braces.skip_to("}")
+        braces.close("}", opened)
+        return 1
+
+    def _spec(self) -> Spec:
+        braces = self.braces
+        line, col = braces.place()
+        kind = _SPECS[braces.expect(*_SPECS)]
+        name = braces.name("the name of the specification")
+        opened = braces.open()
+        sections: list[tuple[str, tuple[Field, ...]]] = []
+        while True:
+            part = braces.accept(*_PARTS)
+            if part is None:
+                break
+            fields: list[Field] = []
+            if not braces.accept("MessageDefinition"):
+                braces.block(lambda fields=fields: fields.append(self._field()))  # type: ignore[misc]  # bound now
+            sections.append((part, tuple(fields)))
+        braces.close("}", opened, *either(_PARTS))
+        return Spec(kind, name, tuple(sections), line, col)
+
+    def _field(self) -> Field:
+        braces = self.braces
+        of = braces.name("the type of a field")
+        if braces.accept_punct("["):
+            if not braces.is_punct("]"):
+                braces.name("a length")
+            if not braces.accept_punct("]"):
+                braces.fail("']'")
+            of += "[]"
+        name = braces.name("the name of the field")
+        name, equals, value = name.partition("=")
+        if equals and not value:
+            value = braces.name(f"the value of {name}")
+        return Field(of, name, value if equals else None)

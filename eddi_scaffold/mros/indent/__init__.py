@@ -1,0 +1,1 @@
+"""Readers of the indentation dialects of MROS."""

@@ -1,0 +1,1 @@
+"""Packages on disk: rendered from answers, brought up to date, traced; hand edits stay."""

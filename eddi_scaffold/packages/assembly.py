@@ -1,0 +1,176 @@
+"""From files on disk to the packages that a command renders: models, configurations, neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold import __version__
+from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.reading import Config, ConfigFile, Robot, from_json, read_config
+from eddi_scaffold.deployments.joining import join, packages_of
+from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
+from eddi_scaffold.deployments.wiring.support import remembered
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.loading import checked_models, select
+from eddi_scaffold.packages.workspace import existing
+from eddi_scaffold.platforms import PackageAnswers, Platform
+from eddi_scaffold.problems import EddiError, Problem, has_errors
+from eddi_scaffold.source import read_source
+
+_IDENTITY = ("maintainer_name", "maintainer_email", "license")
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """What is to be rendered.
+
+    Attributes:
+        packages: all packages of the command.
+        monitors: folders of the monitor packages among them.
+        problems: warnings and infos about models and configurations.
+    """
+
+    packages: Sequence[PackageAnswers]
+    monitors: Sequence[str]
+    problems: Sequence[Problem]
+
+
+def monitors_of(
+    model_file: Path | None,
+    config_files: Sequence[Path],
+    name: str | None = None,
+    default_guarantees: Sequence[str] = (),
+    robot: Robot | None = None,
+) -> tuple[list[Monitor], list[Problem]]:
+    """Read a model file and configurations, and join them.
+
+    With configurations: one monitor for each, of a model in the file or of the file that the
+    configuration itself names. Without: one for each model, or the one of ``name``.
+
+    Raises:
+        EddiError: a file cannot be used.
+    """
+    models: Sequence[Model] = ()
+    problems: list[Problem] = []
+    if model_file is not None:
+        reading = checked_models(model_file, default_guarantees)
+        models = select(reading.models, name) if name is not None else reading.models
+        problems += reading.problems
+    configs = _configs(config_files, problems, robot)
+    read = partial(checked_models, default_guarantees=default_guarantees)
+    monitors, found = join(models, configs, read, default_guarantees)
+    problems += found
+    if has_errors(problems):
+        raise EddiError(*problems)
+    return monitors, problems
+
+
+def assemble(
+    monitors: Sequence[Monitor], platform: Platform, root: Path, problems: Sequence[Problem]
+) -> Assembly:
+    """Turn monitors into packages beside those that are below ``root`` already.
+
+    Raises:
+        EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
+    """
+    found = list(problems)
+    found = list(dict.fromkeys([*found, *wiring_with(monitors, existing(root))]))
+    packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
+    found += more
+    if has_errors(found):
+        raise EddiError(*found)
+    config = next((m.config.config for m in monitors if m.config is not None), None)
+    names = [package.folder for package in packages]
+    return Assembly([*packages, *support(platform, root, names, config)], names, found)
+
+
+def wiring_with(
+    monitors: Sequence[Monitor], present: Mapping[str, Mapping[str, Any]]
+) -> list[Problem]:
+    """Check the wiring of monitors beside packages that they do not replace.
+
+    Args:
+        monitors: the new ones.
+        present: package -> answers of those that are there.
+    """
+    new = {monitor.package for monitor in monitors}
+    found = (remembered(name, of) for name, of in present.items() if name not in new)
+    return check_wiring(members_of(monitors), [one for one in found if one is not None])
+
+
+def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
+    """Compare the compiled model with an independent tool, where its kind has one."""
+    if monitor.kind.cross_check is None:
+        return monitor
+    result = monitor.kind.cross_check(monitor.model, monitor.model_json)
+    problems += result.problems
+    return replace(monitor, cross_check=result.text)
+
+
+def support(
+    platform: Platform, root: Path, monitors: Iterable[str], config: Config | None
+) -> list[PackageAnswers]:
+    """Return the shared packages for these monitors and those that are there already.
+
+    Who maintains a shared package was said when it was first generated, and stays.
+    """
+    present = existing(root)
+    template = f"{platform.name}_monitor"
+    names = {name for name, answers in present.items() if answers["template"] == template}
+    packages = platform.support(sorted(names | set(monitors)), config)
+    return [
+        PackageAnswers(
+            package.folder, {**package.answers, **_kept_identity(present.get(package.folder, {}))}
+        )
+        for package in packages
+    ]
+
+
+def stored(folder: str, answers: Mapping[str, Any]) -> PackageAnswers:
+    """Return the answers of a package as they are, for the present version of the templates.
+
+    Keys that begin with ``_`` are Copier's own: where the templates came from.
+    """
+    kept = {key: value for key, value in answers.items() if not key.startswith("_")}
+    return PackageAnswers(folder, {**kept, "generator_version": __version__})
+
+
+def rejoined(
+    answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
+) -> tuple[Monitor, list[Problem]]:
+    """Join a newer model with the configuration that a package remembers, or with a newer one.
+
+    Raises:
+        EddiError: the model no longer fits.
+    """
+    kind = kinds()[answers["kind"]]
+    if config is None and answers.get("config_json"):
+        config = from_json(answers["config_json"], f"the configuration that {folder} remembers")
+    marks = answers.get("default_guarantees") or ()
+    known = known_messages(kinds().values())
+    monitor, problems = monitor_of(model, kind, config, known, marks)
+    if monitor is None:
+        raise EddiError(*problems)
+    return monitor, problems
+
+
+def _configs(
+    files: Sequence[Path], problems: list[Problem], robot: Robot | None
+) -> list[ConfigFile]:
+    configs = []
+    for path in files:
+        config, found = read_config(read_source(path), robot)
+        problems += found
+        configs += [config] if config is not None else []
+    if has_errors(problems):
+        raise EddiError(*problems)
+    return configs
+
+
+def _kept_identity(answers: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: answers[key] for key in _IDENTITY if key in answers}

@@ -1,0 +1,89 @@
+"""How far a package is from what it would be if it were generated now."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
+from eddi_scaffold.packages.upgrading import Group, targets
+from eddi_scaffold.packages.workspace import linked_package
+from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.regions.generated import changed_generated
+
+
+@dataclass(frozen=True)
+class Drift:
+    """The state of one package.
+
+    Attributes:
+        folder: name of the package folder.
+        outdated: files that a regeneration would change.
+        edited: generated-only files that were edited.
+        regions: state (``untouched``, ``edited``, ...) -> how many regions.
+        review: hand-written bodies that need a look.
+    """
+
+    folder: str
+    outdated: Sequence[str]
+    edited: Sequence[str]
+    regions: dict[str, int]
+    review: Sequence[str]
+
+    @property
+    def drifted(self) -> bool:
+        """Tell whether something should be done."""
+        return bool(self.outdated or self.edited or self.review)
+
+    def as_text(self) -> str:
+        """Return a few lines for people."""
+        counts = (
+            ", ".join(f"{count} {state}" for state, count in sorted(self.regions.items())) or "none"
+        )
+        lines = [
+            f"{self.folder}: {'differs' if self.drifted else 'up to date'} (regions: {counts})"
+        ]
+        lines += [f"  would change: {path}" for path in self.outdated]
+        lines += [f"  edited, but generated: {path}" for path in self.edited]
+        lines += [f"  look at: {finding}" for finding in self.review]
+        return "\n".join(lines)
+
+    def as_json(self) -> dict[str, object]:
+        """Return the JSON form of ``status --json``."""
+        return {
+            "package": self.folder,
+            "drifted": self.drifted,
+            "outdated": list(self.outdated),
+            "edited": list(self.edited),
+            "regions": self.regions,
+            "review": list(self.review),
+        }
+
+
+def drift_of(group: Group, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
+    """Compare the packages of a group with a dry run of their regeneration."""
+    packages, _ = targets(group, model, configs)
+    outcome = bring(group.root, packages, own_template(), dry_run=True)
+    reports = []
+    for folder in group.present:
+        root = group.root / folder
+        changed = sorted(
+            path.partition("/")[2]
+            for path in outcome.changes
+            if path.startswith(f"{folder}/")
+            and "/.eddi/" not in path
+            and not path.endswith(f"/{ANSWERS_FILE}")
+        )
+        edited = [str(path) for path in changed_generated(root)]
+        regions = list_regions(root)
+        states = Counter(str(region.state) for region in regions)
+        findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
+        findings += [f"{r.file}: {r.id}: {'; '.join(r.notes)}" for r in regions if r.review]
+        reports.append(
+            Drift(folder, [p for p in changed if p not in edited], edited, dict(states), findings)
+        )
+    links = (Drift(link.name, [], [], {}, [linked_package(link)]) for link in group.links)
+    return [*reports, *links]

@@ -1,0 +1,309 @@
+"""Bring packages to the state that their answers describe, keeping every hand edit.
+
+All packages of one command are rendered and merged in a scratch folder; the destination changes at
+the end, in one step, or not at all.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+
+from eddi_scaffold.packages import transaction
+from eddi_scaffold.packages.obstacles import obstacles
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers, render
+from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
+from eddi_scaffold.packages.unpacking import unpacked
+from eddi_scaffold.packages.workspace import linked_package
+from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.files import entries
+from eddi_scaffold.regions.generated import (
+    changed_generated,
+    forget_generated,
+    recorded_generated,
+    save_generated_edits,
+)
+from eddi_scaffold.regions.git import committed_text
+from eddi_scaffold.regions.python_text import parse_python
+from eddi_scaffold.regions.store import save_orphan
+from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command did, or would do.
+
+    Attributes:
+        root: folder that all paths are relative to.
+        changes: path -> new state, ``None`` for a removed file.
+        before: path -> state before, for the changed ones that existed.
+        notes: one line each: what happened to hand edits, warnings of Copier.
+        attention: a person must look at hand edits.
+        left: one line each: what should have changed, but is a link or no regular file.
+    """
+
+    root: Path
+    changes: Mapping[str, FileState | None]
+    before: Mapping[str, FileState]
+    notes: Sequence[str]
+    attention: bool
+    left: Sequence[str] = ()
+
+    def diff(self) -> str:
+        """Return the change as a unified diff, paths relative to ``root``, without our records."""
+        return "".join(
+            _diff(path, self.before.get(path), state)
+            for path, state in sorted(self.changes.items())
+            if "/.eddi/" not in path and not path.endswith(f"/{ANSWERS_FILE}")
+        )
+
+
+@dataclass
+class _Work:
+    """What the packages of one command add up to."""
+
+    changes: dict[str, FileState | None] = field(default_factory=dict)
+    before: dict[str, FileState] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    left: list[str] = field(default_factory=list)
+    attention: bool = False
+
+
+def bring(
+    root: Path,
+    packages: Sequence[PackageAnswers],
+    template: Template,
+    *,
+    dry_run: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Outcome:
+    """Render the packages, merge them with what is below ``root``, and write the result.
+
+    Args:
+        root: folder that the packages' folders are relative to.
+        packages: what to render.
+        template: where from.
+        dry_run: change nothing.
+        progress: told the folder of each package before it is rendered.
+
+    Raises:
+        EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
+            or the destination (F002) or the place of the templates (T002) cannot be written;
+            nothing was written.
+    """
+    work = _Work()
+    if not dry_run:
+        work.notes += transaction.recover(root)
+        template.keep()
+    with (
+        tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
+        unpacked(template.bundle or Path(template.location), template.ref) as source,
+    ):
+        work.notes += source.notes
+        for number, package in enumerate(packages):
+            progress(package.folder)
+            rendered = Path(scratch, str(number), "rendered")
+            notes = render(package.answers, template, source, rendered)
+            _bring_one(root, package, rendered, notes, work)
+    if not dry_run:
+        work.notes += _write(root, work.changes)
+    return Outcome(root, work.changes, work.before, work.notes, work.attention, work.left)
+
+
+def _bring_one(
+    root: Path, package: PackageAnswers, rendered: Path, notes: list[str], work: _Work
+) -> None:
+    target = root / package.folder
+    if target.is_symlink():
+        work.left.append(linked_package(target))
+        return
+    tree = transaction.survey(target)
+    found = obstacles(package.folder, tree.others, _names(rendered))
+    stop = found.at_records(ANSWERS_FILE)
+    if stop is None:
+        if tree.files or tree.others:
+            _refuse_foreign(target)
+        before = {path: state for path, state in tree.files.items() if path not in found.skipped}
+        merged = _merged(target, package, before, rendered, found.skipped)
+        stop = found.before(merged.changes)
+    if stop is not None:
+        work.left.append(found.stop(stop))
+        return
+    work.left += found.told()
+    work.changes.update({f"{package.folder}/{p}": state for p, state in merged.changes.items()})
+    work.before.update({f"{package.folder}/{p}": before[p] for p in merged.changes if p in before})
+    work.notes += [note for note in (*notes, *merged.saved) if note not in work.notes]
+    work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in merged.report.notes]
+    work.notes += found.untouched()
+    work.attention = work.attention or bool(merged.saved) or merged.report.needs_attention
+
+
+@dataclass(frozen=True)
+class _Merged:
+    """A package with its new rendering.
+
+    Attributes:
+        changes: path -> new state, ``None`` for a removed file.
+        saved: what happened to edits of files that nobody should edit.
+        report: what happened to those of the others.
+    """
+
+    changes: Mapping[str, FileState | None]
+    saved: Sequence[str]
+    report: SyncReport
+
+
+def _merged(
+    target: Path,
+    package: PackageAnswers,
+    before: Mapping[str, FileState],
+    rendered: Path,
+    skipped: Collection[str],
+) -> _Merged:
+    """Merge a rendering with the files of a package, in the scratch folder.
+
+    Args:
+        target: where the package is, for messages.
+        package: what was rendered.
+        before: its files, empty for a new one.
+        rendered: the rendering.
+        skipped: files of the rendering that wait for what stands in their place.
+    """
+    staged = rendered.with_name("staged")
+    saved: Sequence[str] = ()
+    if before:
+        _copy(before, staged)
+        _refuse(broken_files(staged), target)
+        # outside edits are merged per definition, which text that is not Python does not have
+        _check_python({p: s for p, s in before.items() if f".eddi/pristine/{p}" in before}, target)
+        saved = _keep_generated_edits(staged, rendered)
+    _lay(rendered, staged, skipped)
+    for body in package.saved:
+        save_orphan(staged, body)
+    report = sync_package(staged, partial(committed_text, target))
+    _refuse(report.refused, target)
+    for name, data in package.files.items():
+        (staged / name).parent.mkdir(parents=True, exist_ok=True)
+        (staged / name).write_bytes(data)
+    after = {
+        path: _with_mode(state, before.get(path))
+        for path, state in transaction.tree_of(staged).items()
+    }
+    _check_python(after, target)
+    changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
+    return _Merged(changed, saved, report)
+
+
+def _refuse_foreign(target: Path) -> None:
+    if read_answers(target) is None:
+        hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
+        raise EddiError(
+            error("H012", "the folder exists and was not generated", Place(str(target)), hint)
+        )
+
+
+def _copy(files: Mapping[str, FileState], folder: Path) -> None:
+    """Lay files into the scratch folder; what they may do is decided when they are written."""
+    for path, state in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_bytes(state.data)
+
+
+def _with_mode(state: FileState, before: FileState | None) -> FileState:
+    """Return a file with the mode that it has, or that a new one gets; a program can be run."""
+    if before is None:
+        return replace(state, mode=NEW_PROGRAM if state.executable else NEW)
+    may_run = (before.mode & 0o444) >> 2 if state.executable else 0
+    return replace(state, mode=before.mode | may_run)
+
+
+def _write(root: Path, changes: Mapping[str, FileState | None]) -> Sequence[str]:
+    """Write in the order of ``sync``: killed in between, a plain Copier run still merges right."""
+    ordered = sorted(changes, key=lambda path: (_turn(path, changes[path]), path))
+    follows = {
+        path: path.replace("/.eddi/base/", "/", 1) for path in ordered if "/.eddi/base/" in path
+    }
+    meanwhile = {
+        base.replace("/.eddi/base/", "/.eddi/next/", 1): FileState(next_base(text.data, new.data))
+        for base, file in follows.items()
+        if (text := changes.get(file)) is not None and (new := changes[base]) is not None
+    }
+    return transaction.write(root, {path: changes[path] for path in ordered}, follows, meanwhile)
+
+
+def _turn(path: str, state: FileState | None) -> int:
+    """Return when a file is written: saved edits, the rest, what came back, the base."""
+    folder = path.partition("/.eddi/")[2].partition("/")[0]
+    if folder in {"orphans", "rejects"}:
+        return 2 if state is None else 0
+    return 3 if folder == "base" else 1
+
+
+def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
+    """Save edited generated-only files before they are replaced, and drop those that vanished."""
+    edited = changed_generated(staged)
+    saved = save_generated_edits(staged, edited)
+    notes = [
+        f"{name} says do not edit, but was edited: your text is kept in {copy.relative_to(staged)}"
+        for name, copy in zip(edited, saved, strict=True)
+    ]
+    for name in recorded_generated(staged):
+        # not of pathlib: false for names that no disk can hold
+        if os.path.isfile(staged / name) and not os.path.exists(rendered / name):  # noqa: PTH110, PTH113
+            (staged / name).unlink()
+    forget_generated(staged)
+    return notes
+
+
+def _lay(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
+    """Put a rendering over a package; an editable file that is there stays for the merge."""
+    shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
+    editable = set(_names(rendered / ".eddi" / "pristine"))
+    for name in _names(rendered):
+        target = staged / name
+        if name in skipped or (name in editable and target.exists()):
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(rendered / name, target)
+
+
+def _names(folder: Path) -> list[str]:
+    return sorted(name for name, kind in entries(folder) if kind is None)
+
+
+def _refuse(refusals: Sequence[Refusal], target: Path) -> None:
+    if refusals:
+        raise EddiError(
+            *(
+                error("H010", refusal.reason, Place(str(target / refusal.file), refusal.line))
+                for refusal in refusals
+            )
+        )
+
+
+def _check_python(after: Mapping[str, FileState], target: Path) -> None:
+    for path, state in after.items():
+        if path.endswith(".py") and not path.startswith(".eddi/"):
+            try:
+                parse_python(state.data)
+            except SyntaxError as problem:
+                message = f"the hand-written code is not valid Python: {problem.msg}"
+                place = Place(str(target / path), problem.lineno)
+                raise EddiError(error("H011", message, place)) from None
+
+
+def _diff(path: str, before: FileState | None, after: FileState | None) -> str:
+    old = before.data.decode("utf-8", "replace").splitlines(keepends=True) if before else []
+    new = after.data.decode("utf-8", "replace").splitlines(keepends=True) if after else []
+    lines = difflib.unified_diff(
+        old, new, f"a/{path}" if before else "/dev/null", f"b/{path}" if after else "/dev/null"
+    )
+    return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)

@@ -1,0 +1,95 @@
+"""The regions of every package below a folder, for ``eddi-scaffold regions``."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One region of one package.
+
+    Attributes:
+        file: path as the user would write it.
+        status: what the regions tool says.
+    """
+
+    file: str
+    status: RegionStatus
+
+    def as_json(self) -> dict[str, object]:
+        """Return the stable JSON form of ``regions --json``."""
+        state = self.status
+        return {
+            "id": state.id,
+            "file": self.file,
+            "line": state.line,
+            "state": state.state,
+            "notes": list(state.notes),
+        }
+
+
+def unwritten(root: Path, monitors: Iterable[Monitor]) -> list[str]:
+    """Return where a person must still write how an input is made of its messages."""
+    needed = {
+        monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if not b.is_given}
+        for monitor in monitors
+    }
+    return [
+        f"{root / package / status.file}:{status.line}"
+        for package, ids in needed.items()
+        for status in (list_regions(root / package) if ids else ())
+        if status.id in ids and status.state == "untouched"
+    ]
+
+
+def packages_below(folder: Path) -> list[Path]:
+    """Return the generated packages in a folder, itself included.
+
+    Raises:
+        EddiError: there are none (U001).
+    """
+    found = []
+    for root, folders, files in os.walk(folder):
+        if ANSWERS_FILE in files and (".eddi" in folders or read_answers(Path(root))):
+            found.append(Path(root))
+        skipped = {".git", "build", "devel", "install", ".eddi"}
+        folders[:] = sorted(name for name in folders if name not in skipped)
+    if not found:
+        hint = "name a workspace, or the folder of a package"
+        raise EddiError(
+            error("U001", "there are no generated packages here", Place(str(folder)), hint)
+        )
+    return found
+
+
+def inventory(folder: Path) -> Sequence[Entry]:
+    """List the regions of all packages below a folder."""
+    return [
+        Entry(str(package / status.file), status)
+        for package in packages_below(folder)
+        for status in list_regions(package)
+    ]
+
+
+def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
+    """Say that bodies were looked at and are right.
+
+    Raises:
+        EddiError: no package has a region of such an id (U004).
+    """
+    wanted = list(ids)
+    accepted = [done for package in packages_below(folder) for done in accept(package, wanted)]
+    for missing in sorted(set(wanted) - set(accepted)):
+        raise EddiError(
+            error("U004", f"there is no region {missing!r} below {folder}", Place(str(folder)))
+        )
+    return sorted(set(accepted))

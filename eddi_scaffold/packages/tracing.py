@@ -1,0 +1,192 @@
+"""The trace table of a package: which element of the model became what.
+
+Everything comes from the package's answers, so the table says what was generated, not what the
+model says today.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions import markers
+
+COLUMNS = ("element", "id", "file", "line", "path", "code", "topics")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One element of the model.
+
+    Attributes:
+        element: what it is (``guarantee``, ``node``).
+        id: as in the model.
+        line: line in the model file, ``None`` when the file has none.
+        path: EMF fragment path in an EDDI, ``""`` for other files.
+        code: where it stands in the generated code (``EDDIInput.process_RtE_E0``), or ``""``.
+        topics: what it is read from.
+    """
+
+    element: str
+    id: str
+    line: int | None
+    path: str
+    code: str = ""
+    topics: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The table of one package.
+
+    Attributes:
+        package: name of the package.
+        kind: kind of the monitor.
+        model: id of the model.
+        file: model file it was generated from.
+        sha256: digest of that file's bytes.
+        model_sha256: digest of ``config/model.json``, which the monitor checks when it starts.
+        outputs: topics it publishes.
+        facts: lines about the whole, such as the result of a cross-check.
+        rows: elements in the order of the model.
+    """
+
+    package: str
+    kind: str
+    model: str
+    file: str
+    sha256: str
+    model_sha256: str
+    outputs: tuple[str, ...]
+    facts: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the JSON form of ``trace --json``."""
+        rows = [dict(zip(COLUMNS, self.cells(row), strict=True)) for row in self.rows]
+        return {
+            "package": self.package,
+            "kind": self.kind,
+            "model": self.model,
+            "file": self.file,
+            "sha256": self.sha256,
+            "model_sha256": self.model_sha256,
+            "outputs": list(self.outputs),
+            "facts": list(self.facts),
+            "elements": rows,
+        }
+
+    def cells(self, row: Row) -> tuple[JsonValue, ...]:
+        """Return the values of one row in the order of ``COLUMNS``."""
+        topics = " ".join(row.topics)
+        return (row.element, row.id, self.file, row.line, row.path, row.code, topics)
+
+    def as_text(self) -> str:
+        """Return the table for people."""
+        head = [
+            f"{self.package}: {self.kind} {self.model}",
+            f"  generated from {self.file} (sha256 {self.sha256})",
+            f"  config/model.json has sha256 {self.model_sha256}",
+        ]
+        head += [f"  publishes {topic}" for topic in self.outputs]
+        head += [f"  {fact}" for fact in self.facts]
+        shown = [
+            (row.element, row.id, f"{self.file}:{row.line or '-'}", row.path, row.code, *row.topics)
+            for row in self.rows
+        ]
+        widths = [max((len(line[k]) for line in shown), default=0) for k in range(5)]
+        body = [
+            "  ".join(
+                [text.ljust(width) for text, width in zip(line[:5], widths, strict=True)]
+                + list(line[5:])
+            ).rstrip()
+            for line in shown
+        ]
+        return "\n".join([*head, *(f"  {line}" for line in body)])
+
+
+def trace_of(answers: Mapping[str, Any]) -> Trace:
+    """Return the table of a package from its answers.
+
+    Raises:
+        EddiError: the answers are damaged (T005).
+    """
+    try:
+        return _trace_of(answers)
+    except (AttributeError, KeyError, TypeError, ValueError) as damage:
+        message = f"the answers of the package are damaged: {damage!r}"
+        hint = "take the file back from git, or generate the package again"
+        place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
+        raise EddiError(error("T005", message, place, hint)) from None
+
+
+def _trace_of(answers: Mapping[str, Any]) -> Trace:
+    document = json.loads(answers["model_json"])
+    code = dict(_code(answers))
+    inputs = {item["id"]: item for item in document["inputs"]}
+    topics = {
+        item["id"]: item.get("topic", "") for item in _config(answers).get("SimulatorOutputs", ())
+    }
+    rows = []
+    for element, item in _elements(document["model"]):
+        given = inputs.get(item["id"], {})
+        heard = tuple(topics.get(name) or name for name in given.get("requires", ()))
+        rows.append(
+            Row(
+                element,
+                item["id"],
+                item.get("line"),
+                item.get("path") or "",
+                code.get(item["id"], ""),
+                heard,
+            )
+        )
+    return Trace(
+        package=answers["package"],
+        kind=answers["kind"],
+        model=document["id"],
+        file=answers["model_file"],
+        sha256=answers["model_sha256"],
+        model_sha256=document["sha256"],
+        outputs=tuple(item["topic_text"] for item in answers.get("publications") or ()),
+        facts=tuple(
+            line
+            for line in answers.get("readme") or ()
+            if line and "|" not in line and not line.startswith("#")
+        ),
+        rows=tuple(rows),
+    )
+
+
+def _config(answers: Mapping[str, Any]) -> Mapping[str, Any]:
+    text = answers.get("config_json")
+    found: Mapping[str, Any] = json.loads(text) if text else {}
+    return found
+
+
+def _elements(model: Mapping[str, Any]) -> Iterable[tuple[str, Mapping[str, Any]]]:
+    """Yield what has an id and a place, list by list in the order of their names."""
+    for name, items in sorted(model.items()):
+        for item in items if isinstance(items, Sequence) and not isinstance(items, str) else ():
+            if isinstance(item, dict) and isinstance(item.get("id"), str):
+                yield name.removesuffix("s").replace("_", " "), item
+
+
+def _code(answers: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+    """Yield (id of an element, method in which a person may write about it)."""
+    for item in answers.get("inputs") or ():
+        yield _about(item["region_begin"]), f"EDDIInput.process_{item['attribute']}"
+    for module in answers.get("modules") or ():
+        for method in module["methods"]:
+            yield _about(method["region_begin"]), f"{module['name']}.{method['name']}"
+
+
+def _about(begin: str) -> str:
+    marker = markers.read_marker(begin, 1)
+    region = marker.id if isinstance(marker, markers.Marker) and marker.id else ""
+    return region.partition(":")[2]

@@ -1,0 +1,219 @@
+"""Which packages ``upgrade`` and ``status`` speak of, and what they should be."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.config.reading import ConfigFile, from_json, read_config
+from eddi_scaffold.escaping import markdown_code
+from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.loading import checked_models, read_models
+from eddi_scaffold.packages.assembly import rejoined, stored, support, wiring_with
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.packages.workspace import existing, linked, root_below
+from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.source import read_source
+
+
+@dataclass(frozen=True)
+class Group:
+    """Generated packages in one folder.
+
+    Attributes:
+        root: the folder.
+        present: package folder -> answers.
+        links: links to packages, which are left alone.
+    """
+
+    root: Path
+    present: dict[str, dict[str, Any]]
+    links: tuple[Path, ...] = ()
+
+
+def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
+    """Find generated packages: of a workspace, or the ones that are named.
+
+    Raises:
+        EddiError: there are none (U001), or the answers of one are damaged (T005).
+    """
+    found = _found(workspace, packages)
+    for group in found:
+        for folder, answers in group.present.items():
+            _check_answers(group.root / folder, answers)
+    return found
+
+
+def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
+    if packages:
+        named = [path if path.name not in {"", ".."} else path.resolve() for path in packages]
+        return [
+            _group(root, [path for path in named if path.parent == root])
+            for root in dict.fromkeys(path.parent for path in named)
+        ]
+    place = workspace or Path()
+    candidates = [root_below(place, platform.root) for platform in platforms().values()]
+    found = [Group(root, existing(root), linked(root)) for root in dict.fromkeys(candidates)]
+    found = [group for group in found if group.present or group.links]
+    if not found:
+        hint = "name a workspace with -w, or the folder of a package"
+        raise EddiError(
+            error("U001", "there are no generated packages here", Place(str(place)), hint)
+        )
+    return found
+
+
+def _group(root: Path, packages: Sequence[Path]) -> Group:
+    present = {path.name: _answers(path) for path in packages if not path.is_symlink()}
+    return Group(root, present, tuple(path for path in packages if path.is_symlink()))
+
+
+def targets(
+    group: Group, model_file: Path | None, config_files: Sequence[Path]
+) -> tuple[list[PackageAnswers], list[Problem]]:
+    """Return what the packages of a group should be, with the problems of newer inputs.
+
+    Raises:
+        EddiError: an input cannot be used, a new configuration comes without a model (U002) or
+            belongs to no package (U005).
+    """
+    if config_files and model_file is None:
+        message = "a new configuration needs the model as well"
+        raise EddiError(error("U002", message, hint="add `-m MODEL`"))
+    configs = _configs(config_files)
+    for name in sorted(configs.keys() - group.present.keys()):
+        message = f"no package here is called {name!r}"
+        hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
+        raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
+    models, problems = _newer_models(group, model_file, configs)
+    packages: list[PackageAnswers] = []
+    monitors: dict[str, Platform] = {}
+    joined: list[Monitor] = []
+    for folder, answers in group.present.items():
+        if "model_json" not in answers:
+            continue
+        platform = monitors[folder] = _platform(answers)
+        if folder not in models:
+            packages.append(stored(folder, answers))
+            continue
+        monitor, found = rejoined(answers, models[folder], configs.get(folder), folder)
+        joined.append(monitor)
+        package, more = platform.monitor(monitor)
+        packages.append(package)
+        problems += [*found, *more]
+    problems += wiring_with(joined, group.present)
+    shared = {folder for folder in group.present if folder not in monitors}
+    for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
+        own = [folder for folder, of in monitors.items() if of is platform]
+        packages += [p for p in support(platform, group.root, own, None) if p.folder in shared]
+    if has_errors(problems):
+        raise EddiError(*problems)
+    return packages, problems
+
+
+def _newer_models(
+    group: Group, model_file: Path | None, configs: Iterable[str]
+) -> tuple[dict[str, Model], list[Problem]]:
+    """Return the newer model of each package that has one in the file, read with its marks."""
+    if model_file is None:
+        return {}, []
+    source = read_source(model_file)
+    made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "model_json" in a}
+    first = read_models(source)
+    names = {(model.kind, model.name) for model in first.models}
+    folders = [folder for folder, made in made_of.items() if made in names]
+    unnamed = _made_of_unnamed(group, first.models, source.file_name, configs)
+    made_of.update(unnamed)
+    folders += [folder for folder in unnamed if folder not in folders]
+    if not folders:
+        if has_errors(first.problems):
+            raise EddiError(*first.problems)
+        known = ", ".join(sorted({name for _, name in made_of.values()})) or "none"
+        message = "no package here was made of a model in this file"
+        hint = f"the packages here were made of: {known}"
+        raise EddiError(error("U006", message, Place(source.name), hint))
+    marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
+    reading = checked_models(model_file, tuple(marks))
+    found = {(model.kind, model.name): model for model in reading.models}
+    problems = list(reading.problems)
+    for folder, made in made_of.items():
+        if folder not in folders and group.present[folder]["model_file"] == markdown_code(
+            source.file_name
+        ):
+            message = f"there is no model {made[1]!r} any more: the package {folder} stays as it is"
+            hint = f"remove the folder {folder} if the monitor is not wanted any more"
+            problems.append(warning("U007", message, Place(source.name), hint))
+    return {folder: found[made_of[folder]] for folder in folders}, problems
+
+
+def _made_of_unnamed(
+    group: Group, models: Sequence[Model], file: str, configs: Iterable[str]
+) -> dict[str, tuple[str, str]]:
+    """Return the packages that were made of a file whose model has no name: by the file's name.
+
+    Raises:
+        EddiError: several were, and no configuration says which one is meant (U006).
+    """
+    named = {model.kind: model.name for model in models if kinds()[model.kind].named_by_config}
+    found = {
+        folder: (answers["kind"], named[answers["kind"]])
+        for folder, answers in group.present.items()
+        if answers.get("kind") in named and answers.get("model_file") == markdown_code(file)
+    }
+    chosen = {folder: made for folder, made in found.items() if folder in set(configs)} or found
+    if len(chosen) > 1:
+        message = f"several packages here were made of a file {file!r}: {', '.join(chosen)}"
+        hint = "name the folder of the one that is meant, or add its configuration with -c"
+        raise EddiError(error("U006", message, Place(models[0].source.name), hint))
+    return chosen
+
+
+def _answers(package: Path) -> dict[str, Any]:
+    answers = read_answers(package)
+    if answers is None:
+        message = "this folder is no generated package"
+        hint = "`-w` names a folder that holds packages"
+        raise EddiError(error("U003", message, Place(str(package)), hint))
+    return answers
+
+
+def _check_answers(package: Path, answers: dict[str, Any]) -> None:
+    """Refuse answers that a person or a merge has damaged, before something is made of them."""
+    try:
+        _platform(answers)
+        if "model_json" in answers:
+            model_id(answers)
+            kinds()[answers["kind"]]
+            if answers.get("config_json"):
+                from_json(answers["config_json"], package.name)
+    except (KeyError, TypeError, ValueError, RecursionError) as damage:
+        reason = str(damage).partition("\n")[0]
+        message = f"the answers of the package are damaged: {reason}"
+        hint = "take the file back from git, or generate the package again"
+        place = Place(str(package / ANSWERS_FILE))
+        raise EddiError(error("T005", message, place, hint)) from None
+
+
+def _platform(answers: dict[str, Any]) -> Platform:
+    return platforms()[str(answers["template"]).partition("_")[0]]
+
+
+def _configs(files: Sequence[Path]) -> dict[str, ConfigFile]:
+    configs = {}
+    for path in files:
+        config, problems = read_config(read_source(path))
+        if config is None:
+            raise EddiError(*problems)
+        configs[package_name(config.config.Model.id)] = config
+    return configs
+
+
+def model_id(answers: dict[str, Any]) -> str:
+    """Return the id of the model that a monitor package was generated from."""
+    return str(json.loads(answers["model_json"])["id"])

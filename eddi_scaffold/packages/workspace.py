@@ -1,0 +1,61 @@
+"""Which generated packages lie in a workspace."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.packages.obstacles import shown
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.packages.transaction import PREFIX
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.files import stays
+
+
+def existing(root: Path) -> dict[str, dict[str, Any]]:
+    """Return folder name -> answers of the generated packages directly below ``root``."""
+    found = ((folder.name, read_answers(folder)) for folder in _folders(root))
+    return {name: answers for name, answers in found if answers is not None}
+
+
+def root_below(place: Path, name: str) -> Path:
+    """Return the folder of all packages in a workspace.
+
+    Args:
+        place: the workspace; it may be a link, because the user names it.
+        name: the folder in it.
+
+    Raises:
+        EddiError: a link in it leads out of it (F004).
+    """
+    root = place / name
+    if not stays(place, root):
+        message = f"it leads out of the workspace {place}"
+        hint = "make it a folder, or name the workspace that it leads to"
+        raise EddiError(error("F004", message, Place(str(root)), hint))
+    return root
+
+
+def linked(root: Path) -> tuple[Path, ...]:
+    """Return the links directly below ``root`` that lead to generated packages."""
+    folders = sorted(root.iterdir()) if root.is_dir() else []
+    answers = [path / ANSWERS_FILE for path in folders if path.is_symlink()]
+    return tuple(path.parent for path in answers if os.access(path, os.R_OK) and path.is_file())
+
+
+def linked_package(link: Path) -> str:
+    """Say that the package behind a link is left alone."""
+    return f"{shown(link.name)} is a link: it is left alone; name the folder that it leads to"
+
+
+def _folders(root: Path) -> list[Path]:
+    folders = sorted(root.iterdir()) if root.is_dir() else []
+    return [
+        path
+        for path in folders
+        if path.is_dir()
+        and not path.is_symlink()
+        and not path.name.startswith(PREFIX)
+        and os.access(path, os.X_OK)
+    ]

@@ -1,0 +1,1 @@
+"""YAML with positions: nodes that know their line and column, texts that are replaced in place."""

@@ -1,0 +1,317 @@
+"""YAML as nodes with positions: the only module of the generator that imports ``yaml``.
+
+A scalar stays the text that was written, together with the fact whether it was quoted; what a
+plain scalar *means* is decided where it stands: text, number or Boolean as YAML 1.2 has it
+(:func:`as_text` and its neighbours), or the value of YAML 1.1 (:func:`value_11`), which ROS and
+``eddi_config.yml`` follow. Documents are read event by event without recursion, so that alias
+bombs, recursive aliases and deep nesting are a message like any other mistake.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from eddi_scaffold.positioned_yaml.scalars import (
+    MAX_DIGITS,
+    Items,
+    Map,
+    Node,
+    Number,
+    Scalar,
+    as_bool,
+    as_integer,
+    as_number,
+    as_text,
+    describe,
+    is_null,
+    shown,
+    value_12,
+)
+from eddi_scaffold.positioned_yaml.writer import Verbatim, dump_plain, quoted
+from eddi_scaffold.problems import Place, Problem, error, info
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from eddi_scaffold.source import Source
+
+__all__ = [
+    "Items",
+    "Map",
+    "Node",
+    "Number",
+    "Scalar",
+    "Verbatim",
+    "as_bool",
+    "as_integer",
+    "as_number",
+    "as_text",
+    "describe",
+    "differs_between_versions",
+    "dump_11",
+    "dump_plain",
+    "is_null",
+    "quoted",
+    "read_document",
+    "read_map",
+    "shown",
+    "value_11",
+    "value_12",
+]
+
+MAX_BYTES = 16 * 1024 * 1024
+MAX_VISITS = 1_000_000
+MAX_DEPTH = 32
+
+_FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_IS_SLOW = _FAST_LOADER is yaml.SafeLoader
+_LARGE = 100_000
+_UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
+_CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
+
+
+def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
+    """Read the one document of a YAML file.
+
+    Args:
+        source: the file, UTF-8.
+        code: code of all problems of this step (``C001`` for a ConSert).
+
+    Returns:
+        The root node and the problems; the node is ``None`` where the document cannot be
+        understood at all, and present when only keys are repeated (which is an error too).
+    """
+    if len(source.data) > MAX_BYTES:
+        message = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
+        return None, [error(code, message, Place(source.name))]
+    try:
+        text = source.data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        before = source.data[: problem.start].decode("utf-8", "replace")
+        return None, [error(code, "the file is not UTF-8", _place_after(source.name, before))]
+    node, problems = _Composer(source.name, code, text).compose()
+    if _IS_SLOW and len(source.data) > _LARGE:
+        message = "PyYAML has no C loader on this machine: reading takes ten times as long"
+        problems.append(info(code, message, Place(source.name)))
+    return node, problems
+
+
+def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
+    """Read the one document of a YAML file whose top level must be a map."""
+    node, problems = read_document(source, code)
+    if node is not None and not isinstance(node, Map):
+        message = f"the top level must be a map, not {describe(node)}"
+        return None, [*problems, error(code, message, node.place)]
+    return node, problems
+
+
+def value_11(node: Node) -> Any:
+    """Return the plain value of a node as YAML 1.1 has it, with dates and binary data as text.
+
+    Keys of maps are always text, and numbers of more than :data:`MAX_DIGITS` characters too. What
+    no construction exists for (a plain ``=``) is text too. Depth is bounded by :data:`MAX_DEPTH`.
+    """
+    if isinstance(node, Items):
+        return [value_11(item) for item in node.items]
+    if isinstance(node, Map):
+        return {key.text: value_11(value) for key, value in node.entries}
+    return _scalar_11(node.text) if node.plain else node.text
+
+
+def dump_11(data: dict[str, str]) -> str:
+    """Write a flat map as Copier's filter ``to_nice_yaml`` writes it into an answers file."""
+    text = yaml.safe_dump(data, indent=4, allow_unicode=True, default_flow_style=False)
+    return str(text)
+
+
+def differs_between_versions(node: Node) -> bool:
+    """Tell whether YAML 1.1 and 1.2 take different values from a plain scalar (``on``, ``1e3``)."""
+    if not isinstance(node, Scalar) or not node.plain:
+        return False
+    old, new = _scalar_11(node.text), value_12(node)
+    return repr(old) != repr(new)  # by text, since NaN differs from itself
+
+
+class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
+    """PyYAML's own idea of plain scalars, without a document around it."""
+
+    def __init__(self) -> None:
+        yaml.constructor.SafeConstructor.__init__(self)
+        yaml.resolver.Resolver.__init__(self)
+
+
+_RESOLVING = _Resolving()
+_AS_TEXT_11 = ("timestamp", "merge", "value", "str")
+_NUMBERS_11 = ("int", "float")  # in base 2, 8, 16 and 60 also longer than Python can write
+
+
+def _scalar_11(text: str) -> Any:
+    resolve: Callable[..., str] = _RESOLVING.resolve
+    tag = resolve(yaml.ScalarNode, text, (True, False))
+    kind = tag.rpartition(":")[2]
+    if kind in _AS_TEXT_11 or (kind in _NUMBERS_11 and len(text) > MAX_DIGITS):
+        return text
+    try:
+        construct = getattr(_RESOLVING, f"construct_yaml_{kind}")
+        return construct(yaml.ScalarNode(tag, text))
+    except (ValueError, yaml.YAMLError):  # such as the plain scalar 0b_
+        return text
+
+
+@dataclass
+class _Open:
+    """A list or map that is still being read."""
+
+    place: Place
+    is_map: bool
+    anchor: str | None
+    children: list[Node] = field(default_factory=list)
+    visits: int = 1
+    depth: int = 0
+
+
+class _Stop(Exception):  # noqa: N818 - control flow inside this module
+    """The document cannot be understood beyond this place."""
+
+    def __init__(self, message: str, place: Place, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.message, self.place, self.hint = message, place, hint
+
+
+class _Composer:
+    """Builds the node graph of one document from the events of the parser."""
+
+    def __init__(self, name: str, code: str, text: str) -> None:
+        self.name, self.code, self.text = name, code, text
+        self.problems: list[Problem] = []
+        self.open: list[_Open] = []
+        self.anchors: dict[str, tuple[Node, int, int] | None] = {}
+        self.roots: list[Node] = []
+        self.visits = 0
+
+    def compose(self) -> tuple[Node | None, list[Problem]]:
+        try:
+            for event in self._events():
+                self._take(event)
+        except _Stop as stop:
+            self._report(stop.message, stop.place, stop.hint)
+            return None, self.problems
+        if not self.roots:
+            self._report("the file holds no document", Place(self.name, 1, 1))
+            return None, self.problems
+        return self.roots[0], self.problems
+
+    def _report(self, message: str, place: Place, hint: str | None = None) -> None:
+        self.problems.append(error(self.code, message, place, hint))
+
+    def _events(self) -> Iterator[Any]:
+        try:
+            yield from yaml.parse(self.text, Loader=_FAST_LOADER)
+        except yaml.MarkedYAMLError as problem:
+            mark = problem.problem_mark or problem.context_mark
+            place = Place(self.name) if mark is None else self._place(mark)
+            parts = [part for part in (problem.context, problem.problem) if part]
+            raise _Stop(f"this is not YAML: {': '.join(parts)}", place) from None
+        except yaml.reader.ReaderError as problem:
+            raise _Stop(*self._unreadable(problem)) from None
+
+    def _unreadable(self, problem: yaml.reader.ReaderError) -> tuple[str, Place]:
+        bad = re.search(
+            "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", self.text
+        )
+        before = self.text[: bad.start()] if bad else ""
+        shown = f" U+{ord(bad.group()):04X}" if bad else ""
+        return f"this is not YAML: the character{shown} is not allowed", _place_after(
+            self.name, before
+        )
+
+    def _place(self, mark: Any) -> Place:
+        return Place(self.name, mark.line + 1, mark.column + 1)
+
+    def _take(self, event: Any) -> None:
+        if isinstance(event, yaml.ScalarEvent):
+            self._scalar(event)
+        elif isinstance(event, yaml.CollectionStartEvent):
+            self._begin(event)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            self._end()
+        elif isinstance(event, yaml.AliasEvent):
+            self._alias(event)
+        elif isinstance(event, yaml.DocumentStartEvent) and self.roots:
+            raise _Stop("the file holds more than one document", self._place(event.start_mark))
+
+    def _check_tag(self, event: Any) -> None:
+        if event.tag is not None and event.tag not in _CORE_TAGS:
+            place = self._place(event.start_mark)
+            raise _Stop(f"the tag {event.tag!r} is not understood here", place)
+
+    def _scalar(self, event: Any) -> None:
+        if event.tag is not None:
+            self._check_tag(event)
+        plain = event.style in (None, "") and event.tag is None
+        node = Scalar(event.value, plain, self._place(event.start_mark))
+        self._add(node, event.anchor, 1, 0)
+
+    def _begin(self, event: Any) -> None:
+        self._check_tag(event)
+        place = self._place(event.start_mark)
+        if len(self.open) >= MAX_DEPTH:
+            raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = None  # an alias to what is still open is recursive
+        is_map = isinstance(event, yaml.MappingStartEvent)
+        self.open.append(_Open(place, is_map, event.anchor))
+
+    def _end(self) -> None:
+        done = self.open.pop()
+        node: Node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
+        self._add(node, done.anchor, done.visits, done.depth + 1)
+
+    def _alias(self, event: Any) -> None:
+        place = self._place(event.start_mark)
+        if event.anchor not in self.anchors:
+            raise _Stop(f"the alias *{event.anchor} has no anchor", place)
+        found = self.anchors[event.anchor]
+        if found is None:
+            raise _Stop(f"the alias *{event.anchor} stands inside of what it names", place)
+        node, visits, depth = found
+        if len(self.open) + depth > MAX_DEPTH:
+            raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
+        self._add(node, None, visits, depth)
+
+    def _add(self, node: Node, anchor: str | None, visits: int, depth: int) -> None:
+        if anchor is not None:
+            self.anchors[anchor] = (node, visits, depth)
+        if not self.open:
+            self.roots.append(node)
+            return
+        parent = self.open[-1]
+        parent.children.append(node)
+        parent.visits += visits
+        parent.depth = max(parent.depth, depth)
+        if parent.visits > MAX_VISITS:
+            limit = f"the document has more nodes than the limit of {MAX_VISITS}"
+            raise _Stop(limit, node.place, "aliases count each time that they are used")
+
+    def _map(self, done: _Open) -> Map:
+        entries: dict[str, tuple[Scalar, Node]] = {}
+        for key, value in zip(done.children[::2], done.children[1::2], strict=True):
+            if not isinstance(key, Scalar):
+                raise _Stop(f"a key must be text, not {describe(key)}", key.place)
+            first = entries.setdefault(key.text, (key, value))[0]
+            if first is not key:
+                message = (
+                    f"the key {shown(key.text)} stands here again, first in line {first.place.line}"
+                )
+                self._report(message, key.place)
+        return Map(tuple(entries.values()), done.place)
+
+
+def _place_after(name: str, before: str) -> Place:
+    line = before.count("\n") + 1
+    return Place(name, line, len(before) - (before.rfind("\n") + 1) + 1)

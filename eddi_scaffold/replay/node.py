@@ -1,0 +1,130 @@
+"""The part of a node between its subscribers and the monitor, without ROS.
+
+What reaches it is ROS messages, or objects with their fields.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from eddi_runtime import EDDIInputBase
+from eddi_runtime.access import by_id, by_key, by_name, joined
+from eddi_runtime.inputs import UNKNOWN_AGE
+
+from eddi_scaffold.monitors.binding import InputBinding
+from eddi_scaffold.replay.recordings import Frame
+
+if TYPE_CHECKING:
+    from eddi_runtime import Monitor as RuntimeMonitor
+
+_HELPERS: Mapping[str, Callable[..., Any]] = {
+    called.__name__: called for called in (by_id, by_key, by_name, joined)
+}
+
+
+@dataclass(frozen=True)
+class Received:
+    """One message that a node was given.
+
+    Attributes:
+        t: nanoseconds.
+        source: id of the simulator output.
+        latched: it came on subscription and can be of any age.
+    """
+
+    t: int
+    source: str
+    message: Any
+    latched: bool = False
+
+
+class Node:
+    """One process of a monitor, which has received nothing as yet.
+
+    Args:
+        bindings: how its inputs come about.
+        running: the monitor; it should have been reset.
+    """
+
+    def __init__(self, bindings: Sequence[InputBinding], running: RuntimeMonitor) -> None:
+        self._running = running
+        self._eddi_input = EDDIInputBase()
+        self._eddi_input.bind(running.inputs)
+        self._bindings = bindings
+        self._process = [_process(self._eddi_input, binding) for binding in bindings]
+        self._latest: dict[str, Received] = {}
+        for spec in running.inputs:
+            setattr(self._eddi_input, spec.attribute, spec.default)
+
+    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
+        """Take messages over, update every input, and evaluate.
+
+        Args:
+            t: nanoseconds, of the clock of the messages.
+            messages: those that came since the last step.
+            clock: nanoseconds of the step itself, where another clock counts for it.
+        """
+        new: dict[str, list[Any]] = defaultdict(list)
+        for one in messages:
+            self._latest[one.source] = one
+            new[one.source].append(one.message)
+        now = t if clock is None else clock
+        self._eddi_input.begin_step(self._ages(t), new, now)
+        latest = {name: one.message for name, one in self._latest.items()}
+        for binding, process in zip(self._bindings, self._process, strict=True):
+            update = self._eddi_input.update
+            if binding.model.every_message:
+                update = self._eddi_input.update_each
+            elif binding.computed is not None:
+                update = self._eddi_input.update_expression
+            update(binding.model.id, process, latest, [one.id for one in binding.requires])
+        output = self._running.execute_step(self._eddi_input, now)
+        values = {one.model.id: getattr(self._eddi_input, one.attribute) for one in self._bindings}
+        return Frame(t / 1e9, values, output)
+
+    def _ages(self, t: int) -> dict[str, float]:
+        return {
+            name: UNKNOWN_AGE if one.latched else (t - one.t) / 1e9
+            for name, one in self._latest.items()
+        }
+
+
+def _process(target: EDDIInputBase, binding: InputBinding) -> Callable[..., None]:
+    """Return what ``process_<input>`` does in a package without hand-written lines."""
+    tree = _parsed(binding.expression) if binding.expression else None
+
+    if binding.computed is not None:
+        name = binding.model.id
+        return lambda *_: setattr(target, binding.attribute, target.expression(name))
+
+    def process(*messages: Any) -> None:
+        names = dict(zip(binding.arguments, messages, strict=True))
+        value = None if tree is None else _value(tree, names)
+        setattr(target, binding.attribute, value)
+
+    return process
+
+
+@cache
+def _parsed(expression: str) -> ast.expr:
+    return ast.parse(expression, mode="eval").body
+
+
+def _value(tree: ast.expr, names: Mapping[str, Any]) -> Any:
+    """Evaluate the few forms of which our own expressions are made."""
+    if isinstance(tree, ast.Name):
+        return names[tree.id]
+    if isinstance(tree, ast.Constant):
+        return tree.value
+    if isinstance(tree, ast.Attribute):
+        return getattr(_value(tree.value, names), tree.attr)
+    if isinstance(tree, ast.Subscript):
+        return _value(tree.value, names)[_value(tree.slice, names)]
+    if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):
+        return _HELPERS[tree.func.id](*(_value(argument, names) for argument in tree.args))
+    raise TypeError(f"no expression of ours: {ast.dump(tree)}")

@@ -1,0 +1,182 @@
+"""A monitor in this process: the same model text and the same runtime as in a package."""
+
+from __future__ import annotations
+
+import csv
+import io
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from eddi_runtime import Monitor as RuntimeMonitor
+from eddi_runtime.model_file import parse_model
+from eddi_runtime.monitor import Value, build
+
+from eddi_scaffold.diagrams.plotting.svg import plot
+from eddi_scaffold.diagrams.plotting.tracks import tracks_of
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.replay.bags import Bag, frames_of
+from eddi_scaffold.replay.recordings import Frame, Recording, frames
+
+_PATIENCE = 2.0
+"""Seconds of work after which a person is told how far it is."""
+
+_NO_OTHER = "unknown inputs"
+"""The reason of a result that lacks inputs only: their names say more."""
+
+Play = Callable[[RuntimeMonitor], Iterator[Frame]]
+"""Plays what was recorded to a monitor, one frame for each of its steps."""
+
+
+def of_recording(recording: Recording) -> Play:
+    """Return what plays a CSV recording."""
+    return lambda running: frames(running, recording)
+
+
+def of_bag(monitor: Monitor, bag: Bag) -> Play:
+    """Return what plays a bag."""
+    return lambda running: frames_of(monitor, running, bag)
+
+
+def watched(play: Play, say: Callable[[str], None]) -> Play:
+    """Say from time to time how far a long recording is."""
+
+    def told(running: RuntimeMonitor) -> Iterator[Frame]:
+        said = time.monotonic()
+        for frame in play(running):
+            yield frame
+            if time.monotonic() - said >= _PATIENCE:
+                said = time.monotonic()
+                say(f"{frame.t:.0f} s of the recording are played")
+
+    return told
+
+
+def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
+    """Yield time in seconds and output as JSON for each step; a step without output says why."""
+    running = compiled(monitor)
+    for frame in play(running):
+        row: dict[str, Any] = {"t": frame.t, "outputs": running.as_json(frame.output)}
+        why = getattr(running, "status_name", None)
+        if row["outputs"] is None and why is not None:
+            row["status"] = why()
+        beside = getattr(running, "beside_json", None)
+        if beside is not None:
+            row.update(beside())
+        yield row
+
+
+def changes(monitor: Monitor, play: Play) -> Iterator[str]:
+    """Yield a line for the first step and for each one whose output differs from the last.
+
+    A line says which inputs keep outputs from being given, and why, and what else is wrong. A new
+    reason is a new line where the kind names its reasons.
+    """
+    running = compiled(monitor)
+    last: object = None
+    for frame in play(running):
+        values = running.series(frame.output)
+        shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
+        reason = _reason(frame.output)
+        now = shown, reason
+        if now != last:
+            beside = _beside(running, reason) + _blocking(running)
+            yield f"{frame.t:10.3f}  {shown}{beside}".rstrip()
+        last = now
+
+
+def table(monitor: Monitor, play: Play) -> Iterator[str]:
+    """Yield the lines of a CSV: time, then every named value of the output in each step.
+
+    Kinds whose results tell why they are not to be relied on have columns for it at the end:
+    ``reason``, and ``unknown`` with the ids of inputs, blanks between them.
+    """
+    running = compiled(monitor)
+    for number, frame in enumerate(play(running)):
+        values = dict(running.series(frame.output))
+        for name, fact in _facts(frame.output).items():
+            values.setdefault(name, fact)
+        if number == 0:
+            yield _csv_line(["t", *values])
+        yield _csv_line([repr(frame.t), *(_cell(value) for value in values.values())])
+
+
+def picture(monitor: Monitor, play: Play) -> str:
+    """Return an SVG of inputs and outputs over time."""
+    running = compiled(monitor)
+    inputs: list[tuple[float, Mapping[str, object]]] = []
+    outputs: list[tuple[float, Mapping[str, object]]] = []
+    for frame in play(running):
+        inputs.append((frame.t, {k: v for k, v in frame.inputs.items() if not _is_list(v)}))
+        outputs.append((frame.t, running.series(frame.output)))
+    title = f"{monitor.kind.title} {monitor.model.name}"
+    return plot(title, [*tracks_of("inputs", inputs), *tracks_of("outputs", outputs)])
+
+
+def compiled(monitor: Monitor) -> RuntimeMonitor:
+    """Return the monitor as its package would load it; hand-written code is not in it."""
+    files = monitor.kind.data_files(monitor.model)
+    return build(parse_model(monitor.model_json, monitor.model.name, files))
+
+
+def _omission(running: RuntimeMonitor) -> str:
+    """Return why there is no verdict, in words for people, where a kind says it."""
+    say = getattr(running, "omission", None)
+    return "" if say is None else str(say()[1])
+
+
+def _reason(output: object) -> str:
+    """Return why an output is not to be relied on, in a word; empty when it is, or says nothing."""
+    return str(getattr(output, "reason", ""))
+
+
+def _facts(output: object) -> dict[str, Value]:
+    """Return what an output says of itself beside its values."""
+    found: dict[str, Value] = {}
+    if hasattr(output, "reason"):
+        found["reason"] = _reason(output)
+    if hasattr(output, "unknown"):
+        found["unknown"] = " ".join(output.unknown)
+    return found
+
+
+def _beside(running: RuntimeMonitor, reason: str) -> str:
+    """Return the reason for people where no input that is waited for has it beside its name."""
+    if not reason or hasattr(running, "omission") or reason == _NO_OTHER:
+        return ""
+    return f"  not valid: {reason}"
+
+
+def _is_list(value: object) -> bool:
+    return isinstance(value, list | tuple)
+
+
+def _csv_line(cells: Sequence[str]) -> str:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="").writerow(cells)
+    return line.getvalue()
+
+
+def _cell(value: Value) -> str:
+    """Return a value as a recording would have it: an empty cell is unknown."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return value if isinstance(value, str) else repr(value)
+
+
+def _shown(value: Value) -> str:
+    if value is None:
+        return "unknown "
+    if isinstance(value, bool):
+        return "active  " if value else "inactive"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _blocking(running: RuntimeMonitor) -> str:
+    blocked, faults = running.blocked(), running.faults()
+    why = _omission(running)
+    reasons = {name: faults.get(name) or why for name in blocked}
+    texts = [f"{name} ({reason})" if reason else name for name, reason in reasons.items()]
+    return f"  waits for {', '.join(texts)}" if texts else ""

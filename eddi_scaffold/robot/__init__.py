@@ -1,0 +1,1 @@
+"""Models of a robot, and what they add to a configuration."""

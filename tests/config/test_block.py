@@ -1,0 +1,177 @@
+"""The block SimulatorOutputs is replaced as text: every other byte stays."""
+
+from __future__ import annotations
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.config.block import Document, Entry, new_document, read_block, rewritten
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.source import Source
+
+SCAN = Entry("scan", "sensor_msgs.LaserScan", "/scan")
+ON = Entry("on", "std_msgs.Bool", "/lamp/on")
+NEW = """SimulatorOutputs:
+  - id: scan
+    type: sensor_msgs.LaserScan
+    topic: /scan
+"""
+
+
+def document(text: str) -> Document:
+    return read_block(Source("c.yml", text.encode()))
+
+
+def written(text: str, *entries: Entry) -> tuple[str, list[tuple[str, int | None]]]:
+    new, problems = rewritten(document(text), entries)
+    return new, [(problem.code, problem.place.line) for problem in problems]
+
+
+def test_a_new_file_holds_the_block_alone() -> None:
+    assert rewritten(new_document("c.yml"), [SCAN]) == (NEW, [])
+    assert rewritten(new_document("c.yml"), []) == ("SimulatorOutputs: []\n", [])
+
+
+@pytest.mark.parametrize(
+    "old",
+    [
+        "SimulatorOutputs:\n- id: a\n  topic: /scan\n  type: x.Y\n",
+        "SimulatorOutputs:\n    -   id: a\n        topic: /scan\n        type: x.Y\n",
+        "SimulatorOutput: [\n  {id: a,\n   topic: /scan, type: x.Y}\n ]\n",
+        "SimulatorOutputs: []\n",
+        "SimulatorOutputs:\n",
+        "SimulatorOutputs: ~\n",
+        '"SimulatorOutputs" :\n  - {id: a, topic: /scan}\n',
+    ],
+)
+def test_every_legal_form_of_the_old_block(old: str) -> None:
+    before = "# the robot\nModel: {id: A, type: ConSert}  # fixed\n\n"
+    after = "\n# what the model needs\nEDDIInputs:\n  - id: x # here\n"
+    assert written(before + old + after, SCAN) == (before + NEW + after, [])
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        (
+            "Model:\n  id: A\n# end\nEDDIInputs: []\n",
+            f"Model:\n  id: A\n{NEW}# end\nEDDIInputs: []\n",
+        ),
+        ("# top\nEDDIInputs: []\n", f"# top\n{NEW}EDDIInputs: []\n"),
+        ("EDDIOutputs: []", f"EDDIOutputs: []\n{NEW}"),
+        ("# nothing yet\n", f"# nothing yet\n{NEW}"),
+        ("", NEW),
+        ("Model: {id: A}", f"Model: {{id: A}}\n{NEW}"),
+    ],
+)
+def test_where_a_block_goes_that_is_not_there(text: str, wanted: str) -> None:
+    assert written(text, SCAN) == (wanted, [])
+
+
+def test_line_ends_stay() -> None:
+    text = "Model:\r\n  id: A\r\nSimulatorOutputs: []\r\nEDDIInputs: []\r\n"
+    assert written(text, SCAN)[0] == text.replace(
+        "SimulatorOutputs: []\r\n", NEW.replace("\n", "\r\n")
+    )
+
+
+def test_texts_that_yaml_would_read_as_something_else_are_quoted() -> None:
+    text, _ = rewritten(new_document("c.yml"), [ON, Entry("null", "a.B", "/1")])
+    assert '- id: "on"\n' in text
+    assert '- id: "null"\n' in text
+
+
+def test_other_keys_stay_with_their_topic() -> None:
+    old = (
+        "SimulatorOutputs:\n- id: a\n  max_age: 0.5\n  topic: /scan\n"
+        "  note:\n    - x\n    - y\n- id: b\n  topic: /b\n"
+    )
+    text, problems = written(old, SCAN)
+    assert text == NEW + "    max_age: 0.5\n    note:\n      - x\n      - y\n"
+    assert problems == [("dropped-entry", 8)]
+
+
+def test_an_entry_that_an_input_needs_stays() -> None:
+    inputs = (
+        "EDDIInputs:\n  - id: x\n    requires: [other, scan]\n  - id: y\n    requires: [gone]\n"
+    )
+    old = (
+        "SimulatorOutputs:\n  -  id: other\n     type: eddi_messages.ConSertOutput\n"
+        "     topic: /b\n"
+    )
+    text, problems = written(old + inputs, SCAN)
+    kept = "  - id: other\n    type: eddi_messages.ConSertOutput\n    topic: /b\n"
+    assert text == NEW + kept + inputs
+    assert problems == [("kept-entry", 2), ("unmet-requires", 9)]
+    assert written(text, SCAN)[0] == text
+
+
+def test_comments_inside_are_lost_and_said() -> None:
+    old = "SimulatorOutputs: # one\n  - id: a#b\n    # two\n    topic: /scan # three\n# four\n"
+    text, problems = written(old, SCAN)
+    assert text == NEW + "# four\n"
+    assert problems == [("lost-comment", 1)]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line", "words"),
+    [
+        ("- a\n", "K001", 1, "top level must be a map"),
+        ("a: [\n", "K001", 2, "not YAML"),
+        ("{SimulatorOutputs: []}\n", "K037", 1, "one map in braces"),
+        ("SimulatorOutput: []\nSimulatorOutputs: []\n", "K035", 2, "SimulatorOutput in line 1"),
+        (
+            "SimulatorOutputs:\n  - &s {id: a, topic: /a}\nEDDIInputs:\n  - *s\n",
+            "K036",
+            2,
+            "is used in line 4",
+        ),
+    ],
+)
+def test_what_cannot_be_changed(text: str, code: str, line: int, words: str) -> None:
+    with pytest.raises(EddiError) as refused:
+        document(text)
+    (problem,) = refused.value.problems
+    assert (problem.code, problem.place.line) == (code, line)
+    assert words in problem.message
+
+
+texts = st.text(st.characters(codec="utf-8", exclude_categories=("C",)), min_size=1, max_size=8)
+entries = st.lists(st.builds(Entry, texts, texts, texts), max_size=4)
+
+
+@given(entries)
+def test_what_is_written_is_read_back(entries: list[Entry]) -> None:
+    text, _ = rewritten(new_document("c.yml"), entries)
+    found = yaml.safe_load(text)["SimulatorOutputs"]
+    assert found == [{"id": e.id, "type": e.type, "topic": e.topic} for e in entries]
+
+
+parts = st.sampled_from(
+    [
+        "# a comment\n",
+        "\n",
+        "Model:\n  id: A # x\n\n",
+        "EDDIInputs:\n- id: ü\n  requires: scan\n",
+        "Package: {version: 1.2.3}\n",
+        "EDDIOutputs:\n  - id: |\n      text\n\n  # end\n",
+    ]
+)
+blocks = st.sampled_from(
+    ["", "SimulatorOutputs: []\n", "SimulatorOutputs:\n- id: s\n  topic: /scan\n  max_age: 1\n"]
+)
+
+
+@given(st.lists(parts, unique=True), blocks, st.lists(parts, unique=True), entries)
+def test_all_else_stays_and_a_second_run_changes_nothing(
+    before: list[str], block: str, after: list[str], entries: list[Entry]
+) -> None:
+    rest = [part for part in after if part not in before]
+    old = document("".join([*before, block, *rest]))
+    unique = list({entry.topic: entry for entry in entries}.values())
+    text, _ = rewritten(old, unique)
+    assert text.startswith(old.text[: old.start])
+    assert text.endswith(old.text[old.end :])
+    assert rewritten(document(text), unique)[0] == text

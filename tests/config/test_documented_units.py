@@ -1,0 +1,71 @@
+"""What the documentation of common messages says: our table, and the shared one."""
+
+from __future__ import annotations
+
+import csv
+
+import pytest
+
+from eddi_scaffold import units
+from eddi_scaffold.config.message_types import Fields, element
+from eddi_scaffold.config.message_types.common import common_messages
+from eddi_scaffold.config.message_types.documented import _rows, documented
+from tests.shared_data import shared
+
+KNOWN = common_messages()
+VAGUE = {"none", "mixed", "context", "undocumented"}
+
+
+def fields_of(message: str) -> Fields | None:
+    return KNOWN.get(message)
+
+
+def said(message: str, path: str) -> tuple[str, ...] | None:
+    found = documented(message, path.split("."), fields_of)
+    return None if found is None else found.units
+
+
+def test_units_are_those_of_the_shared_table() -> None:
+    """Every unit of a message that we know, and nothing where the table says there is none."""
+    table = shared("messages/units.tsv")
+    with table.open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file, delimiter="\t") if row["type"] in KNOWN]
+    assert len(rows) > 400
+    wrong = []
+    for row in rows:
+        field = row["field"]
+        wanted = None if row["unit"] in VAGUE or field.endswith("stamp") else row["unit"]
+        found = said(row["type"], field)
+        if "|".join(found or ()) != (wanted or ""):
+            wrong.append((row["type"], field, wanted, found))
+    assert wrong == []
+
+
+def test_every_unit_is_one_of_the_table_and_every_path_is_a_field() -> None:
+    for message, rows in _rows().items():
+        for path, row in rows.items():
+            assert all(units.find(unit) is not None for unit in row.units), row
+            if message in KNOWN:
+                of = message
+                for name in path.removesuffix(".*").split("."):
+                    inner = KNOWN[of][name.partition("[")[0]]
+                    of = element(inner) or inner
+
+
+@pytest.mark.parametrize(
+    ("message", "path", "limits", "unless"),
+    [
+        ("sensor_msgs/LaserScan", "ranges[]", ("range_min", "range_max"), None),
+        ("sensor_msgs/Imu", "angular_velocity.x", None, ("angular_velocity_covariance[0]", -1.0)),
+        ("sensor_msgs/NavSatFix", "latitude", None, ("status.status", -1.0)),
+    ],
+)
+def test_what_is_no_measurement(
+    message: str,
+    path: str,
+    limits: tuple[str, str] | None,
+    unless: tuple[str, float] | None,
+) -> None:
+    found = documented(message, path.split("."), fields_of)
+    assert found is not None
+    assert (found.limits, found.unless) == (limits, unless)

@@ -1,0 +1,153 @@
+"""eddi_config.yml: what its values mean. What is wrong with one: tests/cli/diagnostics."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.config.reading import Config, ConfigFile, from_json, options_of, read_config
+from eddi_scaffold.kinds import Options
+from eddi_scaffold.positioned_yaml.writer import dump_plain
+from eddi_scaffold.problems import EddiError, Place
+from eddi_scaffold.source import Source
+from tests.cli.command import EXAMPLE
+
+
+def read(text: str) -> ConfigFile:
+    config, problems = read_config(Source("c.yml", text.encode()))
+    assert config is not None, problems
+    return config
+
+
+def codes(text: str) -> list[str]:
+    return [p.code for p in read_config(Source("c.yml", text.encode()))[1]]
+
+
+def test_the_least_configuration_and_its_defaults() -> None:
+    config = read("Model: {id: A, type: ConSert}\n").config
+    section = config.Model
+    assert (section.frequency, section.mode) == (10.0, "rate")
+    assert (config.SimulatorOutputs, config.EDDIInputs, config.EDDIOutputs) == ([], [], [])
+    assert (config.Package.version, config.Package.license) == ("0.1.0", "Apache-2.0")
+
+
+def test_an_empty_section_is_an_empty_list() -> None:
+    config = read("Model: {id: A, type: ConSert}\nEDDIInputs:\nSimulatorOutputs: ~\n").config
+    assert (config.EDDIInputs, config.SimulatorOutputs) == ([], [])
+
+
+@pytest.mark.parametrize("spelt", ["std_msgs.Bool", "std_msgs/Bool", "std_msgs/msg/Bool"])
+def test_three_spellings_of_a_message_type(spelt: str) -> None:
+    text = f"Model: {{id: A, type: C}}\nSimulatorOutputs: [{{id: a, type: {spelt}, topic: a/b}}]\n"
+    assert read(text).config.SimulatorOutputs[0].type == "std_msgs/Bool"
+
+
+@pytest.mark.parametrize(
+    ("spelt", "means"),
+    [
+        ("bool", "bool"),
+        ("Boolean", "bool"),
+        ("float64", "float"),
+        ("int32", "int"),
+        ("string", "str"),
+    ],
+)
+def test_types_of_inputs(spelt: str, means: str) -> None:
+    text = f"Model: {{id: A, type: C}}\nEDDIInputs: [{{id: a, type: {spelt}}}]\n"
+    assert read(text).config.EDDIInputs[0].type == means
+
+
+@pytest.mark.parametrize("topic", ["/a", "a", "~a", "/a/b_1"])
+def test_topics(topic: str) -> None:
+    assert codes(f"Model: {{id: A, type: C}}\nEDDIOutputs: [{{id: o, topic: '{topic}'}}]\n") == []
+
+
+@pytest.mark.parametrize("topic", ["", "/", "a/", "//a", "1a", "a b", "ä", "a\n", "/_a", "a-b"])
+def test_what_is_no_topic(topic: str) -> None:
+    text = dump_plain(
+        {"Model": {"id": "A", "type": "C"}, "EDDIOutputs": [{"id": "o", "topic": topic}]}
+    )
+    assert codes(text) == ["K005"]
+
+
+def test_ids_that_look_like_numbers_are_texts() -> None:
+    text = "Model: {id: 7, type: C}\nEDDIInputs: [{id: 1, requires: [2]}]\n"
+    text += "SimulatorOutputs: [{id: 2, type: a/B, topic: /a}]\n"
+    config = read(text).config
+    assert (config.Model.id, config.EDDIInputs[0].id, config.EDDIInputs[0].requires) == (
+        "7",
+        "1",
+        ["2"],
+    )
+
+
+def test_fractions_of_a_step_per_second() -> None:
+    assert read("Model: {id: A, type: C, frequency: 0.5}\n").config.Model.frequency == 0.5
+
+
+def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
+    text = (
+        "Model: {id: A, type: C, frequency: 0, x: 1}\n"
+        "EDDIInputs: [{id: a, type: what}, {typ: bool}]\n"
+        "EDDIOutput: []\n"
+    )
+    found = read_config(Source("c.yml", text.encode()))[1]
+    assert [p.code for p in found] == ["K005", "K004", "K005", "K003", "K004", "K004"]
+    places = [(p.place.line or 0, p.place.col or 0) for p in found]
+    assert places == sorted(places)
+
+
+def test_parts_know_their_places() -> None:
+    config = read("Model: {id: A, type: C}\nEDDIInputs:\n  - id: a\n    default: 1\n")
+    assert config.place("EDDIInputs", 0, "default") == Place("c.yml", 4, 14)
+    assert config.place("EDDIInputs", 0, "unit") == config.place("EDDIInputs", 0)
+    assert config.place("EDDIOutputs") == Place("c.yml", 1, 1)
+
+
+def test_line_ends_of_windows_and_a_byte_order_mark_change_nothing() -> None:
+    data = (EXAMPLE / "consert_a_config.yml").read_bytes()
+    plain = read_config(Source("c.yml", data))
+    other = read_config(Source("c.yml", b"\xef\xbb\xbf" + data.replace(b"\n", b"\r\n")))
+    assert plain[0] is not None
+    assert other[0] is not None
+    assert plain[0].config == other[0].config
+    assert plain[0].places == other[0].places
+
+
+IDS = st.text(min_size=1, max_size=6).filter(lambda text: text.isprintable())
+
+
+@given(
+    ids=st.lists(IDS, min_size=1, max_size=4, unique=True),
+    frequency=st.floats(0.001, 1e6),
+    default=st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
+    age=st.sampled_from(["none", None, 0.1, 5]),
+)
+def test_what_the_answers_remember_is_what_was_read(
+    ids: list[str], frequency: float, default: object, age: object
+) -> None:
+    data = {
+        "Model": {"id": ids[0], "type": "ConSert", "frequency": frequency},
+        "EDDIInputs": [{"id": name, "default": default, "max_age": age} for name in ids],
+    }
+    file = read(dump_plain(data))
+    assert from_json(file.as_json(), "remembered").config == file.config
+    assert isinstance(file.config, Config)
+
+
+@pytest.mark.parametrize(
+    "text", ["3", '"x"', "[]", "{}", '{"Model": {"id": "A", "type": "C"}, "event_files": [1]}']
+)
+def test_a_damaged_memory_is_a_value_error(text: str) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        from_json(text, "what the package remembers")
+
+
+def test_a_remembered_configuration_names_no_files_any_more() -> None:
+    config = read("Model: {id: A, type: ConSert}\n")
+    again = from_json(config.as_json(), "what the package remembers")
+    for options in (options_of(again), Options()):
+        with pytest.raises(EddiError) as refused:
+            options.read("safeml_config.yml")
+        assert [problem.code for problem in refused.value.problems] == ["K033"]

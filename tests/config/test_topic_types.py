@@ -1,0 +1,72 @@
+"""Types of messages that packages on this machine have, or do not have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.config.message_types import common_messages, installed, known_messages
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.topic_types import check_types
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source
+
+MANIFEST = (
+    "<package><name>acme</name><version>1.0.0</version><description>d</description></package>"
+)
+
+
+@pytest.fixture
+def ros(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Make a ROS of one package with a message and an action."""
+    package = tmp_path / "acme"
+    for name, text in (
+        ("package.xml", MANIFEST),
+        ("msg/Health.msg", "bool fine\n"),
+        ("action/Dock.action", "---\n---\n"),
+    ):
+        (package / name).parent.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(text)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    forget()
+    yield package
+    forget()
+
+
+def forget() -> None:
+    for cached in (  # they look at the machine once
+        installed.installed_message,
+        installed.installed_types,
+        installed._folders,
+        installed._packages,
+    ):
+        cached.cache_clear()
+
+
+def problems(*types: str) -> list[Problem]:
+    sources = [f"  - {{id: s{k}, type: {name}, topic: /t{k}}}" for k, name in enumerate(types)]
+    text = "\n".join(["Model: {id: m, type: ConSert}", "SimulatorOutputs:", *sources])
+    config, found = read_config(Source("c.yml", text.encode()))
+    assert config is not None, found
+    return list(check_types(config, known_messages(kinds().values()), {"s0", "s1"}))
+
+
+def test_a_package_of_this_machine_is_known_with_its_actions(ros: Path) -> None:
+    assert problems("acme.Health", "acme.DockActionFeedback") == []
+    (found,) = problems("acme.Helth")
+    assert (found.code, found.level, found.hint) == ("K048", "error", "did you mean 'acme/Health'?")
+    (ros / "msg" / "Helth.msg").write_text("bool fine\n")
+    forget()
+    assert problems("acme.Helth") == []
+
+
+def test_a_package_that_nobody_knows_is_told_once() -> None:
+    found = problems("acme.Health", "acme.Other")
+    assert [(one.code, one.level) for one in found] == [("K049", "warning")]
+
+
+def test_every_common_message_exists() -> None:
+    assert problems(*common_messages()) == []

@@ -1,0 +1,144 @@
+"""Monitors together: robots, rings, and what a monitor reads of another one by way of others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.deployments.wiring.check import check_wiring
+from eddi_scaffold.deployments.wiring.deployment import Member, deployment
+from eddi_scaffold.deployments.wiring.topics import shared_by_robots
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.problems import EddiError, Problem
+from tests.cli.command import example
+
+CONSERT = """\
+guarantees: [{{id: G, dimensions: [{{Binary: {{type: Fine}}}}]}}]
+demands: []
+evidence: [{{id: E, dimension: {{Binary: {{type: Fine}}}}}}]
+gates: []
+tree_propagations: [{{from: E, to: G}}]
+required_services: []
+provided_services: []
+"""
+CONFIG = """\
+Model: {{id: {id}, type: ConSert, parameters: [{{model: {id}.yml}}]}}
+SimulatorOutputs:
+{sources}
+EDDIInputs: [{{id: E, type: bool, {input}, max_age: 0.5}}]
+EDDIOutputs: [{{id: out, topic: {topic}}}]
+"""
+
+
+def member(
+    folder: Path, id_: str, topic: str, sources: str, input_: str, namespace: str = ""
+) -> Member:
+    (folder / f"{id_}.yml").write_text(CONSERT.format(), "utf-8")
+    config = folder / f"{id_}_config.yml"
+    text = CONFIG.format(id=id_, sources=sources, input=input_, topic=topic)
+    config.write_text(text, "utf-8")
+    (monitor,), _ = monitors_of(None, [config])
+    return Member(monitor, namespace)
+
+
+def codes(problems: list[Problem]) -> list[str]:
+    return [problem.code for problem in problems]
+
+
+SENSOR = "  - {id: s, type: std_msgs.Bool, topic: /fine}"
+
+
+@pytest.mark.parametrize(("topic", "expected"), [("/base/out", ["D005"]), ("base/out", [])])
+def test_two_robots_share_an_absolute_topic(
+    topic: str, expected: list[str], tmp_path: Path
+) -> None:
+    robots = [
+        member(tmp_path, "base", topic, SENSOR, "requires: [s]", f"/robot{number}")
+        for number in (1, 2)
+    ]
+    found = check_wiring(robots)
+    assert codes(found) == expected
+    if found:
+        assert found[0].message == (
+            "two robots share /base/out: /robot1/base and /robot2/base publish the same topic"
+            " /base/out"
+        )
+        assert found[0].hint == "write base/out, relative to the namespace of each robot"
+
+
+def test_a_relative_topic_stays_with_its_robot(tmp_path: Path) -> None:
+    base = [member(tmp_path, "base", "base/out", SENSOR, "requires: [s]", f"/r{k}") for k in (1, 2)]
+    guarantee = "  - {id: b, type: eddi_messages.ConSertOutput, topic: base/out}"
+    field = "requires: [b], field: 'guarantees[G].active'"
+    user = member(tmp_path, "user", "user/out", guarantee, field, "/r2")
+    together = deployment([*base, user])
+    (source,) = user.config.config.SimulatorOutputs
+    found = together.publisher(user, source)
+    assert found is not None
+    assert found.member is base[1]
+
+
+def test_a_value_alone_means_what_its_field_means(tmp_path: Path) -> None:
+    """A guarantee on a std_msgs topic, and NOT of it: the topic's type says nothing of it."""
+    base = member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
+    path = tmp_path / "base_config.yml"
+    text = path.read_text("utf-8").replace(
+        "EDDIOutputs: [", "EDDIOutputs: [{id: g, topic: base/g, field: 'guarantees[G].active'}, "
+    )
+    path.write_text(text, "utf-8")
+    base = Member(monitors_of(None, [path])[0][0])
+    source = "  - {id: g, type: std_msgs.Bool, topic: base/g}"
+    good = member(tmp_path, "good", "good/out", source, "requires: [g]")
+    bad = member(tmp_path, "bad", "bad/out", source, 'expression: "NOT g.data"')
+    assert codes(check_wiring([base, good])) == []
+    assert codes(check_wiring([base, bad])) == ["D001"]
+
+
+def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
+    """An expression that turns another input round turns what that one reads round."""
+    member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
+    source = "  - {id: b, type: eddi_messages.ConSertOutput, topic: base/out}"
+    (tmp_path / "e.events").write_text(
+        "VAR g : BOOL TIMEOUT 1s\nVAR h : BOOL TIMEOUT 1s\nEVENT ok (EVIDENCE) := h AND (g OR h)",
+        "utf-8",
+    )
+    config = tmp_path / "e_config.yml"
+    config.write_text(
+        f"Model: {{id: e, type: Event, parameters: [{{file: e.events}}]}}\n"
+        f"SimulatorOutputs:\n{source}\n"
+        "EDDIInputs:\n"
+        "  - {id: g, type: bool, requires: [b], field: 'guarantees[G].active', max_age: 1}\n"
+        "  - {id: h, type: bool, expression: NOT g, max_age: 1}\n"
+        "EDDIOutputs: [{id: o, topic: e/out}]\n",
+        "utf-8",
+    )
+    with pytest.raises(EddiError) as refused:
+        monitors_of(None, [tmp_path / "base_config.yml", config])
+    (problem,) = refused.value.problems
+    assert (problem.code, problem.message.partition(" by ")[0]) == (
+        "D001", "input 'g' gains from silence",
+    )  # fmt: skip
+
+
+def test_run_refuses_what_check_refuses(tmp_path: Path) -> None:
+    folder = example(tmp_path)
+    path = folder / "consert_a_config.yml"
+    text = path.read_text("utf-8").replace(
+        "    default: false\n    field: guarantees[System_A_G0_c2].active",
+        "    expression: NOT consertb.guarantees[System_A_G0_c2].active",
+    )
+    path.write_text(text, "utf-8")
+    with pytest.raises(EddiError) as refused:
+        monitors_of(folder / "two_conserts.xml", [path])
+    assert "D001" in codes(list(refused.value.problems))
+
+
+def test_topics_that_robots_would_share_are_named(tmp_path: Path) -> None:
+    absolute = member(tmp_path, "one", "/one/out", SENSOR, "requires: [s]")
+    relative = member(tmp_path, "two", "two/out", SENSOR, "requires: [s]")
+    assert shared_by_robots([relative]) is None
+    assert shared_by_robots([absolute, relative]) == (
+        "two robots on one master would share /one/out, /one/out/status: topics without `/` at the"
+        " start are apart"
+    )

@@ -1,0 +1,83 @@
+"""Plots: what is drawn where, that any text is safe, that the bytes are the same."""
+
+from __future__ import annotations
+
+import math
+from xml.etree import ElementTree as ET
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.diagrams.plotting.svg import plot
+from eddi_scaffold.diagrams.plotting.tracks import Track, stretches, ticks, tracks_of
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def track(*values: object, name: str = "G0") -> Track:
+    return tracks_of("outputs", [(float(t), {name: v}) for t, v in enumerate(values)])[0]
+
+
+def bands(svg: str) -> list[str]:
+    root = ET.fromstring(svg)
+    return [title.text or "" for rect in root.iter(f"{SVG}rect") for title in rect]
+
+
+def test_a_value_holds_until_the_next_one() -> None:
+    assert stretches(track(True, True, None, False), 4.0) == [
+        (0.0, 2.0, True),
+        (2.0, 3.0, None),
+        (3.0, 4.0, False),
+    ]
+
+
+def test_true_is_not_one() -> None:
+    assert stretches(track(True, 1), 2.0) == [(0.0, 1.0, True), (1.0, 2.0, 1)]
+
+
+def test_truth_values_are_bands_that_say_what_they_are() -> None:
+    assert bands(plot("ConSert A", [track(True, False, None, None)])) == [
+        "active or true: 0 s to 1 s",
+        "inactive or false: 1 s to 2 s",
+        "unknown: 2 s to 3 s",
+    ]
+
+
+def test_numbers_are_a_line_of_steps_that_breaks_where_they_are_unknown() -> None:
+    root = ET.fromstring(plot("speed", [track(0.0, 2.0, math.nan, 1.0, 1.0)]))
+    (line,) = root.iter(f"{SVG}path")
+    assert line.attrib["d"].count("M") == 2
+    texts = [text.text for text in root.iter(f"{SVG}text")]
+    assert {"0", "2"} <= set(texts)
+    assert "unknown" in [title.text for title in root.iter(f"{SVG}title")]
+
+
+def test_a_long_recording_keeps_its_peak() -> None:
+    values = [0.0] * 50_000
+    values[31_234] = 9.0
+    svg = plot("long", [track(*values)])
+    assert ">9<" in svg
+    assert len(svg) < 200_000
+    (line,) = ET.fromstring(svg).iter(f"{SVG}path")
+    levels = {step.split(" ")[1] for step in line.attrib["d"].replace("M", "L").split("L")[1:]}
+    assert len(levels) == 2
+
+
+def test_ticks_are_round() -> None:
+    assert ticks(0.0, 0.8) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]
+    assert ticks(-3.0, 97.0) == [0.0, 20.0, 40.0, 60.0, 80.0]
+    assert ticks(5.0, 5.0) == [5.0]
+
+
+VALUES = st.lists(st.none() | st.booleans() | st.floats() | st.text(max_size=5), max_size=8)
+
+
+@given(st.text(), st.lists(st.tuples(st.text(), VALUES), max_size=4))
+def test_any_text_and_any_value_give_one_well_formed_picture(
+    title: str, named: list[tuple[str, list[object]]]
+) -> None:
+    tracks = [track(*values, name=name) for name, values in named if values]
+    first = plot(title, tracks)
+    assert first == plot(title, tracks)
+    root = ET.fromstring(first)
+    assert not [element for element in root.iter() if element.tag in {f"{SVG}script", "script"}]

@@ -1,0 +1,56 @@
+"""What the answers say of an input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.deployments.checking import check_files
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.binding import monitor_of
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.source import Source
+
+PAGE = Path(__file__).parents[2] / "docs" / "consert-yaml.md"
+MODEL = PAGE.read_text(encoding="utf-8").partition("```yaml\n")[2].partition("```")[0]
+CONFIG = """
+Model: {{id: {id}, type: ConSert}}
+SimulatorOutputs: [{{id: odometry, type: std_msgs.Float64, topic: /speed}}]
+EDDIInputs: [{{id: WheelSpeed, requires: [odometry], unit: {unit}, max_age: 1}}]
+EDDIOutputs: [{{id: rover, topic: /rover/guarantees}}]
+"""
+
+
+def wheel_speed(unit: str) -> dict[str, object]:
+    (model,) = read_models(Source("Rover.yml", MODEL.encode())).models
+    config, problems = read_config(Source("c.yml", CONFIG.format(id="Rover", unit=unit).encode()))
+    assert config is not None, problems
+    monitor, problems = monitor_of(model, kinds()["consert"], config, {})
+    assert monitor is not None, problems
+    (found,) = [i for i in shared_answers(monitor, "x")["inputs"] if i["attribute"] == "WheelSpeed"]
+    return found
+
+
+def test_the_model_of_the_page_is_read_without_a_word(tmp_path: Path) -> None:
+    path = tmp_path / "Rover.yml"
+    path.write_text(MODEL)
+    assert [p for p in check_files([path]) if p.level != "info"] == []
+
+
+def test_another_unit_asks_for_a_look_and_stands_in_the_comment() -> None:
+    metric, road = wheel_speed("m/s"), wheel_speed("km/h")
+    assert metric["region_begin"] != road["region_begin"]
+    assert metric["comments"] == ["float in m/s, good when MeasuredSpeed in [0, 2] m/s"]
+    assert road["comments"] == [
+        "float in km/h (converted to m/s), good when MeasuredSpeed in [0, 2] m/s"
+    ]
+
+
+def test_an_id_of_the_configuration_that_is_not_the_models_is_told() -> None:
+    (model,) = read_models(Source("Rover.yml", MODEL.encode())).models
+    config, _ = read_config(Source("c.yml", CONFIG.format(id="Rovr", unit="m/s").encode()))
+    assert config is not None
+    _, problems = monitor_of(model, kinds()["consert"], config, {})
+    told = [p.message for p in problems if p.code == "K012"]
+    assert told == ["Model id 'Rovr' names the package, the model is called 'Rover'"]

@@ -1,0 +1,272 @@
+"""A model joined with its configuration, where no file of the diagnostics can show it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.kinds import ModelInput, kinds
+from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source
+from tests.cli.command import EXAMPLE
+
+KIND = kinds()["consert"]
+SPEED = """---
+guarantees:
+  - {id: Drives, dimensions: [{Binary: {type: Driving}}]}
+demands: []
+evidence:
+  - id: Clearance
+    dimension:
+      Numeric:
+        type: Distance
+        covered: [{Inclusive: {start: 2, end: .inf}}]
+        subset: Demand
+        uom: m
+gates: []
+tree_propagations: [{from: Clearance, to: Drives}]
+required_services: []
+provided_services: []
+"""
+
+
+def config_text(entry: str, sources: str = "", top: str = "") -> str:
+    """Return a configuration of SPEED that has one input."""
+    return (
+        f"Model: {{id: speed, type: ConSert{top}}}\n"
+        "SimulatorOutputs:\n"
+        "  - {id: lidar, type: std_msgs/msg/Float32, topic: /lidar, max_age: 2}\n"
+        "  - {id: other, type: my_msgs.Other, topic: /other, max_age: 1.5}\n"
+        f"{sources}"
+        f"EDDIInputs:\n  - {{id: Clearance, {entry}}}\n"
+        "EDDIOutputs: [{id: out, topic: /speed}]\n"
+    )
+
+
+def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None, list[Problem]]:
+    """Join SPEED with a configuration that has one input."""
+    text = config_text(entry, sources, top)
+    config, problems = read_config(Source("c.yml", text.encode()))
+    assert config is not None, problems
+    (model,) = read_models(Source("speed.yml", SPEED.encode())).models
+    return monitor_of(model, KIND, config, known_messages(kinds().values()))
+
+
+def sound(entry: str, **more: str) -> Monitor:
+    monitor, problems = joined(entry, **more)
+    assert monitor is not None, problems
+    return monitor
+
+
+def test_the_only_field_of_a_message_is_taken_where_its_type_fits() -> None:
+    (binding,) = sound("requires: [lidar]").inputs
+    assert binding.expression == "lidar.data"
+    text = "  - {id: text, type: std_msgs.String, topic: /text}\n"
+    (binding,) = sound("requires: [text], max_age: none", sources=text).inputs
+    assert binding.expression is None
+    whole = "  - {id: whole, type: std_msgs.Int32, topic: /whole}\n"
+    (binding,) = sound("requires: [whole], max_age: none", sources=whole).inputs
+    assert binding.expression == "whole.data"
+
+
+def test_an_unknown_message_is_left_to_a_person_unless_a_field_is_named() -> None:
+    assert sound("requires: [other]").inputs[0].expression is None
+    assert sound("requires: [other], field: range").inputs[0].expression == "other.range"
+    assert sound("requires: [lidar, other]").inputs[0].expression is None
+
+
+def test_the_shortest_age_of_what_is_required_counts_unless_the_input_says_one() -> None:
+    assert sound("requires: [lidar, other]").inputs[0].max_age == 1.5
+    assert sound("requires: [lidar], max_age: 0.25").inputs[0].max_age == 0.25
+    assert sound("requires: [lidar], max_age: none").inputs[0].max_age == "none"
+    never = "  - {id: never, type: std_msgs.Float32, topic: /n, max_age: none}\n"
+    assert sound("requires: [never]", sources=never).inputs[0].max_age == "none"
+    assert sound("requires: [never, lidar]", sources=never).inputs[0].max_age == 2.0
+
+
+def test_a_unit_becomes_an_exact_factor() -> None:
+    assert sound("requires: [lidar], unit: km").inputs[0].factor == (1000, 1)
+    assert sound("requires: [lidar], unit: mm").inputs[0].factor == (1, 1000)
+    assert sound("requires: [lidar], unit: m").inputs[0].factor is None
+    assert sound("requires: [lidar], unit: meter").inputs[0].factor is None
+
+
+@pytest.mark.parametrize(
+    ("default", "codes"),
+    [
+        ("1", []),
+        ("1.9", []),
+        ("-5", []),
+        ("2", ["K024"]),
+        ("2, allow_unsafe_default: true", []),
+        ("2000, unit: mm", ["K024"]),
+        ("1999, unit: mm", []),
+        ("true", ["K023"]),
+        ("near", ["K023"]),
+        (".inf", ["K023"]),
+    ],
+)
+def test_a_default_must_fit_and_must_not_count_as_evidence(default: str, codes: list[str]) -> None:
+    problems = joined(f"requires: [lidar], default: {default}")[1]
+    assert [problem.code for problem in problems if problem.level == "error"] == codes
+
+
+def test_the_settings_travel_in_the_model_document() -> None:
+    monitor = sound("requires: [lidar]", top=", debounce: 3, guarantee_ids: class")
+    document = json.loads(monitor.model_json)
+    assert document["settings"] == {
+        "guarantee_ids": "class",
+        "filter": {"kind": "debounce", "regain_after": 3},
+    }
+    (item,) = document["inputs"]
+    assert (item["id"], item["requires"], item["max_age"]) == ("Clearance", ["lidar"], 2.0)
+
+
+def test_without_a_configuration_a_value_of_its_own_id_is_taken() -> None:
+    (model,) = read_models(Source("speed.yml", SPEED.encode())).models
+    monitor, problems = monitor_of(model, KIND, None, {})
+    assert monitor is not None
+    assert problems == []
+    (binding,) = monitor.inputs
+    assert (binding.requires[0].id, binding.expression) == ("Clearance", "Clearance")
+
+
+def test_two_inputs_with_one_attribute_are_e025() -> None:
+    """Kinds that do not check this themselves get it checked here."""
+    (model,) = read_models(Source("speed.yml", SPEED.encode())).models
+    two = (ModelInput("a-b", "bool"), ModelInput("a.b", "bool"), ModelInput("c", "bool"))
+    kind = dataclasses.replace(KIND, inputs=lambda _: two)
+    monitor, problems = monitor_of(model, kind, None, {})
+    assert monitor is None
+    assert [(p.code, p.message) for p in problems] == [
+        ("K025", "the inputs 'a-b' and 'a.b' give the same name 'a_b'")
+    ]
+
+
+def test_the_example_needs_no_hand_written_line() -> None:
+    for letter in ("a", "b"):
+        path = EXAMPLE / f"consert_{letter}_config.yml"
+        config, problems = read_config(Source(str(path), Path(path).read_bytes()))
+        assert problems == []
+        assert config is not None
+        models = read_models(Source("m.xml", (EXAMPLE / "two_conserts.xml").read_bytes())).models
+        model = models["ab".index(letter)]
+        monitor, found = monitor_of(model, KIND, config, known_messages(kinds().values()))
+        assert found == []
+        assert monitor is not None
+        assert all(binding.expression for binding in monitor.inputs)
+
+
+OTHER = "they are not of one dimension"
+UNITS = """\
+  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
+  - {id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1}
+  - {id: joints, type: sensor_msgs.JointState, topic: /joints, max_age: 1}
+  - {id: imu, type: sensor_msgs.Imu, topic: /imu, max_age: 1}
+"""
+
+
+def said(entry: str, uom: str = "m") -> list[tuple[str, str, str | None]]:
+    """Return the errors of an input of SPEED in another unit."""
+    text = SPEED.replace("uom: m", f"uom: {uom}")
+    (model,) = read_models(Source("speed.yml", text.encode())).models
+    config, problems = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
+    assert config is not None, problems
+    _, found = monitor_of(model, KIND, config, known_messages(kinds().values()))
+    return [(one.code, one.message, one.hint) for one in found if one.level == "error"]
+
+
+@pytest.mark.parametrize(
+    ("entry", "uom"),
+    [
+        ("requires: [scan], field: 'ranges[0]'", "m"),
+        ("requires: [scan], field: 'ranges[0]'", "meter"),
+        ("requires: [scan], field: 'ranges[0]', unit: m", "km"),
+        ("expression: 'MIN(scan.ranges[*])'", "m"),
+        ("expression: 'MIN(scan.ranges[*]) * 2'", "km"),  # units of products are not tracked
+        ("requires: [battery], field: percentage", '""'),
+        ("requires: [battery], field: percentage, unit: fraction", "percent"),
+        ("requires: [joints], field: 'position[arm]'", "rad"),
+        ("requires: [joints], field: 'position[arm]'", "m"),  # the joint decides
+        ("requires: [scan], field: 'intensities[0]'", "V"),  # nobody says
+        ("requires: [imu], field: angular_velocity.z", "rad/s"),
+    ],
+)
+def test_units_that_agree(entry: str, uom: str) -> None:
+    assert said(entry, uom) == []
+
+
+@pytest.mark.parametrize(
+    ("entry", "uom", "message", "hint"),
+    [
+        (
+            "requires: [battery], field: percentage",
+            "percent",
+            "percentage of sensor_msgs/BatteryState is in fraction, 'Clearance' in percent",
+            "write `unit: fraction`, which is converted: 1 fraction is 100 percent",
+        ),
+        (
+            "requires: [scan], field: 'ranges[0]'",
+            "mm",
+            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in mm",
+            "write `unit: m`, which is converted: 1 m is 1000 mm",
+        ),
+        (
+            "requires: [scan], field: 'ranges[0]', unit: km",
+            "m",
+            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in km",
+            "write `unit: m`, which is converted: 1 m is 0.001 km",
+        ),
+        (
+            "expression: 'MIN(scan.ranges[*])'",
+            "km",
+            "MIN(scan.ranges[*]) is in m, 'Clearance' in km",
+            "write `unit: m`, which is converted: 1 m is 0.001 km",
+        ),
+        (
+            "requires: [imu], field: angular_velocity.z",
+            "deg/s",
+            "angular_velocity.z of sensor_msgs/Imu is in rad/s, 'Clearance' in deg/s",
+            "write `unit: rad/s`, which is converted: 1 rad/s is 57.2958 deg/s",
+        ),
+        (
+            "requires: [battery], field: voltage",
+            "m",
+            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in m: {OTHER}",
+            None,
+        ),
+        (
+            "requires: [battery], field: voltage",
+            '""',
+            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in a ratio: {OTHER}",
+            None,
+        ),
+        (
+            "requires: [joints], field: 'position[arm]'",
+            "V",
+            f"position[arm] of sensor_msgs/JointState is in rad or m, 'Clearance' in V: {OTHER}",
+            None,
+        ),
+    ],
+)
+def test_a_unit_that_contradicts_the_message_is_an_error(
+    entry: str, uom: str, message: str, hint: str | None
+) -> None:
+    assert said(entry, uom) == [("K052", message, hint)]
+
+
+def test_the_unit_to_write_converts_the_value() -> None:
+    text = SPEED.replace("uom: m", "uom: percent")
+    (model,) = read_models(Source("speed.yml", text.encode())).models
+    entry = "requires: [battery], field: percentage, unit: fraction"
+    config, _ = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
+    monitor, problems = monitor_of(model, KIND, config, known_messages(kinds().values()))
+    assert monitor is not None, problems
+    assert monitor.inputs[0].factor == (100, 1)

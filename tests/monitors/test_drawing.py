@@ -1,0 +1,29 @@
+"""Which pictures a file gives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.monitors import drawing
+from eddi_scaffold.monitors.drawing import pictures
+from eddi_scaffold.problems import EddiError
+from tests.checkouts import HERE
+
+MODEL = HERE / "examples" / "two-conserts" / "two_conserts.xml"
+
+
+def test_one_picture_for_each_model() -> None:
+    found, problems = pictures(MODEL, None, (), single=False)
+    assert (list(found), problems) == (["ConSertA.svg", "ConSertB.svg"], [])
+    assert list(pictures(MODEL, "ConSertB", (), single=True)[0]) == ["ConSertB.svg"]
+
+
+def test_a_kind_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = {name: replace(kind, diagram=None) for name, kind in kinds().items()}
+    monkeypatch.setattr(drawing, "kinds", lambda: plain)
+    with pytest.raises(EddiError) as refused:
+        pictures(MODEL, None, (), single=False)
+    assert [problem.code for problem in refused.value.problems] == ["G018"]

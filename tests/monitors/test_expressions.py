@@ -1,0 +1,580 @@
+"""Inputs from expressions: checked in their places, and evaluated by the runtime."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from eddi_runtime import EDDIInputBase
+from eddi_runtime.model_file import parse_model
+
+from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.reading import from_json, read_config
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.positioned_yaml.columns import inside_scalar
+from eddi_scaffold.positioned_yaml.nodes import Map, Scalar, read_document
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source, read_source
+from tests.checkouts import HERE
+
+EXAMPLE = HERE / "examples" / "rover-events"
+SECOND = 1_000_000_000
+
+
+def joined(config: str, folder: Path = Path()) -> tuple[Monitor | None, list[Problem]]:
+    (model,) = read_models(read_source(EXAMPLE / "Rover.yml")).models
+    file, problems = read_config(Source(str(folder / "c.yml"), config.encode()))
+    if file is None:
+        return None, problems
+    known = known_messages(kinds().values())
+    monitor, found = monitor_of(model, kinds()["consert"], file, known)
+    return monitor, [*problems, *found]
+
+
+def config(battery: str, motor: str = "expression: motor.data < 80", more: str = "") -> str:
+    return f"""Model: {{id: Rover, type: ConSert, frequency: 10}}
+SimulatorOutputs:
+  - {{id: battery, type: sensor_msgs.BatteryState, topic: /battery, max_age: 1.0}}
+  - {{id: motor, type: std_msgs.Float32, topic: /motor, max_age: 0.5}}
+{more}EDDIInputs:
+  - id: BatteryIsFine
+    {battery}
+  - id: MotorIsCool
+    {motor}
+EDDIOutputs:
+  - {{id: rover, topic: /rover/guarantees}}
+"""
+
+
+def bound(monitor: Monitor) -> EDDIInputBase:
+    eddi_input = EDDIInputBase()
+    specs = parse_model(monitor.model_json, "model").inputs
+    eddi_input.bind(specs)
+    eddi_input.requires = {spec.id: spec.requires for spec in specs}
+    return eddi_input
+
+
+def step(
+    eddi_input: EDDIInputBase, name: str, t: int, ages: dict[str, float], **messages: Any
+) -> Any:
+    eddi_input.begin_step(ages, None, t)
+    eddi_input.update_expression(
+        name,
+        lambda *_: setattr(eddi_input, name, eddi_input.expression(name)),
+        messages,
+        eddi_input.requires[name],
+    )
+    return getattr(eddi_input, name)
+
+
+def test_an_expression_needs_no_requires_and_no_code() -> None:
+    monitor, problems = joined((EXAMPLE / "eddi_config.yml").read_text("utf-8"))
+    assert monitor is not None, problems
+    assert problems == []
+    battery = monitor.inputs[0]
+    assert [source.id for source in battery.requires] == ["battery"]
+    assert battery.is_given
+
+
+def test_missing_stale_and_nan_are_unknown() -> None:
+    monitor, problems = joined(config('expression: "battery.percentage > 0.2"'))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    good = SimpleNamespace(percentage=0.5)
+    name = "BatteryIsFine"
+    assert step(eddi_input, name, 0, {}) is None
+    assert eddi_input.states[name].state == "missing"
+    assert step(eddi_input, name, SECOND, {}, battery=good) is True
+    assert step(eddi_input, name, 2 * SECOND, {"battery": 1.1}, battery=good) is None
+    assert eddi_input.states[name].state == "stale"
+    nan = SimpleNamespace(percentage=float("nan"))
+    assert step(eddi_input, name, 3 * SECOND, {}, battery=nan) is None
+    assert step(eddi_input, name, 4 * SECOND, {}, battery=SimpleNamespace()) is None
+    assert step(eddi_input, name, 5 * SECOND, {}, battery=SimpleNamespace(percentage=0.1)) is False
+
+
+def test_what_is_known_decides_where_it_can() -> None:
+    monitor, problems = joined(config('expression: "battery.present AND motor.data < 80"'))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    absent = SimpleNamespace(present=False)
+    assert step(eddi_input, "BatteryIsFine", 0, {}, battery=absent) is False
+    assert step(eddi_input, "BatteryIsFine", 1, {}, battery=SimpleNamespace(present=True)) is None
+
+
+def test_a_hazard_is_true_when_unknown() -> None:
+    monitor, problems = joined(
+        config('expression: "battery.percentage < 0.2"\n    polarity: HAZARD')
+    )
+    assert monitor is not None, problems
+    assert step(bound(monitor), "BatteryIsFine", 0, {}) is True
+
+
+def test_another_input_may_be_named() -> None:
+    text = config(
+        'expression: "battery.present"', 'expression: "BatteryIsFine AND motor.data < 80"'
+    )
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    messages = {"battery": SimpleNamespace(present=True), "motor": SimpleNamespace(data=20.0)}
+    assert step(eddi_input, "BatteryIsFine", 0, {}, **messages) is True
+    assert step(eddi_input, "MotorIsCool", 0, {}, **messages) is True
+
+
+@pytest.mark.parametrize(
+    ("battery", "code", "line", "col", "words"),
+    [
+        ('expression: "batery.present"', "E008", 7, 18, "no simulator output 'batery'"),
+        ("expression: battery.presnt", "K020", 7, 17, "has no field 'presnt'"),
+        ("expression: battery.present.x", "K020", 7, 17, "a bool has no field 'x'"),
+        ("expression: battery.header", "K020", 7, 17, "is a std_msgs/Header"),
+        ('expression: "battery.present AND"', "E002", 7, 37, ""),
+        ("expression: battery.percentage", "E007", 7, 17, "the input needs a boolean"),
+        ("expression: battery.present > 2", "E007", 7, 17, ""),
+        ("expression: motor.data > 2\n    requires: [battery]", "K042", 8, 5, "`requires`"),
+        ("expression: motor.data > 2\n    field: data", "K043", 8, 12, "`field:`"),
+        ("states: {High: motor.data > 2}", "K043", 7, 5, "give `expression:`"),
+        ("event: hot", "K043", 7, 12, "no `expression_file:`"),
+        ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
+    ],
+)
+def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, words: str) -> None:
+    monitor, problems = joined(config(battery))
+    assert monitor is None
+    found = [(p.code, p.place.line, p.place.col) for p in problems if p.level == "error"]
+    assert (code, line, col) in found
+    assert words in " ".join(problem.message for problem in problems)
+
+
+def test_declarations_beside_the_inputs() -> None:
+    text = config(
+        "expression: battery.percentage > LEAST", more='declarations: ["CONST LEAST = 0.2"]\n'
+    )
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+
+
+SAFETY = """\
+ENUM Mode { AUTO, HAND }
+CONST limit = 80
+VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms
+EVENT hot (EVIDENCE) := ONCE(motor.data > limit, 2s)   // another one uses it
+EVENT weak := battery.percentage < 0.2
+EVENT cool (HAZARD) := NOT hot
+EVENT elsewhere (EVIDENCE) := no.such.message > 1
+"""
+
+
+def from_file(
+    folder: Path, keys: str, text: str = SAFETY, more: str = ""
+) -> tuple[Monitor | None, list[Problem]]:
+    (folder / "safety.events").write_text(text, encoding="utf-8")
+    entry = f"expression_file: safety.events{keys}"
+    return joined(config("expression: battery.present", entry, more), folder)
+
+
+def test_the_event_of_a_file_is_the_expression(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "\n    event: cool")
+    assert monitor is not None, problems
+    assert problems == []
+    motor = monitor.inputs[1]
+    assert [source.id for source in motor.requires] == ["motor"]
+    assert motor.computed_text == "cool of safety.events: (NOT hot)"
+    eddi_input = bound(monitor)
+    name = "MotorIsCool"
+    assert step(eddi_input, name, 0, {}) is True  # of a HAZARD, as the file says
+    assert step(eddi_input, name, SECOND, {}, motor=SimpleNamespace(data=90.0)) is False
+    assert step(eddi_input, name, 2 * SECOND, {}, motor=SimpleNamespace(data=70.0)) is False
+
+
+def test_the_only_event_of_a_file_needs_no_name(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "", "motor.data < 80")
+    assert monitor is not None, problems
+    assert step(bound(monitor), "MotorIsCool", 0, {}, motor=SimpleNamespace(data=9.0)) is True
+
+
+def test_the_configuration_says_what_the_event_does_not(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "\n    event: weak")
+    assert monitor is not None, problems
+    (problem,) = problems
+    assert (problem.code, problem.place.line, problem.place.col) == ("W002", 5, 7)
+    monitor, problems = from_file(tmp_path, "\n    event: weak\n    polarity: HAZARD")
+    assert monitor is not None, problems
+    assert problems == []
+    assert step(bound(monitor), "MotorIsCool", 0, {}) is True
+
+
+def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
+    monitor, problems = from_file(tmp_path, "\n    event: cool")
+    assert monitor is not None, problems
+    assert monitor.config is not None
+    (tmp_path / "safety.events").unlink()
+    again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
+    known = known_messages(kinds().values())
+    other, problems = monitor_of(monitor.model, monitor.kind, again, known)
+    assert other is not None, problems
+    assert other.model_json == monitor.model_json
+    assert again.as_json() == monitor.config.as_json()
+
+
+@pytest.mark.parametrize(
+    ("keys", "text", "expected"),
+    [
+        (
+            "\n    event: coll",
+            SAFETY,
+            (
+                "c.yml:10:12 K046 input 'MotorIsCool': safety.events has no event 'coll' "
+                "(did you mean 'cool'?)"
+            ),
+        ),
+        (
+            "\n    event: tepid",
+            "EVENT a (HAZARD) := motor.data > 1\nEVENT b (HAZARD) := a",
+            (
+                "c.yml:10:12 K046 input 'MotorIsCool': safety.events has no event 'tepid' "
+                "(events: a, b)"
+            ),
+        ),
+        (
+            "",
+            SAFETY,
+            (
+                "c.yml:9:22 K046 input 'MotorIsCool': `event:` must say which event of "
+                "safety.events it is (events: hot, weak, cool, elsewhere)"
+            ),
+        ),
+        (
+            "\n    event: elsewhere",
+            SAFETY,
+            (
+                "safety.events:7:31 E008 there is no simulator output 'no' "
+                "(there are: battery, motor, BatteryIsFine)"
+            ),
+        ),
+        (
+            "\n    event: hot",
+            "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) := temp > 5",
+            (
+                "safety.events:2:23 E008 there is no simulator output 'temp' "
+                "(there are: battery, motor, BatteryIsFine)"
+            ),
+        ),
+        (
+            "\n    event: hot",
+            "// two lines\nEVENT hot (HAZARD) := motor.dta > 5",
+            (
+                "safety.events:2:23 K020 std_msgs/Float32 has no field 'dta' "
+                "(did you mean 'data'? its fields: data)"
+            ),
+        ),
+        (
+            "\n    event: hot",
+            "EVENT cold (HAZARD) := TRUE\nEVENT hot (HAZARD) := motor.data >",
+            "safety.events:2:35 E002 an operand is expected, found the end of the text",
+        ),
+        ("", "// a number\nmotor.data", "safety.events:2:1 E007 the input needs a boolean"),
+        (
+            "\n    event: cool\n    polarity: EVIDENCE",
+            SAFETY,
+            (
+                "c.yml:11:15 K043 input 'MotorIsCool': safety.events says HAZARD, "
+                "`polarity:` EVIDENCE (leave `polarity:` out)"
+            ),
+        ),
+        (
+            "\n    event: hot\n    expression: motor.data > 80",
+            SAFETY,
+            "c.yml:9:22 K043 input 'MotorIsCool': give `expression:` or `expression_file:`",
+        ),
+        (
+            "\n    event: hot\n    field: data",
+            SAFETY,
+            "c.yml:11:12 K043 'MotorIsCool' has `field:` and `expression_file:`",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_file_and_where(
+    keys: str, text: str, expected: str, tmp_path: Path
+) -> None:
+    monitor, problems = from_file(tmp_path, keys, text)
+    assert monitor is None
+    errors = [
+        f"{Path(p.place.file or '').name}:{p.place.line}:{p.place.col} {p.code} {p.message}"
+        + (f" ({p.hint})" if p.hint else "")
+        for p in problems
+        if p.level == "error"
+    ]
+    assert len(errors) == 1, errors
+    assert errors[0].startswith(expected), errors
+
+
+def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
+    entry = "expression_file: safty.events"
+    (tmp_path / "safety.events").write_text(SAFETY, encoding="utf-8")
+    monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
+    assert monitor is None
+    assert (problem.code, problem.place.line, problem.place.col) == ("F001", 9, 22)
+    assert problem.message == "'safty.events': cannot read the file: No such file or directory"
+    assert problem.hint == "did you mean 'safety.events'?"
+    (tmp_path / "safty.events").write_bytes(b"x > 1\n// \xe9")
+    monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
+    assert (problem.code, problem.place.file) == ("E001", str(tmp_path / "safty.events"))
+    assert problem.place.line == 2
+
+
+def test_an_enum_inside_of_an_expression() -> None:
+    text = "ENUM M { ON, OFF } VAR motor.data : M TIMEOUT 1s motor.data == ON"
+    monitor, problems = joined(config(f'expression: "{text}"'))
+    assert monitor is not None, problems
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "key: plain text here",
+        'key: "quoted \\n \\u00e4 text"',
+        "key: 'it''s quoted'",
+        "key: folded\n  over lines",
+        "key: >\n  block of\n  text",
+        "key: |\n  two\n  lines",
+    ],
+)
+def test_places_inside_of_scalars(text: str) -> None:
+    node, problems = read_document(Source("x.yml", text.encode()), "K001")
+    assert not problems
+    assert isinstance(node, Map)
+    value = node.entries[0][1]
+    assert isinstance(value, Scalar)
+    of = inside_scalar(text, value.place)
+    lines = text.split("\n")
+    for offset, char in enumerate(value.text.rstrip("\n")):
+        place = of(offset)
+        assert place.line is not None
+        assert place.col is not None
+        there = lines[place.line - 1][place.col - 1 :]
+        assert there.startswith(char) or there[:1] in ("", "\\") or char in " \n"
+
+
+KEYED = """  - {id: seen, type: eddi_messages.BayesianNetworkOutput, topic: /seen, max_age: 1}
+  - {id: joints, type: sensor_msgs.JointState, topic: /joints, max_age: 1}
+"""
+
+
+def outcome(name: str, value: float) -> SimpleNamespace:
+    return SimpleNamespace(outcome_name=name, outcome_value=value)
+
+
+def test_elements_are_taken_by_their_keys_and_never_by_their_place() -> None:
+    path = "seen.output_nodes[Collision].outcomes[High].outcome_value"
+    gripper = "ABS(joints.position[gripper]) < 0.05"
+    monitor, problems = joined(config(f"expression: {path} < 0.2", f"expression: {gripper}", KEYED))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    others = [outcome("Low", 0.9), outcome("High", 0.1)]
+    nodes = [
+        SimpleNamespace(title="Speed", outcomes=others[::-1]),
+        SimpleNamespace(title="Collision", outcomes=others),
+    ]
+    name = "BatteryIsFine"
+    for order in (nodes, nodes[::-1]):
+        found = step(eddi_input, name, 0, {}, seen=SimpleNamespace(output_nodes=order))
+        assert found is True
+        eddi_input.begin_step({}, None, -1)
+    assert step(eddi_input, name, 2, {}, seen=SimpleNamespace(output_nodes=nodes[:1])) is None
+    reason = "LookupError: no element has the title 'Collision'; there: Speed"
+    assert eddi_input.states[name].reason == reason
+    joints = SimpleNamespace(name=["arm", "gripper"], position=[1.0, 0.01])
+    assert step(eddi_input, "MotorIsCool", 3, {}, joints=joints) is True
+    joints.position = []
+    assert step(eddi_input, "MotorIsCool", 4, {}, joints=joints) is None
+    reason = "LookupError: 0 values have 2 names"
+    assert eddi_input.states["MotorIsCool"].reason == reason
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("expression: seen.output_nodes[0].outcomes[outcome_value=1].x > 1", "is a float32"),
+        ("expression: battery.cell_voltage[left] > 3", "has no list of names"),
+        ("requires: [battery]\n    field: cell_voltage[left]", "has no list of names"),
+    ],
+)
+def test_a_key_that_no_field_is_is_an_error(text: str, message: str) -> None:
+    _, problems = joined(config(text, more=KEYED))
+    (problem,) = [one for one in problems if one.code == "K020"]
+    assert message in problem.message
+    assert "battery" in text or "outcome" in problem.message
+
+
+def test_keys_of_names_that_a_var_declares() -> None:
+    more = "  - {id: mine, type: my_msgs.Mine, topic: /mine, max_age: 1}\n"
+    declared = 'declarations: ["VAR mine.items[front].good : BOOL"]\n'
+    monitor, problems = joined(config('expression: "mine.items[front].good"', more=more + declared))
+    assert monitor is not None, problems
+    items = [SimpleNamespace(id="rear", good=False), SimpleNamespace(id="front", good=True)]
+    mine = SimpleNamespace(items=items)
+    assert step(bound(monitor), "BatteryIsFine", 0, {}, mine=mine) is True
+
+
+SCAN = "  - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}\n"
+
+
+def scan_of(*ranges: float, **more: Any) -> SimpleNamespace:
+    count = max(1, len(ranges) - 1)
+    said = {"angle_min": -1.0, "angle_max": 1.0, "angle_increment": 2 / count}
+    said |= {"range_min": 0.1, "range_max": 30.0, **more}
+    return SimpleNamespace(ranges=list(ranges), **said)
+
+
+INF, NAN = float("inf"), float("nan")
+
+
+@pytest.mark.parametrize(
+    ("expression", "ranges", "wanted"),
+    [
+        ("MIN(scan.ranges[*]) > 0.8 m", (1.0, 2.0, INF), True),
+        ("MIN(scan.ranges[*]) > 80 cm", (1.0, 0.5, INF), False),
+        ("MIN(scan.ranges[*]) > 0.8", (INF, INF), True),  # nothing within reach
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, -INF), False),  # nearer than the sensor measures
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, NAN), None),
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, 31.0), None),  # beyond range_max: discarded
+        ("MIN(scan.ranges[*]) > 0.8", (5.0, 0.05), None),
+        ("MIN(scan.ranges[*]) > 0.8", (), None),  # an empty scan is no free way
+        ("MIN(scan.ranges[*], COVERAGE 0.5) > 0.8", (5.0, NAN, 3.0), True),
+        ("MIN(scan.ranges[*], COVERAGE 0.7) > 0.8", (5.0, NAN, 3.0), None),
+        ("AVERAGE(scan.ranges[*]) > 0.8", (5.0, INF), None),
+        ("COUNT(KNOWN(scan.ranges[*])) >= 3", (5.0, INF, -INF, NAN), True),
+        ("MIN(scan.ranges[*], SECTOR -10 deg .. 10 deg) > 1", (0.5, 0.5, 5.0, 0.5, 0.5), True),
+        ("MIN(scan.ranges[*], SECTOR -30 deg .. 60 deg) > 1", (0.5, 0.5, 5.0, 0.5, 0.5), False),
+        ("MIN(scan.ranges[*], SECTOR -90 deg .. 30 deg) > 1", (5.0, 5.0, 5.0), None),
+        ("ANY(scan.ranges[*] < 1)", (NAN, 0.5), True),
+        ("ALL(scan.ranges[*] > 1)", (NAN, 0.5), False),
+        ("ALL(scan.ranges[*] > 1)", (NAN, 5.0), None),
+        ("MIN(scan.ranges[0..1]) > 1", (5.0, 5.0, 0.5), True),
+        ("MIN(scan.ranges[1..3]) > 1", (5.0, 5.0, 5.0), None),  # beyond the end
+        ("ONCE(MIN(scan.ranges[*]) < 1, 2s)", (0.5,), True),
+    ],
+)
+def test_scans(expression: str, ranges: tuple[float, ...], wanted: bool | None) -> None:
+    monitor, problems = joined(config(f'expression: "{expression}"', more=SCAN))
+    assert monitor is not None, problems
+    assert step(bound(monitor), "BatteryIsFine", 0, {}, scan=scan_of(*ranges)) is wanted
+
+
+def test_the_status_says_why_a_list_gives_nothing() -> None:
+    text = config('expression: "MIN(scan.ranges[*], LENGTH 3) > 1"', more=SCAN)
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    for t, scan, reason in (
+        (0, scan_of(5.0, NAN, NAN), "2 of 3 elements are not known"),
+        (1, scan_of(5.0), "1 elements instead of 3"),
+        (2, scan_of(5.0, 5.0, 5.0, range_max=NAN), "the limits are not known"),
+        (3, SimpleNamespace(), "AttributeError: 'types.SimpleNamespace' object has no"),
+    ):
+        assert step(eddi_input, "BatteryIsFine", t, {}, scan=scan) is None
+        assert eddi_input.states["BatteryIsFine"].reason.startswith(reason)
+    assert step(eddi_input, "BatteryIsFine", 4, {}, scan=scan_of(5.0, 5.0, 5.0)) is True
+
+
+class Counted(list[float]):
+    """A list that counts how often it is looked through."""
+
+    looks = 0
+
+    def __iter__(self) -> Any:
+        self.looks += 1
+        return super().__iter__()
+
+
+def test_a_message_is_reduced_once_however_many_steps_hold_it() -> None:
+    text = config('expression: "MIN(MIN(scan.ranges[*]), 2s) > 1"', more=SCAN)
+    monitor, problems = joined(text)
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    scan = scan_of()
+    scan.ranges = Counted([5.0, 6.0])
+    for k in range(25):
+        found = step(eddi_input, "BatteryIsFine", k * SECOND // 10, {}, scan=scan)
+    assert found is True
+    assert scan.ranges.looks == 1
+
+
+@pytest.mark.parametrize(
+    ("source", "expression", "fields", "wanted"),
+    [
+        ("Range", "x.range > 1", {"range": INF}, True),
+        ("Range", "x.range > 1", {"range": -INF}, False),
+        ("Range", "x.range > 1", {"range": 9.0}, None),
+        ("Imu", "x.angular_velocity.z < 1", {"covariance": 0.1}, True),
+        ("Imu", "x.angular_velocity.z < 1", {"covariance": -1.0}, None),
+        ("NavSatFix", "x.latitude > 1", {"status": 0}, True),
+        ("NavSatFix", "x.latitude > 1", {"status": -1}, None),
+        ("RelativeHumidity", "x.relative_humidity < 1", {"relative_humidity": -0.5}, None),
+    ],
+)
+def test_what_the_documentation_calls_no_measurement(
+    source: str, expression: str, fields: dict[str, Any], wanted: bool | None
+) -> None:
+    more = f"  - {{id: x, type: sensor_msgs.{source}, topic: /x, max_age: 1}}\n"
+    monitor, problems = joined(config(f'expression: "{expression}"', more=more))
+    assert monitor is not None, problems
+    message = SimpleNamespace(
+        min_range=0.1,
+        max_range=4.0,
+        latitude=50.0,
+        status=SimpleNamespace(status=fields.pop("status", 0)),
+        angular_velocity=SimpleNamespace(z=0.5),
+        angular_velocity_covariance=[fields.pop("covariance", 0.0)] * 9,
+        **fields,
+    )
+    assert step(bound(monitor), "BatteryIsFine", 0, {}, x=message) is wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "message"),
+    [
+        (
+            "MIN(battery.cell_voltage[*], SECTOR -1 rad .. 1 rad) > 1",
+            "K020",
+            "no field 'angle_min'",
+        ),
+        ("MIN(scan.ranges[*]) > 1 s", "E009", "m (length) and s (time) do not go together"),
+        ("MIN(scan.header[*]) > 1", "K020", "is no list"),
+        ("scan.ranges > 1", "K020", "is a float[]"),
+        ("battery.location == 3", "E007", "a text and a number cannot be compared"),
+    ],
+)
+def test_lists_that_cannot_be(text: str, code: str, message: str) -> None:
+    _, problems = joined(config(f'expression: "{text}"', more=SCAN))
+    (problem,) = [one for one in problems if one.level == "error"]
+    assert problem.code == code
+    assert message in problem.message
+
+
+def test_a_var_that_contradicts_the_message_is_an_error() -> None:
+    for said, codes in (("UNIT pct", ["E009"]), ("UNIT fraction", []), ("", [])):
+        declared = f'declarations: ["VAR battery.percentage : NUMBER {said} TIMEOUT 1s"]\n'
+        _, problems = joined(config("expression: battery.percentage > 0.2", more=declared))
+        assert [one.code for one in problems if one.level == "error"] == codes
+
+
+def test_numbers_in_texts() -> None:
+    more = "  - {id: diag, type: diagnostic_msgs.DiagnosticArray, topic: /d, max_age: 1}\n"
+    path = 'diag.status["/Power: b"].values[Voltage].value'
+    monitor, problems = joined(config(f"expression: 'NUMBER({path}) > 22'", more=more))
+    assert monitor is not None, problems
+    eddi_input = bound(monitor)
+    for t, (text, wanted) in enumerate(
+        [("24.5", True), (" 2e1 ", False), ("24 V", None), ("nan", None), ("", None), ("1_0", None)]
+    ):
+        values = [SimpleNamespace(key="Voltage", value=text)]
+        status = [SimpleNamespace(name="/Power: b", values=values)]
+        diag = SimpleNamespace(status=status)
+        assert step(eddi_input, "BatteryIsFine", t, {}, diag=diag) is wanted

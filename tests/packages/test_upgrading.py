@@ -1,0 +1,78 @@
+"""Which packages a newer model reaches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.rendering import own_template
+from eddi_scaffold.packages.upgrading import groups, targets
+from eddi_scaffold.platforms import platforms
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "two-conserts" / "two_conserts.xml"
+DEFAULT = """
+guarantees:
+  - {id: Safe, dimensions: [{Binary: {type: T}}]}
+  - {id: Fast, dimensions: [{Binary: {type: T}}]}
+demands: []
+evidence:
+  - {id: E, dimension: {Binary: {type: T}}}
+gates: []
+tree_propagations:
+  - {from: E, to: Fast}
+required_services: []
+provided_services:
+  - {id: S, functional_service_type: S, guarantees: [Safe, Fast]}
+"""
+
+
+def generated(folder: Path, model: Path, marks: tuple[str, ...] = ()) -> None:
+    platform = platforms()["plain"]
+    monitors, problems = monitors_of(model, [], default_guarantees=marks)
+    bring(folder, assemble(monitors, platform, folder, problems).packages, own_template())
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    folder = tmp_path / "packages"
+    generated(folder, EXAMPLE)
+    return folder
+
+
+def test_a_file_with_one_of_the_models_leaves_the_others_alone(
+    workspace: Path, tmp_path: Path
+) -> None:
+    text = EXAMPLE.read_text()
+    newer = tmp_path / "newer.xml"
+    newer.write_text(text.replace('name="ConSertB"', 'name="Other"'))
+    (group,) = groups(workspace, [])
+    packages, problems = targets(group, newer, [])
+    files = {package.folder: package.answers["model_file"] for package in packages}
+    assert files == {"conserta": "newer.xml", "consertb": "two_conserts.xml"}
+    assert [p.code for p in problems if p.level != "info"] == []
+
+
+def test_a_model_that_has_gone_from_its_own_file_is_told(workspace: Path, tmp_path: Path) -> None:
+    newer = tmp_path / EXAMPLE.name
+    newer.write_text(EXAMPLE.read_text().replace('name="ConSertB"', 'name="Other"'))
+    (group,) = groups(workspace, [])
+    packages, problems = targets(group, newer, [])
+    assert {package.folder for package in packages} == {"conserta", "consertb"}
+    (told,) = [p for p in problems if p.code == "U007"]
+    assert told.message == (
+        "there is no model 'ConSertB' any more: the package consertb stays as it is"
+    )
+
+
+def test_the_marks_of_the_first_reading_are_remembered(tmp_path: Path) -> None:
+    model = tmp_path / "Rover.yml"
+    model.write_text(DEFAULT)
+    folder = tmp_path / "packages"
+    generated(folder, model, ("Safe",))
+    (group,) = groups(folder, [])
+    (package,), _ = targets(group, model, [])
+    assert package.answers["default_guarantees"] == ["Safe"]
+    assert '"default": true' in package.answers["model_json"]

@@ -1,0 +1,258 @@
+"""Topics of a robot written into a configuration: what stays, what goes, and what is said of it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.mros.filters import Filters
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.robot.rossystem import Parsed, parse, read_robot
+
+SYSTEM = """robot:
+  subSystems:
+    mast
+  nodes:
+    front:
+      from: "laser.laser"
+      namespace: /front
+    arm:
+      from: "arm.driver"
+      interfaces:
+        - joints: pub-> "driver::ticks"
+"""
+MAST = """mast:
+  nodes:
+    camera:
+      from: "camera.usb"
+"""
+LASER = """laser:
+  artifacts:
+    laser:
+      node: laser
+      publishers:
+        scan:
+          type: sensor_msgs/msg/LaserScan
+"""
+OTHERS = """arm:
+  artifacts:
+    driver:
+      node: driver
+      publishers:
+        ticks:
+          type: rosgraph_msgs/msg/Clock
+        load:
+          type: std_msgs/msg/Float64
+camera:
+  artifacts:
+    usb:
+      node: usb
+      publishers:
+        image:
+          type: sensor_msgs/msg/Image
+"""
+IDS = ["image", "scan", "ticks", "load"]
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    files = {"robot.rossystem": SYSTEM, "mast.rossystem": MAST}
+    files |= {"laser.ros1": LASER, "others.ros1": OTHERS}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    return tmp_path
+
+
+def parsed(folder: Path, **options: Any) -> Parsed:
+    """Parse, and write the configuration as the command does."""
+    robot = read_robot(folder / "robot.rossystem", folder)
+    found = parse(robot, folder / "c.yml", **options)
+    if found.is_changed:
+        (folder / "c.yml").write_text(found.after, "utf-8")
+    return found
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), "utf-8")
+
+
+def ids(text: str) -> list[str]:
+    return re.findall(r"^  - id: (.*)$", text, re.MULTILINE)
+
+
+def said(found: Parsed, code: str) -> list[str]:
+    return [problem.message for problem in found.problems if problem.code == code]
+
+
+# what did not resolve
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "code", "lost"),
+    [
+        ("laser.ros1", "publishers:", "publihers:", "misspelt-key", ["scan"]),
+        ("laser.ros1", "artifacts:", "artifacts", "syntax", ["scan"]),
+        ("laser.ros1", "sensor_msgs/msg/LaserScan", "LaserScan", "bad-type", ["scan"]),
+        ("robot.rossystem", '"laser.laser"', '"lasr.laser"', "no-node-model", ["scan"]),
+        ("robot.rossystem", '"arm.driver"', '"arm.drver"', "no-node-model", ["load"]),
+        ("robot.rossystem", "driver::ticks", "driver::tiks", "unresolved-reference", ["ticks"]),
+        ("robot.rossystem", "    mast", "    mst", "subsystem-missing", ["image"]),
+        ("mast.rossystem", "nodes:", "nods:", "misspelt-key", ["image"]),
+    ],
+)
+def test_what_did_not_resolve_this_time_stays(
+    robot: Path, file: str, old: str, new: str, code: str, lost: list[str]
+) -> None:
+    whole = parsed(robot)
+    assert ids(whole.after) == IDS
+    edit(robot / file, old, new)
+    broken = parsed(robot)
+    assert said(broken, code)
+    assert {*ids(broken.after)} >= {*IDS}
+    assert ids(broken.after)[-len(lost) :] == lost
+    assert {topic.id for topic in broken.outputs.topics}.isdisjoint(lost)
+    kept = said(broken, "kept-entry")
+    assert [message.split("'")[1] for message in kept] == lost
+    assert all("did not resolve this time" in message for message in kept)
+    assert parsed(robot).after == broken.after
+    edit(robot / file, new, old)
+    assert sorted(ids(parsed(robot).after)) == sorted(IDS)
+
+
+def test_the_id_of_what_did_not_resolve_goes_to_nothing_else(robot: Path) -> None:
+    (robot / "c.yml").write_text(
+        "SimulatorOutputs:\n  - id: scan\n    type: sensor_msgs.LaserScan\n"
+        "    topic: /front/scan\nEDDIInputs:\n  - {id: Near, requires: [scan]}\n"
+    )
+    edit(robot / "robot.rossystem", "laser.laser", "lasr.laser")
+    edit(robot / "others.ros1", "load:", "scan:")
+    found = parsed(robot)
+    assert ids(found.after)[:4] == ["image", "ticks", "scan_2", "scan"]
+    assert "    topic: /front/scan\n" in found.after
+    assert said(found, "moved-id") == []
+
+
+def test_errors_that_lose_nothing_keep_nothing(robot: Path) -> None:
+    parsed(robot)
+    edit(robot / "robot.rossystem", '"arm.driver"', '"laser.laser"')
+    edit(robot / "others.ros1", "image:", "/front/scan:")
+    edit(robot / "robot.rossystem", "driver::ticks", "laser::scan")
+    found = parsed(robot)
+    assert said(found, "type-conflict")
+    assert len(said(found, "dropped-entry")) == 2
+    assert said(found, "kept-entry") == []
+
+
+def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
+    (robot / "mast.rossystem").write_text("mast:\n  node:\n", "utf-8")
+    (robot / "laser.ros1").write_text("laser\n", "utf-8")
+    (robot / "others.ros1").unlink()
+    found = parsed(robot)
+    assert (found.is_changed, found.before) == (False, None)
+    assert not (robot / "c.yml").exists()
+    text = "SimulatorOutput: # the robot\n- {id: scan, topic: /front/scan}\n"
+    (robot / "c.yml").write_text(text, "utf-8")
+    found = parsed(robot)
+    assert (found.is_changed, found.after) == (False, text)
+    assert said(found, "lost-comment") == []
+
+
+# filters
+
+
+@pytest.mark.parametrize(
+    ("filters", "message", "hint"),
+    [
+        (
+            Filters(topics=("/jonts",)),
+            "no topic matches --only '/jonts'",
+            "did you mean '/joints'?",
+        ),
+        (
+            Filters(topics=("/lidar/*",)),
+            "no topic matches --only '/lidar/*'",
+            "there are: /front/scan, /image, /joints, /load",
+        ),
+        (
+            Filters(topics=("/joints", "/Front/*")),
+            "no topic matches --only '/Front/*'",
+            "did you mean '/front/scan'?",
+        ),
+        (
+            Filters(components=("frnt*", "arm")),
+            "no component matches --component 'frnt*'",
+            "did you mean 'front'?",
+        ),
+        (
+            Filters(components=("x",)),
+            "no component matches --component 'x'",
+            "there are: arm, camera, front",
+        ),
+        (
+            Filters(topics=("/joints",), components=("front",)),
+            "no topic is left by --only '/joints' --component 'front'",
+            None,
+        ),
+        (
+            Filters(components=("camera",), no_infrastructure=True),
+            "no topic is left by --component 'camera' --exclude-infrastructure",
+            None,
+        ),
+    ],
+)
+def test_a_filter_that_keeps_nothing_is_refused(
+    robot: Path, filters: Filters, message: str, hint: str | None
+) -> None:
+    edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
+    with pytest.raises(EddiError) as refused:
+        parsed(robot, filters=filters)
+    (problem,) = refused.value.problems
+    assert (problem.code, problem.message, problem.hint) == ("unmatched-filter", message, hint)
+
+
+def test_long_lists_of_what_there_is_are_cut(robot: Path) -> None:
+    more = "".join(f"    n{number}:\n      from: 'arm.driver'\n" for number in range(40))
+    edit(robot / "robot.rossystem", "  nodes:\n", f"  nodes:\n{more}")
+    with pytest.raises(EddiError) as refused:
+        parsed(robot, filters=Filters(components=("zebra",)))
+    (problem,) = refused.value.problems
+    assert (problem.hint or "").startswith("there are: arm, camera, front, n0, n1, n10, ")
+    assert (problem.hint or "").endswith(" and 31 more")
+
+
+def test_what_a_filter_leaves_out_is_said_to_be_left_out(robot: Path) -> None:
+    parsed(robot)
+    edit(robot / "others.ros1", "sensor_msgs/msg/Image", "bond/msg/Status")
+    (robot / "c.yml").open("a").write("EDDIInputs:\n  - {id: Near, requires: [scan]}\n")
+    filters = Filters(topics=("/[jil]*",), components=("arm", "camera"), no_infrastructure=True)
+    found = parsed(robot, filters=filters)
+    assert ids(found.after) == ["ticks", "load", "scan"]
+    assert said(found, "dropped-entry") == [
+        "'image' (/image) is left out by --exclude-infrastructure; it is dropped"
+    ]
+    assert said(found, "kept-entry") == [
+        "'scan' (/front/scan) is left out by --only; it stays, because an input needs it"
+    ]
+    found = parsed(robot, filters=Filters(components=("arm",)))
+    assert said(found, "kept-entry") == [
+        "'scan' (/front/scan) is left out by --component; it stays, because an input needs it"
+    ]
+
+
+def test_a_filter_may_wait_for_what_did_not_resolve(robot: Path) -> None:
+    parsed(robot)
+    edit(robot / "robot.rossystem", "laser.laser", "lasr.laser")
+    found = parsed(robot, filters=Filters(topics=("/front/*", "/joints")))
+    assert ids(found.after) == ["ticks", "scan"]
+    assert len(said(found, "dropped-entry")) == 2
+    found = parsed(robot, filters=Filters(components=("front",)))
+    assert (found.is_changed, said(found, "no-node-model") != []) == (False, True)
+    with pytest.raises(EddiError) as refused:
+        parsed(robot, filters=Filters(topics=("/rear/*",)))
+    assert [p.code for p in refused.value.problems] == ["no-node-model", "unmatched-filter"]
+    assert refused.value.problems[0].place.file == str(robot / "robot.rossystem")
