@@ -120,3 +120,17 @@ def free_name(wanted: str, taken: Container[str]) -> str:
         number += 1
         name = f"{wanted}_{number}"
     return name
+
+
+def full_topic(name: str, namespace: str, package: str) -> str:
+    """Return the full name of a topic, as ROS resolves it for a node.
+
+    Args:
+        name: as in the configuration: absolute, relative, or private with ``~``.
+        namespace: of the robot, such as ``/robot1``; empty for none.
+        package: name of the monitor's package and node.
+    """
+    if name.startswith("/"):
+        return name
+    own = f"{package}/" if name.startswith("~") else ""
+    return f"{namespace}/{own}{name.removeprefix('~')}"

@@ -86,7 +86,8 @@ def run(
 
 def _model_and_config(model: Path | None, config: Path | None) -> tuple[Path | None, Path | None]:
     """Tell model and configuration apart; a configuration may stand in place of its model."""
-    from eddi_scaffold.config.reading import named_model_path, read_config
+    from eddi_scaffold.config.model_path import named_model_path
+    from eddi_scaffold.config.reading import read_config
     from eddi_scaffold.monitors.loading import is_config
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source

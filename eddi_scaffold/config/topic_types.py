@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import FieldsOf
 from eddi_scaffold.config.message_types.installed import installed_message, installed_types
-from eddi_scaffold.config.reading import ConfigFile
 from eddi_scaffold.problems import Problem, error, nearest, warning
 
 _LIKE = 0.9

@@ -7,8 +7,10 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.reading import ConfigFile, Robot, named_model_path, read_config
+from eddi_scaffold.config.model_path import named_model_path
+from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.deployments.joining import join, packages_of, without_model
 from eddi_scaffold.deployments.wiring.check import members_of
@@ -31,7 +33,7 @@ _OF_CONFIGS = "ros1"
 def check_files(
     files: Sequence[Path],
     default_guarantees: Sequence[str] = (),
-    robot: Robot | None = None,
+    robot: RobotAdditions | None = None,
     platform: str | None = None,
 ) -> list[Problem]:
     """Check every file by itself, and all that ``generate`` would make of them together.
@@ -58,7 +60,10 @@ def check_files(
 
 
 def _read_files(
-    files: Iterable[Path], marks: Sequence[str], robot: Robot | None, target: Platform | None
+    files: Iterable[Path],
+    marks: Sequence[str],
+    robot: RobotAdditions | None,
+    target: Platform | None,
 ) -> tuple[list[Model], list[ConfigFile], list[Problem]]:
     """Read every file, with all that is wrong with it by itself."""
     models: list[Model] = []

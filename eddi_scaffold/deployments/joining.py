@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.reading import ConfigFile, named_model, named_model_path
+from eddi_scaffold.config.model_path import named_model, named_model_path
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.identifiers import is_package_name, package_name
 from eddi_scaffold.kinds import Kind, Model, Reading, kinds

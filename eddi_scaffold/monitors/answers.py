@@ -11,7 +11,7 @@ import json
 from collections.abc import Sequence
 
 from eddi_scaffold import __version__
-from eddi_scaffold.config.reading import Config
+from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import (
     markdown_code,
     markdown_text,

@@ -13,9 +13,11 @@ from dataclasses import dataclass, field
 from eddi_scaffold import units
 from eddi_scaffold.config import fields
 from eddi_scaffold.config.field_types import documented_at, resolve
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import Fields, FieldsOf, declared, python_type
 from eddi_scaffold.config.message_types.installed import installed_message
-from eddi_scaffold.config.reading import ConfigFile, Input, SimulatorOutput, options_of
+from eddi_scaffold.config.options import options_of
+from eddi_scaffold.config.schema import Input, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput

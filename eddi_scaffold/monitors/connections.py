@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from eddi_scaffold.config import fields
-from eddi_scaffold.config.reading import ConfigFile, Input, SimulatorOutput, full_topic
-from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import Input, SimulatorOutput
+from eddi_scaffold.identifiers import full_topic, package_name
 from eddi_scaffold.monitors.binding import InputBinding, Monitor
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.problems import Problem, did_you_mean, error, warning

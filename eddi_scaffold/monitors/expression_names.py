@@ -16,7 +16,7 @@ from eddi_scaffold.config.fields import (
     parse_field,
     plain_step,
 )
-from eddi_scaffold.config.reading import Input, SimulatorOutput
+from eddi_scaffold.config.schema import Input, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.language.diagnostics import Locate
 from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type, Variable

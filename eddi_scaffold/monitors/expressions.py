@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.config.field_types import FieldsOf
-from eddi_scaffold.config.reading import ConfigFile, Input, SimulatorOutput
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import Input, SimulatorOutput
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import JsonValue, ModelInput
 from eddi_scaffold.language.diagnostics import Findings, Locate, in_text

@@ -8,8 +8,9 @@ from functools import partial
 
 from eddi_scaffold.config.field_types import Resolved, resolve
 from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, parse_field
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import FieldsOf, known_messages
-from eddi_scaffold.config.reading import ConfigFile, Output
+from eddi_scaffold.config.schema import Output
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error
 

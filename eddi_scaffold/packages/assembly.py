@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
+from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.reading import Config, ConfigFile, Robot, from_json, read_config
+from eddi_scaffold.config.reading import RobotAdditions, read_config
+from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.support import remembered
@@ -45,7 +47,7 @@ def monitors_of(
     config_files: Sequence[Path],
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
-    robot: Robot | None = None,
+    robot: RobotAdditions | None = None,
 ) -> tuple[list[Monitor], list[Problem]]:
     """Read a model file and configurations, and join them.
 
@@ -160,7 +162,7 @@ def rejoined(
 
 
 def _configs(
-    files: Sequence[Path], problems: list[Problem], robot: Robot | None
+    files: Sequence[Path], problems: list[Problem], robot: RobotAdditions | None
 ) -> list[ConfigFile]:
     configs = []
     for path in files:

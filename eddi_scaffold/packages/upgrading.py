@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.config.reading import ConfigFile, from_json, read_config
+from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds

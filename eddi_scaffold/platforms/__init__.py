@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.problems import EddiError, error
 
 if TYPE_CHECKING:
-    from eddi_scaffold.config.reading import Config
+    from eddi_scaffold.config.schema import Config
     from eddi_scaffold.kinds import JsonValue
     from eddi_scaffold.monitors.binding import Monitor
     from eddi_scaffold.problems import Problem

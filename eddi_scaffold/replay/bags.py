@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.config.reading import ConfigFile, SimulatorOutput
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
 from eddi_scaffold.regions.files import NotRegularError, open_regular

@@ -7,8 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.config.message_types import declared
-from eddi_scaffold.config.reading import Robot as ConfigRobot
-from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
@@ -21,7 +20,7 @@ from eddi_scaffold.robot.rossystem import Robot, read_robot
 from eddi_scaffold.source import read_source
 
 
-def beside(robot: Robot) -> ConfigRobot:
+def beside(robot: Robot) -> RobotAdditions:
     """Return what a system and its models say beside configurations.
 
     The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write.
@@ -42,12 +41,12 @@ def beside(robot: Robot) -> ConfigRobot:
         taken = {one.id for one in found} | {one.topic for one in found}
         return [*given, *(o for o in old if not {o.get("id"), o.get("topic")} & taken)]
 
-    return ConfigRobot(outputs, message_types(robot.models))
+    return RobotAdditions(outputs, message_types(robot.models))
 
 
 def beside_configs(
     system: Path | None, folder: Path | None
-) -> tuple[ConfigRobot | None, list[Problem]]:
+) -> tuple[RobotAdditions | None, list[Problem]]:
     """Return what a command was given beside configurations, if it was.
 
     What does not resolve in the system is a warning here: only what an input requires must.
@@ -63,7 +62,7 @@ def beside_configs(
     if system is None:
         models = load_models(folder)
         located = [replace(p, place=_inside(folder, p.place)) for p in models.problems]
-        return ConfigRobot(types=message_types(models)), _as_warnings(located)
+        return RobotAdditions(types=message_types(models)), _as_warnings(located)
     robot = read_robot(system, folder)
     outputs = simulator_outputs(robot.system, robot.models)
     problems = robot.located([*robot.problems, *outputs.problems])
@@ -72,7 +71,7 @@ def beside_configs(
 
 def check_robots(
     files: Sequence[Path], configs: Sequence[Path], folder: Path | None
-) -> tuple[list[Problem], ConfigRobot | None]:
+) -> tuple[list[Problem], RobotAdditions | None]:
     """Check ``.rossystem`` and ``.ros*`` files, and configurations against the systems.
 
     Args:
@@ -89,7 +88,7 @@ def check_robots(
         problems += [replace(p, place=_inside(folder, p.place)) for p in models.problems]
     for path in files:
         problems += _check_file(path, folder, models, configs)
-    return problems, ConfigRobot(types=message_types(models)) if models is not None else None
+    return problems, RobotAdditions(types=message_types(models)) if models is not None else None
 
 
 def _check_file(

@@ -6,7 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config.reading import Config, ConfigFile, from_json, options_of, read_config
+from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.options import options_of
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.positioned_yaml.writer import dump_plain
 from eddi_scaffold.problems import EddiError, Place

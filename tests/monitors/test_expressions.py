@@ -10,8 +10,9 @@ import pytest
 from eddi_runtime import EDDIInputBase
 from eddi_runtime.model_file import parse_model
 
+from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.reading import from_json, read_config
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import Monitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models

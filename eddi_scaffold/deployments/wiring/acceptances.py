@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.claims import Acceptance
-from eddi_scaffold.config.reading import Input
+from eddi_scaffold.config.schema import Input
 from eddi_scaffold.deployments.wiring.support import Participant, supports
 from eddi_scaffold.graphs import reached, reversed_graph
 from eddi_scaffold.kinds import JsonValue

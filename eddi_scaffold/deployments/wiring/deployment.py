@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.config.reading import ConfigFile, SimulatorOutput
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.wiring.support import Participant, Published, published
 from eddi_scaffold.kinds import Kind, kinds
 from eddi_scaffold.monitors.binding import Monitor

@@ -8,7 +8,8 @@ from typing import Any
 
 from eddi_scaffold.claims import Holds, Use
 from eddi_scaffold.config.fields import Attribute, FieldPath, parse_field
-from eddi_scaffold.config.reading import ConfigFile, SimulatorOutput
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.language.uses import uses
 from eddi_scaffold.monitors.binding import InputBinding, Monitor

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from eddi_scaffold.config.fields import ByKey, FieldPath, parse_field
-from eddi_scaffold.config.reading import ConfigFile, from_json, full_topic
+from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.graphs import cycles
-from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.identifiers import attribute, full_topic
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.language.uses import inputs_of
 from eddi_scaffold.monitors.expression_names import head_of, path_behind

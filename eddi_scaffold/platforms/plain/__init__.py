@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from eddi_scaffold.config.reading import Config
+from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
 from eddi_scaffold.monitors.answers import shared_answers

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from eddi_scaffold import __version__
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
-from eddi_scaffold.config.reading import Config, ConfigFile, SimulatorOutput
+from eddi_scaffold.config.schema import Config, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.config.reading import options_of, read_config
+from eddi_scaffold.config.options import options_of
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.problems import Problem, in_order
 from eddi_scaffold.source import Source, read_source

@@ -1,0 +1,90 @@
+"""One configuration as it was read: its content, and where each part of it is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from eddi_scaffold.config.schema import Config
+from eddi_scaffold.positioned_yaml.columns import inside_scalar
+from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.source import Source, beside, read_source
+
+KEY = -1
+"""Last part of the path under which the place of a key is noted, not that of its value."""
+_EVENT_FILES = "event_files"
+"""Key of the remembered texts beside those of the configuration itself."""
+
+
+@dataclass(frozen=True)
+class ConfigFile:
+    """A configuration with the place of each of its parts.
+
+    Attributes:
+        places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
+        remembered: it comes from the answers of a package, not from its file.
+        text: of the file.
+        event_files: name of each ``expression_file`` as it stands there -> its text.
+    """
+
+    config: Config
+    name: str
+    places: Mapping[tuple[str | int, ...], Place]
+    remembered: bool = False
+    text: str = ""
+    event_files: Mapping[str, str] = field(default_factory=dict)
+
+    def as_json(self) -> str:
+        """Return configuration and files of events as canonical JSON: what the answers remember."""
+        document = self.config.model_dump(exclude_defaults=True)
+        if self.event_files:
+            document[_EVENT_FILES] = dict(self.event_files)
+        return json.dumps(document, sort_keys=True)
+
+    def path(self, name: str) -> str:
+        """Return the path of a file that is named relative to this configuration, for places."""
+        return name if self.remembered else str(Path(self.name).parent / name)
+
+    def read(self, name: str) -> Source:
+        """Open a file that is named relative to this configuration.
+
+        Raises:
+            EddiError: it cannot be read (F001), it is not below the folder of the configuration
+                (F009), or the configuration is a remembered one (K033).
+        """
+        if self.remembered:
+            message = f"{name!r} cannot be read: the configuration is remembered, not given"
+            raise EddiError(error("K033", message, hint="name the configuration with -c"))
+        return read_source(beside(self.name, name))
+
+    def inside(self, *path: str | int) -> Callable[[int], Place]:
+        """Return offset in the text of a value -> its place in the file."""
+        return inside_scalar(self.text, self.place(*path))
+
+    def place(self, *path: str | int) -> Place:
+        """Return the place of a part, or of the nearest part around it."""
+        for end in range(len(path), -1, -1):
+            if path[:end] in self.places:
+                return self.places[path[:end]]
+        return Place(self.name)
+
+
+def from_json(text: str, name: str) -> ConfigFile:
+    """Read back what ``ConfigFile.as_json`` wrote.
+
+    Raises:
+        ValueError: a person or a merge has damaged it.
+    """
+    document = json.loads(text)
+    files = document.pop(_EVENT_FILES, {}) if isinstance(document, dict) else {}
+    if not isinstance(files, dict) or not all(isinstance(one, str) for one in files.values()):
+        raise ValueError(f"{_EVENT_FILES} is no map of texts")
+    config = Config.model_validate(document)
+    return ConfigFile(config, name, {}, remembered=True, event_files=files)
+
+
+def about_file(problem: Problem, name: str, place: Place) -> Problem:
+    """Say of which file a problem is, where its name stands."""
+    return replace(problem, message=f"{name!r}: {problem.message}", place=place)

@@ -1,0 +1,248 @@
+"""The form of ``eddi_config.yml``: its sections, keys and values (SESAME D7.2 Figs 32 and 39)."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictFloat,
+    StrictInt,
+    StrictStr,
+)
+
+from eddi_scaffold.identifiers import is_ros_name
+from eddi_scaffold.kinds import InputType
+
+_MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
+INPUT_TYPES: dict[str, InputType] = {
+    "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
+    "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
+    "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
+    "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
+}  # fmt: skip
+
+
+_FREQUENCIES = (1e-6, 1e6)
+"""Least and most steps per second: periods that every clock can count."""
+
+
+def _topic(text: str) -> str:
+    if not is_ros_name(text):
+        raise ValueError("a ROS name is expected: letters, digits, `_` and `/`, such as /rte/e0a")
+    return text
+
+
+def _message_type(text: str) -> str:
+    match = _MESSAGE_TYPE.fullmatch(text)
+    if match is None:
+        raise ValueError("a message type is expected, such as std_msgs.Bool or std_msgs/Bool")
+    return f"{match[1]}/{match[2]}"
+
+
+def _input_type(text: str) -> str:
+    if text.lower() not in INPUT_TYPES:
+        raise ValueError("the type of an input is bool, float, int, str, state, float[] or bool[]")
+    return INPUT_TYPES[text.lower()]
+
+
+def _max_age(value: object) -> object:
+    if value == "none" or value is None:
+        return value
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("seconds (a number above 0) or the word none are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+    if not math.isfinite(value) or value <= 0:
+        raise ValueError("seconds must be a number above 0, or the word none")
+    return float(value)
+
+
+def _frequency(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("a number of steps per second is expected")  # noqa: TRY004 - pydantic collects ValueErrors
+    low, high = _FREQUENCIES
+    if not low <= value <= high:  # never true of not-a-number
+        raise ValueError(
+            f"{low:f} to {high:.0f} steps per second are expected; "
+            "10 is usual, and `mode: on_change` steps at once when a message comes"
+        )
+    return float(value)
+
+
+def _version(text: str) -> str:
+    if re.fullmatch(r"[0-9]+\.[0-9]+\.[0-9]+", text) is None:
+        raise ValueError("three numbers are expected, such as 0.1.0")
+    return text
+
+
+def _maintainer(text: str) -> str:
+    form = r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>"
+    if re.fullmatch(form, text) is None or not text.isprintable():
+        raise ValueError("a name and an address are expected: Ada Lovelace <ada@example.org>")
+    return text
+
+
+def _line(text: str) -> str:
+    if not text.strip() or not text.isprintable():
+        raise ValueError("one line of text is expected")
+    return text
+
+
+def _file_name(text: str) -> str:
+    if not text.strip() or "\0" in text:
+        raise ValueError("the name of a file is expected")
+    return text
+
+
+def _named(value: object) -> object:
+    """Accept D7.2's ids that YAML 1.1 reads as numbers."""
+    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
+MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
+FileName = Annotated[StrictStr, AfterValidator(_file_name)]
+Line = Annotated[StrictStr, AfterValidator(_line)]
+Topic = Annotated[StrictStr, AfterValidator(_topic)]
+MessageType = Annotated[StrictStr, AfterValidator(_message_type)]
+Default = StrictBool | StrictInt | StrictFloat | StrictStr | None
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ModelSection(_Section):
+    """Which model runs, and how.
+
+    Attributes:
+        frequency: steps per second, in Hz.
+        mode: one step per period, or at once when a message comes (and per period).
+        parameters: D7.2's list of maps; names the file of a kind that has one.
+
+    Further keys belong to the kind, which checks them.
+    """
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+
+    id: Name
+    type: StrictStr
+    frequency: Annotated[float, BeforeValidator(_frequency)] = 10.0
+    mode: Literal["rate", "on_change"] = "rate"
+    parameters: Any = None
+
+
+class Entry(_Section):
+    """One entry of a list, known by its id."""
+
+    id: Name
+
+
+class SimulatorOutput(Entry):
+    """One topic of the robot that the monitor listens to.
+
+    Attributes:
+        max_age: default of the inputs that require it, in seconds.
+    """
+
+    type: MessageType
+    topic: Topic
+    max_age: MaxAge = None
+
+
+class Input(Entry):
+    """One input of the monitor.
+
+    Attributes:
+        requires: ids of the simulator outputs it is made of.
+        default: value before the first message.
+        unit: unit of the value, when it is not the model's.
+        field: path into the message (``data``, ``guarantees[G0].active``).
+        expression: a condition or value over the messages (docs/events.md), in place of ``field``.
+        expression_file: file of events, relative to the configuration, that has it in place of
+            ``expression``.
+        event: which event of that file it is; the only one needs no name.
+        states: for an input that is a state: state -> condition.
+        polarity: what an UNKNOWN condition gives: nothing (``EVIDENCE``) or true (``HAZARD``).
+        max_age: seconds after which the value is unknown, or ``none`` for never.
+        renamed_from: former id; its hand-written body moves along.
+    """
+
+    type: Annotated[StrictStr, AfterValidator(_input_type)] | None = None
+    requires: list[Name] = []
+    default: Default = None
+    unit: StrictStr | None = None
+    field: StrictStr | None = None
+    expression: StrictStr | None = None
+    expression_file: FileName | None = None
+    event: Name | None = None
+    states: dict[StrictStr, StrictStr] | None = None
+    polarity: Literal["EVIDENCE", "HAZARD"] = "EVIDENCE"
+    max_age: MaxAge = None
+    renamed_from: Name | None = None
+    allow_unsafe_default: StrictBool = False
+
+    @property
+    def is_computed(self) -> bool:
+        """Whether an expression gives the value."""
+        return any(one is not None for one in (self.expression, self.expression_file, self.states))
+
+
+class Output(Entry):
+    """One topic on which the result is published.
+
+    Attributes:
+        field: path into the result (``guarantees[G0].active``): its value alone is published, as a
+            message of ``std_msgs``; without it the whole result.
+        event: of a kind that gives several messages in a step: the id of the one that goes here.
+    """
+
+    topic: Topic
+    field: StrictStr | None = None
+    event: Name | None = None
+
+
+class PackageSection(_Section):
+    """What stands in the generated package.xml."""
+
+    version: Annotated[StrictStr, AfterValidator(_version)] = "0.1.0"
+    description: Line | None = None
+    maintainer: Annotated[StrictStr, AfterValidator(_maintainer)] | None = None
+    license: Line = "Apache-2.0"
+
+
+class Config(_Section):
+    """The whole file, checked for form; whether it fits the model is checked with the model.
+
+    Attributes:
+        declarations: VAR, CONST and ENUM for the expressions of inputs.
+        MessageTypes: message type -> field -> type, as in its ``.msg`` file: for types that
+            eddi-scaffold does not know.
+    """
+
+    Model: ModelSection
+    SimulatorOutputs: list[SimulatorOutput] = []
+    declarations: list[StrictStr] = []
+    EDDIInputs: list[Input] = []
+    EDDIOutputs: list[Output] = []
+    Package: PackageSection = PackageSection()
+    MessageTypes: dict[MessageType, dict[StrictStr, StrictStr]] = {}
+
+
+def known_keys(path: tuple[str | int, ...]) -> set[str]:
+    """Return the keys that a section has; none for what is below a section."""
+    sections: dict[str, type[BaseModel]] = {
+        "Model": ModelSection,
+        "SimulatorOutputs": SimulatorOutput,
+        "EDDIInputs": Input,
+        "EDDIOutputs": Output,
+        "Package": PackageSection,
+    }
+    section = sections.get(str(path[0])) if path else Config
+    return set(section.model_fields) if section else set()
