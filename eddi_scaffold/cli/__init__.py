@@ -9,18 +9,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.problems import EddiError, Place, Problem, error
-
-EXIT_NO = 1
-EXIT_BAD_INPUT = 2
-EXIT_LOOK = 3
-EXIT_OUR_BUG = 70
-EXIT_INTERRUPTED = 130
-
-_EVERYWHERE = frozenset(
-    {"-q", "--quiet", "-v", "--verbose", "--color", "--no-color", "--traceback"}
-)
 
 
 def program() -> None:
@@ -35,28 +26,21 @@ def program() -> None:
 
 
 def _interrupted(*_: object) -> None:
-    os._exit(EXIT_INTERRUPTED)  # all is written: nothing but the end of Python is left out
+    os._exit(exit_status.INTERRUPTED)  # all is written: nothing but the end of Python is left out
 
 
 def main() -> None:
     """Run the command line and end the process: the one funnel for errors."""
     try:
-        status = _status(hoisted(sys.argv[1:]))
+        status = _status(sys.argv[1:])
     except KeyboardInterrupt:  # while a problem was printed
-        status = EXIT_INTERRUPTED
+        status = exit_status.INTERRUPTED
     sys.exit(status)
-
-
-def hoisted(arguments: Sequence[str]) -> list[str]:
-    """Put the global options before the command, so that `check -q` does what people expect."""
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    front = [word for word in arguments[:end] if word in _EVERYWHERE]
-    rest = [word for word in arguments[:end] if word not in _EVERYWHERE]
-    return [*front, *rest, *arguments[end:]]
 
 
 def _status(arguments: Sequence[str]) -> int:
     """Run one command and return its exit status."""
+    console.quiet, console.verbose, console.colour = False, False, None
     try:
         from eddi_scaffold.cli.app import app  # Ctrl-C while this loads is caught, too
 
@@ -64,18 +48,18 @@ def _status(arguments: Sequence[str]) -> int:
     except EddiError as failure:
         return _fail(failure.problems, arguments)
     except KeyboardInterrupt:
-        result = EXIT_INTERRUPTED
+        result = exit_status.INTERRUPTED
     except OSError as refused:  # permission, full disk, too many open files
         return _fail([_refusal(refused)], arguments, refused)
     except Exception as failed:  # noqa: BLE001 - a user never sees a traceback unasked
         if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer tell it
-            result = EXIT_INTERRUPTED
+            result = exit_status.INTERRUPTED
         elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
             return _misused(failed, arguments)
         else:
             _report_bug(failed, with_traceback="--traceback" in arguments)
-            return EXIT_OUR_BUG
-    if result == EXIT_INTERRUPTED:
+            return exit_status.OUR_BUG
+    if result == exit_status.INTERRUPTED:
         console.say("interrupted, nothing is half-written")
     return result if isinstance(result, int) else 0
 
@@ -89,14 +73,14 @@ def _fail(
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems)
-    return EXIT_BAD_INPUT
+    return exit_status.BAD_INPUT
 
 
 def _misused(failed: Any, arguments: Sequence[str]) -> int:
     if _wants_json(arguments):
         return _fail([error("G000", " ".join(failed.format_message().split()))], arguments)
     failed.show()
-    return EXIT_BAD_INPUT
+    return exit_status.BAD_INPUT
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:

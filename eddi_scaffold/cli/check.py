@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import DefaultGuarantees, Json, NodeModels
 
 
@@ -58,4 +59,4 @@ def check(
         more = f" (-v shows {count_line(problems)})" if problems and not shown else ""
         console.say(f"{count_line(shown) or 'no problems'} in {names}{more}")
     if has_errors(problems):
-        raise typer.Exit(1)
+        raise typer.Exit(exit_status.NO)

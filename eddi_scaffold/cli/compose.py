@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import DefaultGuarantees, Json
 
 
@@ -50,4 +51,4 @@ def compose(
         for line in result.as_text():
             console.data(line)
     if not result.composable:
-        raise typer.Exit(1)
+        raise typer.Exit(exit_status.NO)

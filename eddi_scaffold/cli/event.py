@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import Json, in_a_folder
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def event(
     if analysis.form is None:
         if as_json:
             console.json(report_json(analysis))
-            raise typer.Exit(2)
+            raise typer.Exit(exit_status.BAD_INPUT)
         raise EddiError(*analysis.problems)
     if not as_json:
         console.problems(analysis.problems)
@@ -191,7 +192,7 @@ def _generate(
         console.complain(
             f"hand-written code has no place any more, it is kept in {', '.join(lost)}"
         )
-        raise typer.Exit(3)
+        raise typer.Exit(exit_status.LOOK)
 
 
 def _serve(port: int) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from eddi_scaffold.cli import exit_status
+
 if TYPE_CHECKING:
     from eddi_scaffold.robot.rossystem import Parsed
 
@@ -118,7 +120,7 @@ def parse_rossystem(
     what = _what(parsed, config, format, dry_run=dry_run)
     (console.complain if has_errors(parsed.problems) else console.say)(what)
     if has_errors(parsed.problems):
-        raise typer.Exit(1)
+        raise typer.Exit(exit_status.NO)
 
 
 def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str:  # noqa: A002 - as above

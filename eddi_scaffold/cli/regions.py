@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import Json
 
 
@@ -43,4 +44,4 @@ def regions(
             for note in status.notes:
                 console.data(f"          {note}")
     if check and any(entry.status.review for entry in entries):
-        raise typer.Exit(3)
+        raise typer.Exit(exit_status.LOOK)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages.generation import Outcome
 
@@ -33,7 +34,7 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
     if outcome.attention:
         console.say("hand edits need a look: `eddi-scaffold regions --check` lists them")
     if outcome.attention or outcome.left:
-        raise typer.Exit(3)
+        raise typer.Exit(exit_status.LOOK)
     if not dry_run and next_steps:
         console.say("next:")
         for step in next_steps:

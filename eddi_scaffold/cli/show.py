@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
@@ -50,11 +51,10 @@ def show(
         _print(survey, reading.models, chosen)
         console.problems([*reading.problems, *reading.unread, *unfit(chosen)])
     if has_errors(reading.problems):  # what is left of the file was shown
-        raise typer.Exit(1)
+        raise typer.Exit(exit_status.NO)
 
 
 def _show_robot(shown: Shown, *, as_json: bool) -> None:
-    from eddi_scaffold.cli import EXIT_BAD_INPUT
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.problems import has_errors
 
@@ -65,7 +65,7 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
             console.data(line)
         console.problems(shown.problems)
     if has_errors(shown.problems):
-        raise typer.Exit(1 if shown.tree else EXIT_BAD_INPUT)
+        raise typer.Exit(exit_status.NO if shown.tree else exit_status.BAD_INPUT)
 
 
 def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import ConfigFiles, Json
 
 
@@ -42,4 +43,4 @@ def status(
         for report in reports:
             console.data(report.as_text())
     if any(report.drifted for report in reports):
-        raise typer.Exit(1)
+        raise typer.Exit(exit_status.NO)

@@ -19,7 +19,7 @@ from eddi_scaffold.problems import EddiError, Place, error
 if TYPE_CHECKING:
     from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.problems import Problem
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.source import Source
 
 InputType = Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 from eddi_scaffold.problems import Problem, did_you_mean, error
 
 if TYPE_CHECKING:
-    from eddi_scaffold.mros.outputs import Topic
+    from eddi_scaffold.mros.topics import Topic
 
 Criterion = Literal["topics", "components", "infrastructure"]
 OPTIONS: dict[Criterion, str] = {

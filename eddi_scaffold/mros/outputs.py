@@ -13,32 +13,10 @@ from eddi_scaffold.mros.model import Kind
 from eddi_scaffold.mros.naming import Naming
 from eddi_scaffold.mros.resolving import Resolved, resolve
 from eddi_scaffold.mros.subsystems import flattened
+from eddi_scaffold.mros.topics import Topic, TopicKind
 from eddi_scaffold.problems import Problem, error, in_order, warning
 
 Include = Literal["subscribed", "actions"]
-TopicKind = Literal["published", "action", "subscribed"]
-
-
-@dataclass(frozen=True)
-class Topic:
-    """One entry of ``SimulatorOutputs``.
-
-    Attributes:
-        id: a Python name.
-        type: ``package.Type``.
-        topic: absolute name.
-        components: who provides it (or, of kind ``subscribed``, who waits for it).
-        file: of the system that names it first.
-        line: of the interface there, or of its component.
-    """
-
-    id: str
-    type: str
-    topic: str
-    kind: TopicKind
-    components: tuple[str, ...]
-    file: str
-    line: int
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,34 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Literal
 
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
+
+
+TopicKind = Literal["published", "action", "subscribed"]
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One entry of ``SimulatorOutputs``.
+
+    Attributes:
+        id: a Python name.
+        type: ``package.Type``.
+        topic: absolute name.
+        components: who provides it (or, of kind ``subscribed``, who waits for it).
+        file: of the system that names it first.
+        line: of the interface there, or of its component.
+    """
+
+    id: str
+    type: str
+    topic: str
+    kind: TopicKind
+    components: tuple[str, ...]
+    file: str
+    line: int
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from eddi_scaffold.readers.spelling import fold, local_name
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
 
 MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain")
 """Classes that monitors are made of."""

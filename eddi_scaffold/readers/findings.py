@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.problems import Level, Place, Problem
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.readers.xmi import Element
 
 

@@ -15,7 +15,7 @@ from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of, select
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.readers.xmi import Element
 
 Counts = Mapping[str, int]

@@ -16,7 +16,7 @@ from eddi_scaffold.readers.survey import MONITORED, kind_of_model
 from eddi_scaffold.readers.xmi import feature_of
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.readers.xmi import Element
 
 _READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})

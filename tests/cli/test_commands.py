@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold import __version__, cli
-from eddi_scaffold.cli import hoisted
 from eddi_scaffold.packages.examples import names
 from tests.cli.command import ROOT, Result, example, files_below, run
 
@@ -331,9 +330,18 @@ def test_upgrade_of_nothing_new(package: Path, folder: Path) -> None:
 # global options
 
 
-def test_global_options_may_stand_behind_the_command() -> None:
-    assert hoisted(["check", "-q", "f", "--color"]) == ["-q", "--color", "check", "f"]
-    assert hoisted(["check", "--", "-q"]) == ["check", "--", "-q"]
+@pytest.mark.parametrize(
+    "words", [("-q", "check", MODEL), ("check", "-q", MODEL), ("check", MODEL, "-q")]
+)
+def test_global_options_may_stand_behind_the_command(words: tuple[str, ...], folder: Path) -> None:
+    assert run(*words, cwd=folder) == Result(0, "", "")
+
+
+def test_a_global_option_is_no_value_of_another_option(folder: Path) -> None:
+    """A word behind ``--name`` is the name, whatever it looks like."""
+    result = run("event", "--name", "-q", "x > 1", cwd=folder)
+    assert result.status == 2
+    assert "files and functions cannot begin with '-q'" in result.err
 
 
 def test_quiet_and_verbose(folder: Path) -> None:

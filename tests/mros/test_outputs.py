@@ -15,8 +15,8 @@ from eddi_scaffold.mros.definitions import Reference
 from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.filters import Filters
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids, slug
-from eddi_scaffold.mros.outputs import Outputs, Topic, simulator_outputs
-from eddi_scaffold.mros.topics import topic_name
+from eddi_scaffold.mros.outputs import Outputs, simulator_outputs
+from eddi_scaffold.mros.topics import Topic, topic_name
 from eddi_scaffold.problems import Place, Problem, has_errors
 from tests.shared_data import shared
 

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.readers.eddi import EddiDocument, read_stream
+from eddi_scaffold.readers.document import EddiDocument
+from eddi_scaffold.readers.eddi import read_stream
 from eddi_scaffold.readers.references import Fragment, parse_fragment, parse_token
 
 

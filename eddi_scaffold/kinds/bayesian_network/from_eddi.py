@@ -9,7 +9,7 @@ from itertools import product
 from eddi_scaffold.kinds.bayesian_network.check import check_network, first_missing
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem
-from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import Findings
 from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import Element, select

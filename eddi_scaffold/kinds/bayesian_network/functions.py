@@ -28,7 +28,7 @@ from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
 from eddi_scaffold.problems import Problem, in_order, warning
-from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.xmi import load
 from eddi_scaffold.source import Source
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.problems import Problem
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.source import Source
 
 NAME = "consert"

@@ -23,7 +23,7 @@ from eddi_scaffold.kinds.event.model import (
 
 if TYPE_CHECKING:
     from eddi_scaffold.problems import Problem
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.source import Source
 
 

@@ -13,7 +13,7 @@ from eddi_scaffold.quantities import (
     rate,
     rate_factor,
 )
-from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import Findings
 from eddi_scaffold.readers.spelling import Spelling
 from eddi_scaffold.readers.xmi import Element

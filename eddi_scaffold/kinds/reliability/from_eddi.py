@@ -17,7 +17,7 @@ from eddi_scaffold.kinds.reliability.model import (
     System,
 )
 from eddi_scaffold.problems import Place, Problem
-from eddi_scaffold.readers.eddi import EddiDocument
+from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import Findings
 from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import Element, select

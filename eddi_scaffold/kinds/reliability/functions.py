@@ -28,7 +28,8 @@ from eddi_scaffold.problems import (
     in_order,
     warning,
 )
-from eddi_scaffold.readers.eddi import EddiDocument, read_document
+from eddi_scaffold.readers.document import EddiDocument
+from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.source import Source, beside, read_source
 
 

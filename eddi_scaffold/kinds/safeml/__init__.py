@@ -16,7 +16,7 @@ from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
 from eddi_scaffold.kinds.safeml.messages import MESSAGES
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.source import Source
 
 _SUFFIXES = (".yml", ".yaml")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from eddi_scaffold.problems import Level, Problem
-    from eddi_scaffold.readers.eddi import EddiDocument
+    from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.readers.xmi import Element
     from eddi_scaffold.source import Source
 

@@ -1,0 +1,10 @@
+"""What the exit status of a command says."""
+
+NO = 1
+"""The answer is no: problems were found, packages are not up to date."""
+BAD_INPUT = 2
+"""The input cannot be used; nothing was done."""
+LOOK = 3
+"""Done, but a person should look at what is left."""
+OUR_BUG = 70
+INTERRUPTED = 130
