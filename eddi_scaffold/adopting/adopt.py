@@ -13,7 +13,8 @@ from eddi_scaffold.adopting.package import OldPackage, read_old_package
 from eddi_scaffold.adopting.proposals import use_of
 from eddi_scaffold.adopting.wiring import OldInput, Wiring, read_wiring
 from eddi_scaffold.kinds import DeclaredInput, Kind, Model, Options, kinds
-from eddi_scaffold.monitors.loading import checked_models, is_config, read_models, select
+from eddi_scaffold.monitors.choosing import select
+from eddi_scaffold.monitors.loading import checked_models, is_config, read_models
 from eddi_scaffold.problems import EddiError, Place, error, has_errors
 from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.source import read_source

@@ -30,7 +30,8 @@ def export(
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.monitors.loading import checked_models, select
+    from eddi_scaffold.monitors.choosing import select
+    from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.problems import EddiError, did_you_mean, error, in_order

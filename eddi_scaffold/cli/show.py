@@ -29,7 +29,8 @@ def show(
     Example: eddi-scaffold show example.xml
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.monitors.loading import read_models, select, unfit
+    from eddi_scaffold.monitors.choosing import select
+    from eddi_scaffold.monitors.loading import read_models, unfit
     from eddi_scaffold.monitors.survey import mros_of, only, survey_of
     from eddi_scaffold.problems import EddiError, has_errors
     from eddi_scaffold.source import read_source

@@ -37,7 +37,7 @@ from eddi_scaffold.problems import (
     warning,
 )
 from eddi_scaffold.readers.xml_text import looks_like_xml
-from eddi_scaffold.source import Source
+from eddi_scaffold.source import Source, read_source
 
 _ALIASES = {
     "EDDIOoutputs": "EDDIOutputs",
@@ -91,6 +91,25 @@ def read_config(
     file = replace(file, event_files=files)
     problems += unread
     return (None if has_errors(problems) else file), in_order(problems)
+
+
+def read_configs(
+    files: Iterable[Path], robot: RobotAdditions | None = None
+) -> tuple[list[ConfigFile], list[Problem]]:
+    """Read the configurations of a command that needs them whole; return the warnings, too.
+
+    Raises:
+        EddiError: a file cannot be used.
+    """
+    problems: list[Problem] = []
+    configs: list[ConfigFile] = []
+    for path in files:
+        config, found = read_config(read_source(path), robot)
+        problems += found
+        configs += [config] if config is not None else []
+    if has_errors(problems):
+        raise EddiError(*problems)
+    return configs, problems
 
 
 def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:

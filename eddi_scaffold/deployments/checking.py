@@ -12,12 +12,13 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.deployments.joining import join, packages_of, without_model
+from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.check import members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.topics import absent_publishers
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.choosing import without_model
 from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
 from eddi_scaffold.platforms import Platform, chosen
 from eddi_scaffold.problems import EddiError, Problem, has_errors, info

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.model_path import named_model, named_model_path
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
-from eddi_scaffold.identifiers import is_package_name, package_name
-from eddi_scaffold.kinds import Kind, Model, Reading, kinds
+from eddi_scaffold.identifiers import is_package_name
+from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.monitors.connections import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Problem, error
@@ -42,7 +42,7 @@ def join(
     monitors: list[Monitor] = []
     for config in configs:
         try:
-            reading = _candidates(config, models, read)
+            reading = candidates(config, models, read)
             problems += reading.problems
             model = model_for(config, reading.models)
         except EddiError as failure:
@@ -74,69 +74,6 @@ def packages_of(
         packages.append(package)
         problems += found
     return packages, problems
-
-
-def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
-    """Find the model that a configuration is about.
-
-    Raises:
-        EddiError: there is no kind of its type (K027), or no model of its type and id (K026).
-    """
-    section = config.config.Model
-    of_type = {kind.name for kind in _kinds_of(config)}
-    if not of_type:
-        known = ", ".join(kind.config_types[0] for kind in kinds().values())
-        message = f"there is no monitor kind {section.type!r}"
-        raise EddiError(
-            error("K027", message, config.place("Model", "type"), f"known types: {known}")
-        )
-    fitting = [model for model in models if model.kind in of_type]
-    wanted = package_name(section.id)
-    found = [model for model in fitting if package_name(model.name) == wanted]
-    if not found and (name := named_model(config)) is not None:
-        named = Path(config.path(name)).resolve()
-        found = [model for model in fitting if Path(model.source.name).resolve() == named]
-    if not found and len(fitting) == 1 and len(models) == 1:
-        found = (
-            fitting  # one model, one configuration: the id of the configuration names the package
-        )
-    if not found:
-        names = ", ".join(model.name for model in fitting) or "none"
-        message = f"there is no {section.type} called {section.id!r}"
-        raise EddiError(error("K026", message, config.place("Model", "id"), f"there are: {names}"))
-    return found[0]
-
-
-def _kinds_of(config: ConfigFile) -> Sequence[Kind]:
-    """Return the kinds that the ``Model: type:`` of a configuration can mean."""
-    wanted = config.config.Model.type.casefold()
-    return [
-        kind
-        for kind in kinds().values()
-        if wanted in {name.casefold() for name in kind.config_types}
-    ]
-
-
-def _candidates(
-    config: ConfigFile, models: Sequence[Model], read: Callable[[Path], Reading]
-) -> Reading:
-    """Return the models among which a configuration chooses: those given, else what it names."""
-    fitting = {kind.name for kind in _kinds_of(config)}
-    if any(model.kind in fitting for model in models):
-        return Reading(tuple(models), ())
-    path = named_model_path(config)
-    if path is not None:
-        return read(path)
-    if not models:
-        raise EddiError(without_model(config))
-    return Reading(tuple(models), ())
-
-
-def without_model(config: ConfigFile) -> Problem:
-    """Return G015: no model is given, and the configuration names none."""
-    hint = "add the model, or name it: `parameters: [{model: FILE}]`"
-    message = "the configuration does not say of what"
-    return error("G015", message, config.place("Model"), hint)
 
 
 def _add(

@@ -9,7 +9,8 @@ from pathlib import Path
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.identifiers import free_name
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.loading import checked_models, select, unfit
+from eddi_scaffold.monitors.choosing import select
+from eddi_scaffold.monitors.loading import checked_models, unfit
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 
 

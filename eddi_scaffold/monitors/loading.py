@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
+from eddi_scaffold.kinds import Model, Options, Reading, kinds
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.positioned_yaml.nodes import read_map
-from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.unread import foreign, unread
@@ -114,27 +114,6 @@ def no_model(source: Source) -> Problem:
     """Return F004: the file is sound, but of no use for a monitor."""
     message = "there is no model in this file that a monitor can be made of"
     return error("F004", message, Place(source.name))
-
-
-def select(models: Sequence[Model], name: str | None, kind: Kind | None = None) -> Sequence[Model]:
-    """Select the models called ``name`` (compared without case) and of ``kind``.
-
-    Raises:
-        EddiError: none is left (F005).
-    """
-    left = [model for model in models if kind is None or model.kind == kind.name]
-    if name is not None:
-        exact = [model for model in left if model.name == name]
-        left = exact or [model for model in left if model.name.casefold() == name.casefold()]
-    if not left:
-        names = [model.name for model in models]
-        wanted = f"no model {name!r}" if name is not None else "no such model"
-        hint = (did_you_mean(name, names) if name else None) or (
-            f"there are: {', '.join(names) or 'none that a monitor can be made of'}"
-        )
-        place = Place(models[0].source.name) if models else Place()
-        raise EddiError(error("F005", f"there is {wanted} in this file", place, hint))
-    return left
 
 
 def unfit(models: Sequence[Model]) -> list[Problem]:

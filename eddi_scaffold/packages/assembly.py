@@ -11,18 +11,18 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.reading import RobotAdditions, read_config
+from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import Monitor, monitor_of
-from eddi_scaffold.monitors.loading import checked_models, select
+from eddi_scaffold.monitors.choosing import select
+from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Problem, has_errors
-from eddi_scaffold.source import read_source
 
 _IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
@@ -63,7 +63,8 @@ def monitors_of(
         reading = checked_models(model_file, default_guarantees)
         models = select(reading.models, name) if name is not None else reading.models
         problems += reading.problems
-    configs = _configs(config_files, problems, robot)
+    configs, unsure = read_configs(config_files, robot)
+    problems += unsure
     read = partial(checked_models, default_guarantees=default_guarantees)
     monitors, found = join(models, configs, read, default_guarantees)
     problems += found
@@ -159,19 +160,6 @@ def rejoined(
     if monitor is None:
         raise EddiError(*problems)
     return monitor, problems
-
-
-def _configs(
-    files: Sequence[Path], problems: list[Problem], robot: RobotAdditions | None
-) -> list[ConfigFile]:
-    configs = []
-    for path in files:
-        config, found = read_config(read_source(path), robot)
-        problems += found
-        configs += [config] if config is not None else []
-    if has_errors(problems):
-        raise EddiError(*problems)
-    return configs
 
 
 def _kept_identity(answers: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.reading import read_configs
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
@@ -87,7 +87,8 @@ def targets(
     if config_files and model_file is None:
         message = "a new configuration needs the model as well"
         raise EddiError(error("U002", message, hint="add `-m MODEL`"))
-    configs = _configs(config_files)
+    given, _ = read_configs(config_files)
+    configs = {package_name(one.config.Model.id): one for one in given}
     for name in sorted(configs.keys() - group.present.keys()):
         message = f"no package here is called {name!r}"
         hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
@@ -203,16 +204,6 @@ def _check_answers(package: Path, answers: dict[str, Any]) -> None:
 
 def _platform(answers: dict[str, Any]) -> Platform:
     return platforms()[str(answers["template"]).partition("_")[0]]
-
-
-def _configs(files: Sequence[Path]) -> dict[str, ConfigFile]:
-    configs = {}
-    for path in files:
-        config, problems = read_config(read_source(path))
-        if config is None:
-            raise EddiError(*problems)
-        configs[package_name(config.config.Model.id)] = config
-    return configs
 
 
 def model_id(answers: dict[str, Any]) -> str:
