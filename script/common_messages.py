@@ -50,7 +50,7 @@ def main() -> None:
     parser.add_argument("--packages", action="store_true", help="print Debian's package names")
     options = parser.parse_args()
     if options.packages:
-        print(*(f"ros-{name.replace('_', '-')}" for name in PACKAGES))  # noqa: T201 - its output
+        print(*(f"ros-{name.replace('_', '-')}" for name in PACKAGES))
         return
     sys.stdout.write(HEADER)
     sys.stdout.writelines(f"{line}\n" for line in lines(options.share))
