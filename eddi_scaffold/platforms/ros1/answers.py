@@ -9,6 +9,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.config.schema import Config, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
+from eddi_scaffold.identifiers import full_topic
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import Monitor
@@ -52,7 +53,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
         for publication in published
     ]
     files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
-    problems += _check(monitor.config, published)
+    problems += _check(monitor, monitor.config, published)
     return PackageAnswers(monitor.package, answers, files), problems
 
 
@@ -145,18 +146,25 @@ def _imports(classes: dict[str, str]) -> list[str]:
     return lines
 
 
-def _check(config: ConfigFile, published: Sequence[Publication]) -> Iterable[Problem]:
+def _check(
+    monitor: Monitor, config: ConfigFile, published: Sequence[Publication]
+) -> Iterable[Problem]:
+    """Find outputs that are missing, heard by their own monitor, or of two types on one topic.
+
+    Topics are compared as a node outside of any namespace resolves them: `a/b` is `/a/b` there.
+    """
     if not config.config.EDDIOutputs:
         message = "EDDIOutputs names no topic: the result would not be published"
         hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
         yield error("K030", message, config.place("EDDIOutputs"), hint)
-    heard = {source.topic for source in config.config.SimulatorOutputs}
+    heard = {full_topic(one.topic, "", monitor.package) for one in config.config.SimulatorOutputs}
     types: dict[str, str] = {}
     for one in published:
-        topic = one.output.topic
+        written = one.output.topic
+        topic = full_topic(written, "", monitor.package)
         if topic in heard:
-            message = f"the monitor would listen to its own output {topic}"
+            message = f"the monitor would listen to its own output {written}"
             yield error("K031", message, one.place)
         if types.setdefault(topic, one.type) != one.type:
-            message = f"the topic {topic} would carry {types[topic]} and {one.type}"
+            message = f"the topic {written} would carry {types[topic]} and {one.type}"
             yield error("K031", message, one.place, "give each output a topic of its own")

@@ -5,9 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from eddi_scaffold.kinds.reliability import KIND
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1.answers import monitor_answers
+from eddi_scaffold.problems import EddiError
 from tests.kinds.reliability.monitors import read_text, sound
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
@@ -39,13 +42,14 @@ def test_a_threshold_is_published_as_a_bool(tmp_path: Path) -> None:
 
 
 def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:
+    """Outside of namespaces, ``/drone/reliability`` is the example's ``drone/reliability``."""
     both = "eddi_messages/ReliabilityOutput and std_msgs/Bool"
     assert answers(tmp_path, "/drone/reliability")[1] == [
         f"13: K031 the topic /drone/reliability would carry {both}"
     ]
-    assert answers(tmp_path, "/drone/rotors_ok")[1] == [
-        "13: K031 the monitor would listen to its own output /drone/rotors_ok"
-    ]
+    with pytest.raises(EddiError) as heard:
+        answers(tmp_path, "drone/rotors_ok")
+    assert [problem.code for problem in heard.value.problems] == ["D001"]
 
 
 def test_a_topic_is_shown_and_exported() -> None:
