@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from eddi_runtime import EDDIInputBase
 from eddi_runtime import __version__ as runtime_version
-from eddi_runtime.model_file import ModelError, canonical, digest_of, parse_model
+from eddi_runtime.documents import ModelError
+from eddi_runtime.model_file import canonical, digest_of, parse_model
 from eddi_runtime.monitor import build
 
 from eddi_scaffold.kinds import JsonValue, Kind, Model

@@ -12,7 +12,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from eddi_runtime.event import engine
+from eddi_runtime.expressions import engine
 from hypothesis import settings
 
 from eddi_scaffold.deployments.checking import check_files

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_runtime.model_file import ModelError, parse_model
+from eddi_runtime.documents import ModelError
+from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import build
 
 from eddi_scaffold.config.block import read_block, rewritten

@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 import re
 
-from eddi_runtime.event import elements, reduction, stacks, values, windows
-from eddi_runtime.event.form import BUFFERED, WINDOWS, Variable
-from eddi_runtime.event.source import CLASSES, class_lines
+from eddi_runtime.expressions import elements, reduction, stacks, values, windows
+from eddi_runtime.expressions.form import BUFFERED, WINDOWS, Variable
+from eddi_runtime.expressions.source import CLASSES, class_lines
 
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.language.targets.monitor_model import Given, MonitorModel

@@ -6,6 +6,8 @@ import time
 import traceback
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
+from .plain_values import one_line
+
 RESERVED_ATTRIBUTES = frozenset(
     {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
     | {"update_expression"}
@@ -31,8 +33,8 @@ class InputSpec(NamedTuple):
         factor: numerator and denominator: a given number times this is in the model's unit.
         default: value before the first message.
         every_message: the attribute holds the list of all values since the last step.
-        expression: what ``expression`` computes: forms of ``event.expression``, and ``names``:
-            first word of a variable -> ``message`` or ``input``, and its id.
+        expression: what ``expression`` computes: forms of ``eddi_runtime.expressions``, and
+            ``names``: first word of a variable -> ``message`` or ``input``, and its id.
     """
 
     id: str
@@ -97,7 +99,7 @@ class EDDIInputBase:
         """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
         if any(spec.expression is not None for spec in specs):
-            from .event.expression import InputExpression  # noqa: PLC0415 - no other input pays for it
+            from .expressions.expression import InputExpression  # noqa: PLC0415 - no other input pays for it
 
             self.__expressions = {
                 spec.id: InputExpression(spec.expression)
@@ -304,15 +306,6 @@ def _invalid(problem: Exception, before: InputState) -> InputState:
     repeated = before.state == "invalid" and before.reason == reason
     detail = before.detail if repeated else _traceback(problem)
     return InputState("invalid", reason, None, before.errors + 1, detail)
-
-
-def one_line(problem: BaseException) -> str:
-    """Return a problem in one line; never raises."""
-    try:
-        text = " ".join(str(problem).split())[:300]
-    except Exception:  # noqa: BLE001 - an exception may fail to print itself
-        text = "it cannot be printed"
-    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
 
 
 def _traceback(problem: BaseException) -> str:

@@ -8,8 +8,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
 
+from .documents import ModelError
 from .inputs import InputSpec
-from .model_file import ModelError, ModelFile, read_model
+from .model_file import ModelFile, read_model
 
 Tree = Tuple[str, Mapping[str, Any]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
@@ -104,11 +105,15 @@ def build(model_file: ModelFile, hooks: Any = None) -> Monitor:
         raise ModelError(model_file.path, problem.reason) from None
 
 
+_NO_KINDS = frozenset({"expressions", "ros1"})
+"""Folders beside those of the kinds."""
+
+
 @lru_cache(maxsize=None)
 def kinds() -> Tuple[str, ...]:
     """Return the kinds of this runtime: each is a module of its own that offers ``build``."""
     found = (module.name for module in pkgutil.iter_modules(_FOLDER) if module.ispkg)
-    return tuple(sorted(name for name in found if name != "ros1"))
+    return tuple(sorted(name for name in found if name not in _NO_KINDS))
 
 
 def _builder(model_file: ModelFile) -> Callable[[ModelFile, Any], Monitor]:

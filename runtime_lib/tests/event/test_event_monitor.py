@@ -5,10 +5,10 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.event.expression import InputExpression, read_path, source_of
+from eddi_runtime.documents import ModelError
 from eddi_runtime.event.monitor import build
+from eddi_runtime.expressions.expression import InputExpression, read_path, source_of
 from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
-from eddi_runtime.model_file import ModelError
 
 from .event_documents import SECOND, form, model_file
 

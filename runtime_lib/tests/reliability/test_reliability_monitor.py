@@ -7,7 +7,7 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_runtime.model_file import ModelError  # noqa: E402 - numpy comes first
+from eddi_runtime.documents import ModelError  # noqa: E402 - numpy comes first
 from eddi_runtime.reliability.result import as_json  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first

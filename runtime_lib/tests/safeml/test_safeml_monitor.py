@@ -6,8 +6,8 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime import EDDIInputBase  # noqa: E402 - numpy comes first
+from eddi_runtime.documents import ModelError  # noqa: E402
 from eddi_runtime.inputs import Messages  # noqa: E402
-from eddi_runtime.model_file import ModelError  # noqa: E402
 from eddi_runtime.safeml.design import Design, DesignSpec  # noqa: E402
 
 from runtime_lib.tests.safeml.monitors import document, give, monitor, step  # noqa: E402

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from eddi_runtime.model_file import ModelError
+from eddi_runtime.documents import ModelError
 from eddi_runtime.reliability.cut_sets import (
     CutSetBounds,
     cut_sets_of_gates,

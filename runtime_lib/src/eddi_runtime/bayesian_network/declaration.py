@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from ..model_file import ModelError
+from ..documents import ModelError
 
 UNOBSERVED = "unobserved"
 _KEYS = frozenset(

@@ -18,8 +18,9 @@ from typing import (
 )
 
 from ..clock import step_time
+from ..documents import ModelError
 from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile
+from ..model_file import ModelFile
 from ..monitor import Tree
 from . import outputs as out
 from .claims import ERROR, UNKNOWN, Claim, Claims

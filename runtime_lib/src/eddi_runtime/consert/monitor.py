@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
 
+from ..documents import ModelError
 from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile
+from ..model_file import ModelFile
 from ..monitor import Tree
 from . import compile as compiler
 from .explain import Explanation, Reason, Sets

@@ -6,14 +6,15 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from ..clock import step_time
+from ..documents import ModelError, take
+from ..expressions.engine import Engine, fault, stamp_at
+from ..expressions.form import BOOL, read_form, used_variables
+from ..expressions.sampling import Sampling
 from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile, take
+from ..model_file import ModelFile
 from ..monitor import Tree
 from ..plain_values import plain
-from .engine import Engine, fault, stamp_at
-from .form import BOOL, read_form, used_variables
 from .messages import output_messages
-from .sampling import Sampling
 
 Rows = List[Dict[str, Any]]
 _VERDICTS = (False, None, True)

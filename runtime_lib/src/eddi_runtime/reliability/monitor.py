@@ -6,8 +6,9 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from ..clock import NO_TIME, step_time
+from ..documents import ModelError
 from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile
+from ..model_file import ModelFile
 from ..monitor import Tree
 from ..thresholds import Evidence
 from . import result as out

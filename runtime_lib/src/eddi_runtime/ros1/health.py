@@ -182,12 +182,6 @@ class Changes:
             LOG.info("%s is now %s", name, "active" if active else "inactive")
 
 
-def one_line(error: BaseException) -> str:
-    """Return type and text of an exception as one line."""
-    text = " ".join(str(error).split())[:300]
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
-
-
 def activity(output: object) -> Dict[str, bool]:
     """Return id -> active of an output that is a list of ``{"id", "active"}``, else nothing."""
     if not isinstance(output, (list, tuple)):

@@ -15,11 +15,12 @@ import rosgraph
 import rospy
 
 from .. import ModelError, __version__
+from ..plain_values import one_line
 from . import start
 from .conversion import Converter, MessageError
 from .diagnostics import Diagnostics
 from .ending import Ending
-from .health import Changes, Health, one_line
+from .health import Changes, Health
 from .logs import LOG
 from .publications import Publications, beside, check_outputs, check_serialises
 from .report import Report

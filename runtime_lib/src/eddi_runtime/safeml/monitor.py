@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from ..clock import NO_TIME, step_time
+from ..documents import ModelError
 from ..inputs import InputSpec, Messages
-from ..model_file import ModelError, ModelFile
+from ..model_file import ModelFile
 from ..monitor import Tree
 from . import limits, result
 from .arrays import Array, backend
