@@ -76,7 +76,7 @@ def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) 
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")
-        for line in kinds()[item.kind].outline(item):
+        for line in kinds()[item.kind].functions.outline(item):
             console.data(f"  {line}")
     for other in survey["models"]:
         if not is_one_of(other, models):

@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from eddi_scaffold import units
 from eddi_scaffold.config import fields
@@ -103,7 +104,7 @@ class Monitor:
 
     package: str
     model: Model
-    kind: Kind
+    kind: Kind[Any]
     config: ConfigFile | None
     inputs: tuple[InputBinding, ...]
     model_json: str
@@ -113,7 +114,7 @@ class Monitor:
 
 def monitor_of(
     model: Model,
-    kind: Kind,
+    kind: Kind[Any],
     config: ConfigFile | None,
     known_messages: FieldsOf,
     marks: Sequence[str] = (),
@@ -130,7 +131,7 @@ def monitor_of(
     Returns:
         The monitor, ``None`` when a problem is an error, and all problems of the join.
     """
-    configured, problems = kind.configure(model, options_of(config))
+    configured, problems = kind.functions.configure(model, options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
@@ -179,7 +180,7 @@ def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
     }
 
 
-def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterable[Problem]:
+def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
         message = f"the model is a {kind.title}, the configuration says {section.type!r}"
@@ -193,9 +194,9 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
 
 
 def _bind(
-    model: Model, kind: Kind, config: ConfigFile | None, known: FieldsOf
+    model: Model, kind: Kind[Any], config: ConfigFile | None, known: FieldsOf
 ) -> tuple[list[InputBinding], list[Problem]]:
-    inputs = kind.inputs(model)
+    inputs = kind.functions.inputs(model)
     if config is None:
         return [_unconfigured(item) for item in inputs], []
     problems: list[Problem] = []

@@ -31,7 +31,7 @@ def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
             "name": model.name,
             "path": model.place.path,
             "line": model.place.line,
-            "counts": dict(kinds()[model.kind].counts(model)),
+            "counts": dict(kinds()[model.kind].functions.counts(model)),
         }
         for model in reading.models
     ]

@@ -108,9 +108,9 @@ def wiring_with(
 
 def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
     """Compare the compiled model with an independent tool, where its kind has one."""
-    if monitor.kind.cross_check is None:
+    if monitor.kind.functions.cross_check is None:
         return monitor
-    result = monitor.kind.cross_check(monitor.model, monitor.model_json)
+    result = monitor.kind.functions.cross_check(monitor.model, monitor.model_json)
     problems += result.problems
     return replace(monitor, cross_check=result.text)
 

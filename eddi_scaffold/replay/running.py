@@ -115,7 +115,7 @@ def picture(monitor: Monitor, play: Play) -> str:
 
 def compiled(monitor: Monitor) -> RuntimeMonitor:
     """Return the monitor as its package would load it; hand-written code is not in it."""
-    files = monitor.kind.data_files(monitor.model)
+    files = monitor.kind.functions.data_files(monitor.model)
     return build(parse_model(monitor.model_json, monitor.model.name, files))
 
 

@@ -103,7 +103,7 @@ class Publisher:
 
 
 def _has_status(monitor: Monitor) -> bool:
-    return "status" in monitor.kind.beside(monitor.model)
+    return "status" in monitor.kind.functions.beside(monitor.model)
 
 
 def _said(running: RunningMonitor, output: Any, of: str) -> Sequence[Message]:

@@ -83,7 +83,7 @@ def used(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> S
     yield
     reading = read_models(read_source(path))
     for model in () if has_errors(reading.problems) else reading.models:
-        kind = kinds()[model.kind]
+        kind = kinds()[model.kind].functions
         json.dumps([list(kind.outline(model)), dict(kind.counts(model)), dict(kind.export(model))])
         yield
         if kind.diagram is not None:
@@ -129,7 +129,7 @@ def _exported(folder: Path, suffix: str) -> list[Sample]:
     found = []
     for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(SHARED.glob("bn/net_[abc].xml"))):
         for model in read_models(read_source(path)).models:
-            for name, text in kinds()[model.kind].export(model).items():
+            for name, text in kinds()[model.kind].functions.export(model).items():
                 if name.endswith(suffix) and len(text) <= SMALL:
                     found.append(Sample(name, text.encode()))
     return found
@@ -412,7 +412,7 @@ def _adopt(folder: Path) -> Made:
 
 def _consert_yaml() -> str:
     (model, *_) = read_models(read_source(EXAMPLES / "two-conserts/two_conserts.xml")).models
-    return next(iter(kinds()["consert"].export(model).values()))
+    return next(iter(kinds()["consert"].functions.export(model).values()))
 
 
 def _files(*folders: Path) -> Iterator[Path]:

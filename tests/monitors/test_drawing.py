@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
-from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors import drawing
 from eddi_scaffold.monitors.drawing import pictures
 from eddi_scaffold.problems import EddiError
 from tests.checkouts import HERE
@@ -21,9 +17,8 @@ def test_one_picture_for_each_model() -> None:
     assert list(pictures(MODEL, "ConSertB", (), single=True)[0]) == ["ConSertB.svg"]
 
 
-def test_a_kind_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = {name: replace(kind, diagram=None) for name, kind in kinds().items()}
-    monkeypatch.setattr(drawing, "kinds", lambda: plain)
+def test_a_kind_without_pictures_says_so() -> None:
+    events = HERE / "examples" / "motor-watch" / "motor_watch.events"
     with pytest.raises(EddiError) as refused:
-        pictures(MODEL, None, (), single=False)
+        pictures(events, None, (), single=False)
     assert [problem.code for problem in refused.value.problems] == ["G018"]

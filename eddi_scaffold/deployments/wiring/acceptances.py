@@ -78,7 +78,7 @@ def check_acceptances(participants: Sequence[Participant]) -> Iterator[Problem]:
 
 
 def _of(one: Participant) -> Iterator[Acceptance]:
-    yield from one.kind.accepted(one.document, one.frequency)
+    yield from one.kind.functions.accepted(one.document, one.frequency)
     specs = {spec["id"]: spec for spec in one.document["inputs"]}
     for index, entry in enumerate(one.config.config.EDDIInputs):
         if entry.id in specs:

@@ -9,7 +9,7 @@ from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_
 
 from eddi_scaffold.claims import Use
 from eddi_scaffold.identifiers import attribute, free_name
-from eddi_scaffold.kinds import InputType, JsonValue, Model, ModelInput, Options
+from eddi_scaffold.kinds import InputType, JsonValue, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
 from eddi_scaffold.kinds.bayesian_network.doubts import doubts
 from eddi_scaffold.kinds.bayesian_network.influence import without_influence
@@ -59,9 +59,13 @@ class Settings:
         return tuple(dict.fromkeys([*self.outputs, *(one.node for one in self.thresholds)]))
 
 
-def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+NetworkModel = TypedModel[Network, Settings]
+"""A network; its options are what a configuration says to it."""
+
+
+def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
     """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B427)."""
-    network: Network = model.data
+    network = model.data
     settings, problems = _settings(network, options)
     if settings is not None:
         problems += _too_wide(settings.width, options)
@@ -117,9 +121,9 @@ def _judged(settings: Settings) -> list[str]:
     return [*settings.outputs, *(one.node for one in settings.thresholds)]
 
 
-def settings_of(model: Model) -> Settings:
+def settings_of(model: NetworkModel) -> Settings:
     """Return the settings of a model, by default those without a configuration."""
-    settings: Settings | None = model.options
+    settings = model.options
     if settings is None:
         settings, _ = _settings(model.data, Options())
         assert settings is not None, "a checked network needs no configuration"

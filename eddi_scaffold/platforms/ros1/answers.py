@@ -49,10 +49,12 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
         for source in _subscribed(monitor)
     ]
     answers["publications"] = [
-        publication_answers(publication, classes, monitor.kind.beside(monitor.model))
+        publication_answers(publication, classes, monitor.kind.functions.beside(monitor.model))
         for publication in published
     ]
-    files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
+    files = {
+        f"config/{n}": data for n, data in monitor.kind.functions.data_files(monitor.model).items()
+    }
     problems += _check(monitor, monitor.config, published)
     return PackageAnswers(monitor.package, answers, files), problems
 

@@ -141,7 +141,7 @@ def test_other_formats(section: str) -> None:
 @pytest.mark.parametrize("case", cases("exports"), ids=ident)
 def test_exports(case: dict[str, Any]) -> None:
     model = read_path(shared("bn") / case["file"])
-    for name, text in KIND.export(model).items():
+    for name, text in KIND.functions.export(model).items():
         reading = read_models(Source(name, text.encode()))
         node = reading.models[0].data.node(case["node"])
         assert (list(node.parents), list(node.table)) == (case["parents"], case["values"])
