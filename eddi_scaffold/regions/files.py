@@ -110,7 +110,14 @@ def kind_of(path: Path) -> str | None:
 
 def stays(root: Path, path: Path) -> bool:
     """Tell whether a path, links followed, still lies below a folder."""
-    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(root))
+    return resolved(root, path) is not None
+
+
+def resolved(root: Path, path: Path) -> Path | None:
+    """Return a path with links followed, ``None`` when it does not lie below a folder then."""
+    real, folder = os.path.realpath(path), os.path.realpath(root)
+    below = real == folder or real.startswith(folder.rstrip(os.sep) + os.sep)
+    return Path(real) if below else None
 
 
 def _name(entry: os.DirEntry[str]) -> str:
