@@ -74,13 +74,9 @@ def example(folder: Path) -> Path:
 
 def files_below(folder: Path) -> dict[str, bytes]:
     """Return every file below a folder."""
-    found = {}
-    for place, _, names in os.walk(folder):
-        for name in names:
-            path = Path(place, name)
-            if path.is_file():
-                found[path.relative_to(folder).as_posix()] = path.read_bytes()
-    return dict(sorted(found.items()))
+    start = len(f"{folder}/")
+    paths = sorted(f"{place}/{name}" for place, _, names in os.walk(folder) for name in names)
+    return {path[start:]: Path(path).read_bytes() for path in paths if Path(path).is_file()}
 
 
 XML_HEAD = (
