@@ -45,6 +45,7 @@ def _compile_once() -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shard", range(SHARDS))
 def test_silence_claims_nothing(shard: int) -> None:
     total = Count()

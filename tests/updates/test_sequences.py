@@ -7,12 +7,15 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, Phase, given, note, settings
 from hypothesis import strategies as st
 
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import VERSIONS, Templates, git
 from tests.updates.world import DONE, World, long_profile, snapshot
+
+pytestmark = pytest.mark.slow
 
 NAMES = ("alpha", "beta", "gamma", "delta", "alpha2", "Rt_E-5")
 PLACES = (
