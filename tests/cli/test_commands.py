@@ -432,16 +432,6 @@ def test_no_folder_is_made_around_what_is_written(command: str, folder: Path) ->
     assert not (folder / "no").exists()
 
 
-def test_ctrl_c_while_it_waits_for_a_file(folder: Path) -> None:
-    os.mkfifo(folder / "pipe.xml")
-    process = started("show", "pipe.xml", cwd=folder)
-    with (folder / "pipe.xml").open("wb"):  # returns when the program has opened it to read
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
-    assert (process.returncode, out) == (130, b"")
-    assert err == b"interrupted, nothing is half-written\n"
-
-
 def test_ctrl_c_while_it_loads(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "eddi_scaffold.cli.app", Interrupting())
     assert run("show", MODEL, cwd=folder) == Result(
