@@ -40,8 +40,8 @@ def test_a_threshold_is_published_as_a_bool(tmp_path: Path) -> None:
 
 def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:
     both = "eddi_messages/ReliabilityOutput and std_msgs/Bool"
-    assert answers(tmp_path, "/drone/reliability")[1] == [
-        f"13: K031 the topic /drone/reliability would carry {both}"
+    assert answers(tmp_path, "drone/reliability")[1] == [
+        f"13: K031 the topic drone/reliability would carry {both}"
     ]
     assert answers(tmp_path, "/drone/rotors_ok")[1] == [
         "13: K031 the monitor would listen to its own output /drone/rotors_ok"
