@@ -13,6 +13,8 @@ import pytest
 from tests.cli.command import files_below, template
 from tests.fuzz.test_answers_are_data import sound
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("which", ["network", "plain"])
 def test_the_same_files(which: str, tmp_path: Path) -> None:
