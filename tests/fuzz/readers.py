@@ -33,6 +33,7 @@ from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError, has_errors
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import sync_package
@@ -74,14 +75,15 @@ def _samples(paths: Sequence[Path | str], shared: str = "") -> list[Sample]:
     return [Sample(p.name, p.read_bytes()) for p in found if p.stat().st_size <= SMALL]
 
 
-def used(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> Steps:
+def used(path: Path) -> Steps:
     """Do with a model what check, show, diagram, export and generate do before they write."""
-    check_files([path, *configs])
+    check_files([path])
     yield
-    with contextlib.suppress(EddiError):
-        survey_of(read_source(path))
-    yield
-    reading = read_models(read_source(path))
+    source = read_source(path)
+    if is_xml(source):  # of other files the survey is the models and their counts, as below
+        survey_of(source)
+        yield
+    reading = read_models(source)
     for model in () if has_errors(reading.problems) else reading.models:
         kind = kinds()[model.kind].functions
         json.dumps([list(kind.outline(model)), dict(kind.counts(model)), dict(kind.export(model))])
@@ -89,11 +91,22 @@ def used(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> S
         if kind.diagram is not None:
             drawn(kind.diagram(model))
     yield
+    yield from _generated(path)
+
+
+def _configured(model: Path, config: Path) -> Steps:
+    """Do with a sound model what check and generate do; show and the like see no configuration."""
+    check_files([model, config])
+    yield
+    yield from _generated(model, [config], "ros1")
+
+
+def _generated(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> Steps:
     with contextlib.suppress(EddiError):
-        yield from _generated(path, configs, platform)
+        yield from _compiled(path, configs, platform)
 
 
-def _generated(path: Path, configs: Sequence[Path], platform: str) -> Steps:
+def _compiled(path: Path, configs: Sequence[Path], platform: str) -> Steps:
     monitors, problems = monitors_of(path, configs)
     yield
     # a cross-check is the work of another library, which is not here everywhere
@@ -164,6 +177,8 @@ def _config(folder: Path) -> Made:
         samples.append(sample)
         model_of[sample.name] = place / model
 
+    _shorten(folder / "safeml/reference_sample.csv", 200)
+
     def attempt(sample: Sample) -> Steps:
         path = folder / sample.name
         path.write_bytes(sample.data)
@@ -172,9 +187,13 @@ def _config(folder: Path) -> Made:
         with contextlib.suppress(EddiError):
             rewritten(read_block(source), [])
         yield
-        yield from used(model_of[sample.name], [path], "ros1")
+        yield from _configured(model_of[sample.name], path)
 
     return samples, attempt
+
+
+def _shorten(path: Path, lines: int) -> None:
+    path.write_bytes(b"\n".join(path.read_bytes().split(b"\n")[:lines]))
 
 
 def _reliability(folder: Path) -> Made:

@@ -16,6 +16,8 @@ from eddi_scaffold.regions.__main__ import main as regions_tool
 from tests.cli.command import Result, example, run
 from tests.hostile import special
 
+pytestmark = pytest.mark.slow
+
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
 PACKAGE = "consertb"
 INPUT = "EDDIInput.py"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_of
 
@@ -286,7 +287,15 @@ def _width(network: Network, outputs: Sequence[str], observed: Sequence[str]) ->
         tuple(len(node.states) for node in network.nodes),
         tuple(tuple(number[parent] for parent in node.parents) for node in network.nodes),
     )
-    return width_of(shape, [number[name] for name in outputs], [number[name] for name in observed])
+    return _width_of(
+        shape,
+        tuple(number[name] for name in outputs),
+        tuple(number[name] for name in observed),
+    )
+
+
+_width_of = lru_cache(maxsize=16)(width_of)
+"""A command configures each network several times, and the search takes longer than all else."""
 
 
 def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
