@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from eddi_scaffold import units
@@ -20,7 +20,7 @@ from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import Input, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.identifiers import attribute, package_name
+from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, InputExpression, bind_expression
@@ -110,6 +110,10 @@ class Monitor:
     model_json: str
     default_guarantees: tuple[str, ...] = ()
     cross_check: str = ""
+
+    def topic(self, name: str) -> str:
+        """Return the full name of a topic of its node, as it stands in a bag."""
+        return full_topic(name, "", self.package)
 
 
 def monitor_of(
@@ -227,9 +231,16 @@ def _bind(
 
 def _unconfigured(item: ModelInput) -> InputBinding:
     """Bind an input to a value of its own id: what a plain program passes in."""
-    name = _attribute(item)
-    source = SimulatorOutput.model_construct(id=item.id, type="", topic="", max_age=None)
-    return InputBinding(item, name, (source,), (name,), name, unit=item.unit)
+    return by_value(InputBinding(item, _attribute(item), unit=item.unit))
+
+
+def by_value(binding: InputBinding) -> InputBinding:
+    """Return the binding of an input that is given its value itself, in place of messages."""
+    source = SimulatorOutput.model_construct(id=binding.model.id, type="", topic="", max_age=None)
+    name = binding.attribute
+    return replace(
+        binding, requires=(source,), arguments=(name,), expression=name, computed=None, key_paths={}
+    )
 
 
 def _attribute(item: ModelInput) -> str:
@@ -438,7 +449,7 @@ class _Binder:
         return next((k for k in ("field", *EXPRESSION_KEYS) if getattr(self.entry, k)), "id")
 
     def _check_end(self, of: str | None, message: str) -> None:
-        if of is not None and not _fits(of, self.item.type):
+        if of is not None and not fits(of, self.item.type):
             text = (
                 f"{self.entry.field!r} of {message} is a {of}, {self.item.id!r} a {self.item.type}"
             )
@@ -496,10 +507,10 @@ def _only_fitting_field(
     if of_type is None or len(of_type) != 1:
         return None
     ((name, of),) = of_type.items()
-    return f"{argument}.{name}" if _fits(python_type(of), wanted) else None
+    return f"{argument}.{name}" if fits(python_type(of), wanted) else None
 
 
-def _fits(given: str, wanted: str) -> bool:
+def fits(given: str, wanted: str) -> bool:
     """Tell whether a field of one Python type can fill an input."""
     if wanted == "state":  # a name, or one likelihood per state
         return given in ("bool", "int", "str", "float[]")

@@ -43,13 +43,13 @@ class Assembly:
 
 
 def monitors_of(
-    model_file: Path | None,
+    model_file: Path | Sequence[Path] | None,
     config_files: Sequence[Path],
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
     robot: RobotAdditions | None = None,
 ) -> tuple[list[Monitor], list[Problem]]:
-    """Read a model file and configurations, and join them.
+    """Read a model file, or several, and configurations, and join them.
 
     With configurations: one monitor for each, of a model in the file or of the file that the
     configuration itself names. Without: one for each model, or the one of ``name``.
@@ -59,10 +59,12 @@ def monitors_of(
     """
     models: Sequence[Model] = ()
     problems: list[Problem] = []
-    if model_file is not None:
-        reading = checked_models(model_file, default_guarantees)
-        models = select(reading.models, name) if name is not None else reading.models
+    for path in [model_file] if isinstance(model_file, Path) else model_file or ():
+        reading = checked_models(path, default_guarantees)
+        models = [*models, *reading.models]
         problems += reading.problems
+    if model_file and name is not None:
+        models = select(models, name)
     configs, unsure = read_configs(config_files, robot)
     problems += unsure
     read = partial(checked_models, default_guarantees=default_guarantees)

@@ -38,8 +38,11 @@ from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import sync_package
 from eddi_scaffold.replay.bags import read_bag
-from eddi_scaffold.replay.recordings import read_recording
-from eddi_scaffold.replay.running import changes, compiled, of_bag, of_recording, steps
+from eddi_scaffold.replay.parts import compiled, of_messages, of_values, rhythm
+from eddi_scaffold.replay.playing import play
+from eddi_scaffold.replay.recordings import read_recording, tape_of
+from eddi_scaffold.replay.running import changes, steps
+from eddi_scaffold.replay.steps import ROWS
 from eddi_scaffold.source import Source, read_source
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
@@ -278,7 +281,9 @@ def _recordings(folder: Path) -> Made:
     def attempt(sample: Sample) -> Steps:
         recording, _ = read_recording(Source("damaged.csv", sample.data), types)
         if recording is not None:
-            list(changes(monitor, of_recording(recording)))
+            tape = tape_of(recording)
+            for one in (rhythm(monitor), ROWS):
+                list(changes(itertools.islice(play([of_values(monitor, one)], tape), 100)))
         yield
 
     return samples, attempt
@@ -291,13 +296,12 @@ def _bags(folder: Path) -> Made:
     written(path, [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)])
     place = EXAMPLES / "two-conserts"
     (monitor,), _ = monitors_of(place / "two_conserts.xml", [place / "consert_a_config.yml"])
-    wanted = list({one.id: one for b in monitor.inputs for one in b.requires}.values())
 
     def attempt(sample: Sample) -> Steps:
         path.write_bytes(sample.data)
         with contextlib.suppress(EddiError):
-            bag = read_bag(path, monitor.config, wanted)
-            for _ in itertools.islice(steps(monitor, of_bag(monitor, bag)), 100):
+            tape, _ = read_bag(path, [monitor])
+            for _ in itertools.islice(steps(play(of_messages([monitor], [ROWS]), tape)), 100):
                 pass
         yield
 

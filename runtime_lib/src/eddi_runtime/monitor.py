@@ -51,6 +51,12 @@ class Monitor(Protocol):
     def series(self, output: Any) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""
 
+    def decided(self, output: Any) -> Mapping[str, Value]:
+        """Return what of an output is a verdict: truth values, states, whether it is valid.
+
+        Always the same names; numbers whose last digit changes in every step are not in it.
+        """
+
     def message(self, output: Any) -> Union[Tree, List[Tree], None]:
         """Return what ``execute_step`` gave as a message tree with checked values.
 

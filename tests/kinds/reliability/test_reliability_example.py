@@ -15,11 +15,11 @@ from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
-from eddi_scaffold.replay.recordings import frames, read_recording
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import read_source
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import models_of, read_text
+from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
 FAILED = 7.0
@@ -33,13 +33,10 @@ def test_no_file_has_a_problem() -> None:
 def test_a_failed_rotor_takes_the_guarantee_away() -> None:
     configs = [EXAMPLE / "reliability_config.yml", EXAMPLE / "mission_config.yml"]
     drone, mission = monitors_of(EXAMPLE / "drone.xml", configs)[0]
-    types = {one.model.id: one.model.type for one in drone.inputs}
-    recording, problems = read_recording(read_source(EXAMPLE / "recording.csv"), types)
-    assert recording is not None, problems
-    one, other = compiled(drone), compiled(mission)
+    other = compiled(mission)
     going, p_fail = {}, {}
-    for frame in frames(one, recording):
-        result = frame.output
+    for part, frame in played(drone, read_source(EXAMPLE / "recording.csv")):
+        one, result = part.running, frame.output
         p_fail[frame.t] = result.p_fail
         # what the node would publish and the ConSert's node receive
         said = one.message(result)[1]["evidence"][0][1]

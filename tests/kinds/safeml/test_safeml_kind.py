@@ -15,7 +15,7 @@ from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT, FUNCTIONS
 from eddi_scaffold.kinds.safeml.report import detectable_shift
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import Source, read_source
 from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
 

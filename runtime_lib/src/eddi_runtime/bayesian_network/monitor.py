@@ -197,6 +197,20 @@ class BayesianNetworkMonitor(Monitor):
         found.update((one.id, one.active) for one in self.claims())
         return found
 
+    def decided(self, output: Output) -> Dict[str, Union[bool, float, str, None]]:
+        """Return each threshold, the most probable state of each node, and the status.
+
+        The state is None for what was not given, the first of equally probable ones.
+        """
+        found: Dict[str, Union[bool, float, str, None]] = {
+            title: None for node, title, _ in self._titles if node not in self._judged_only
+        }
+        for one in output:
+            for given in one.output_nodes:
+                found[given.title] = max(given.outcomes, key=lambda two: two.value).name
+        found.update((one.id, one.active) for one in self.claims())
+        return {**found, "status": self.status_name()}
+
     def message(self, output: Any) -> Union[Tree, List[Tree], None]:
         """Return an output as a ``BayesianNetworkOutput`` tree; None when there is no posterior."""
         tree, self._output_faults = out.output_message(output)

@@ -226,6 +226,10 @@ class ConSertMonitor:
         """Return input id -> in how many steps its value had a wrong type, since the start."""
         return {spec.id: n for spec, n in zip(self.inputs, self._record.fault_counts)}
 
+    def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+        """Return the same: there is nothing but verdicts."""
+        return self.series(output)
+
     def message(self, output: Any) -> Tree:
         """Return an output as a ``ConSertOutput`` tree; never raises.
 

@@ -112,6 +112,10 @@ class EventMonitor:
         """Return event id -> verdict, None for UNKNOWN."""
         return {str(row["id"]): row["verdict"] for row in output}
 
+    def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+        """Return the same: there is nothing but verdicts."""
+        return self.series(output)
+
     def message(self, output: Any) -> List[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
         trees, self._output_faults = output_messages(output)

@@ -253,6 +253,10 @@ class ReliabilityMonitor:
         """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
         return out.series(output)
 
+    def decided(self, output: ReliabilityResult) -> Dict[str, out.Value]:
+        """Return valid and each evidence."""
+        return {"valid": output.valid, **output.evidence}
+
     def message(self, output: Any) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()

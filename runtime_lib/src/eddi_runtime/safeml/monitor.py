@@ -230,6 +230,10 @@ class SafeMLMonitor:
         """Return statistic, threshold, verdict and omission."""
         return result.series(output)
 
+    def decided(self, output: SafeMLResult) -> Mapping[str, Union[bool, float, str, None]]:
+        """Return verdict and omission."""
+        return {"odd_violation": output.odd_violation, "omission": output.omission}
+
     def message(self, output: Any) -> Tree:
         """Return a result as a ``SafeMLOutput`` tree; never raises.
 
