@@ -19,7 +19,7 @@ from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import has_errors
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import Source, read_source
 from tests.checkouts import HERE
 from tests.cli.command import run
