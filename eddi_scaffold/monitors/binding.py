@@ -22,6 +22,7 @@ from eddi_scaffold.config.schema import Input, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
+from eddi_scaffold.monitors import accepting
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, InputExpression, bind_expression
 from eddi_scaffold.monitors.model_document import model_document
@@ -149,7 +150,8 @@ def monitor_of(
     if configured is None or has_errors(problems):
         return None, problems
     place = config.place("Model") if config is not None else model.place
-    inputs = [_input_document(binding) for binding in bindings]
+    entries = {one.id: one for one in config.config.EDDIInputs} if config is not None else {}
+    inputs = [_input_document(binding, entries.get(binding.model.id)) for binding in bindings]
     try:
         text = model_document(model, kind, inputs, place)
     except EddiError as refused:
@@ -169,10 +171,10 @@ def _with_declared(known: FieldsOf, config: ConfigFile | None) -> FieldsOf:
     return {**known, **own}
 
 
-def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
+def _input_document(binding: InputBinding, entry: Input | None) -> dict[str, JsonValue]:
     every = {"every_message": True} if binding.model.every_message else {}
     computed = {"expression": binding.computed} if binding.computed is not None else {}
-    return {
+    document = {
         **every,
         **computed,
         "id": binding.model.id,
@@ -182,6 +184,8 @@ def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
         "factor": list(binding.factor) if binding.factor else None,
         "default": binding.default,
     }
+    accepts = accepting.keys(entry, document) if entry is not None else []
+    return {**document, "accepts": accepts} if accepts else document
 
 
 def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> Iterable[Problem]:

@@ -86,7 +86,7 @@ def _times(
     for name, reads in reads_of(one).items():
         if name not in inputs:
             continue
-        age = _limit(one, name)
+        age = limit_of(one, name)
         for topic, _ in reads:
             if topic in published:
                 ages.append(age)
@@ -103,7 +103,7 @@ def _raise(found: _Times, source: str, times: tuple[float, float]) -> None:
     found[source] = max(first, times[0]), max(second, times[1])
 
 
-def _limit(one: Participant, name: str) -> float:
+def limit_of(one: Participant, name: str) -> float:
     """Return the seconds after which an input is unknown: the smallest limit that it has."""
     spec = next(spec for spec in one.document["inputs"] if spec["id"] == name)
     limits = [one.kind.functions.limits(one.document).get(name), spec["max_age"]]

@@ -65,7 +65,7 @@ NetworkModel = TypedModel[Network, Settings]
 
 
 def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
-    """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B427)."""
+    """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B426)."""
     network = model.data
     settings, problems = _settings(network, options)
     if settings is not None:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
 from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert.options import KEYS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.model import ConSertModel
     from eddi_scaffold.source import Source
 
 _SUFFIXES = (".yml", ".yaml", ".json")
-KEYS = ("guarantee_ids", "debounce", "filter")
 _OWN_KEY = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:guarantees|tree_propagations|(?:provided|required)_services)"""
     rb"""["']?\s*:"""

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from eddi_scaffold.claims import Acceptance
 from eddi_scaffold.kinds import JsonValue, Options
-from eddi_scaffold.kinds.consert import KEYS
 from eddi_scaffold.kinds.consert.model import ConSertModel
 from eddi_scaffold.problems import Problem, error
 
+KEYS = ("guarantee_ids", "debounce", "filter")
 _IDS = ("source", "class")
 _NO_FILTER: Mapping[str, JsonValue] = {"kind": "none"}
 

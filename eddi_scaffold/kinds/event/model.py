@@ -13,6 +13,7 @@ from eddi_scaffold.language.analysis import Analysis, analyse
 from eddi_scaffold.language.report import cost_line
 from eddi_scaffold.language.scope import Variable
 from eddi_scaffold.language.syntax import is_list_path
+from eddi_scaffold.language.uses import accepted as silences
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import Source
 from eddi_scaffold.units import accepted
@@ -98,7 +99,12 @@ def model_part(model: EventModel) -> dict[str, Any]:
     """Return the ``model`` part of ``config/model.json``."""
     form = model.data.analysis.form
     assert form is not None
-    return {"form": form}
+    words = {
+        output["id"]: list(dict.fromkeys(one.word for one in silences(form, output["node"])))
+        for output in form["outputs"]
+    }
+    accepts = {id_: found for id_, found in words.items() if found}
+    return {"form": form, "accepts": accepts} if accepts else {"form": form}
 
 
 def counts(model: EventModel) -> Mapping[str, int]:

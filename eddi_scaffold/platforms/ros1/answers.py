@@ -38,6 +38,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["frequency"] = repr(config.Model.frequency)
     answers["mode"] = config.Model.mode
+    answers["startup_grace"] = repr(config.Model.startup_grace)
     answers["message_imports"] = _imports(classes)
     answers["subscriptions"] = [
         {

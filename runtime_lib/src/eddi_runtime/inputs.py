@@ -35,6 +35,8 @@ class InputSpec(NamedTuple):
         every_message: the attribute holds the list of all values since the last step.
         expression: what ``expression`` computes: forms of ``eddi_runtime.expressions``, and
             ``names``: first word of a variable -> ``message`` or ``input``, and its id.
+        accepts: keys by which the configuration accepts a value of it that nobody vouches for;
+            ``max_age: none`` is not repeated here.
     """
 
     id: str
@@ -45,6 +47,11 @@ class InputSpec(NamedTuple):
     default: Any = None
     every_message: bool = False
     expression: Optional[Mapping[str, Any]] = None
+    accepts: Tuple[str, ...] = ()
+
+
+UNSAFE_DEFAULT = "allow_unsafe_default: true"
+"""The one key of ``accepts`` that counts before the first message, and only then."""
 
 
 class InputState(NamedTuple):
@@ -74,6 +81,35 @@ class Messages(List[Any]):
 
 
 _NEW = InputState("missing", "no message yet")
+
+
+def accepted(specs: Sequence[InputSpec], eddi_input: Any) -> Tuple[str, ...]:
+    """Return ``input: key`` for each key of the inputs that is in use in this step; never raises.
+
+    Where nobody watches the messages (``states``), no input is known to rest on such a key.
+
+    Args:
+        specs: of a monitor.
+        eddi_input: what its step was given.
+    """
+    found: List[str] = []
+    for spec in specs:
+        if spec.max_age == "none" or spec.accepts:
+            found += [f"{spec.id}: {key}" for key in _keys_in_use(spec, eddi_input)]
+    return tuple(found)
+
+
+def _keys_in_use(spec: InputSpec, eddi_input: Any) -> List[str]:
+    try:
+        state = eddi_input.states[spec.id].state
+        if getattr(eddi_input, spec.attribute) is None:
+            return []
+    except Exception:  # noqa: BLE001 - any object may be given as input
+        return []
+    if state == "missing":  # what it holds is the default
+        return [key for key in spec.accepts if key == UNSAFE_DEFAULT]
+    limitless = ["max_age: none"] if spec.max_age == "none" else []
+    return [*limitless, *(key for key in spec.accepts if key != UNSAFE_DEFAULT)]
 
 
 class EDDIInputBase:

@@ -194,19 +194,29 @@ def _input(item: Any, where: str) -> InputSpec:
     attribute = take(item, "attribute", str, where)
     if not attribute or attribute in RESERVED_ATTRIBUTES:
         raise ModelError("", f"{where} cannot be held in an attribute {attribute!r}")
-    requires = take(item, "requires", list, where)
-    if not all(isinstance(one, str) for one in requires):
-        raise ModelError("", f"'requires' of {where} is not a list of texts")
+    requires = texts(take(item, "requires", list, where), f"'requires' of {where}")
     return InputSpec(
         id=name,
         attribute=attribute,
-        requires=tuple(requires),
+        requires=requires,
         max_age=_max_age(item.get("max_age"), where),
         factor=_factor(item.get("factor"), where),
         default=item.get("default"),
         every_message=item.get("every_message") is True,
         expression=_expression(item.get("expression"), where),
+        accepts=texts(item.get("accepts", []), f"'accepts' of {where}"),
     )
+
+
+def texts(value: Any, what: str) -> Tuple[str, ...]:
+    """Return a list of texts.
+
+    Raises:
+        ModelError: it is none.
+    """
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        return tuple(value)
+    raise ModelError("", f"{what} is not a list of texts")
 
 
 def _expression(value: Any, where: str) -> Optional[Mapping[str, Any]]:

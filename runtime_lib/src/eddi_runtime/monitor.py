@@ -6,7 +6,19 @@ import importlib
 import pkgutil
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
+from typing import (
+    Any,
+    Callable,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 from .documents import ModelError
 from .inputs import InputSpec
@@ -17,6 +29,25 @@ Tree = Tuple[str, Mapping[str, Any]]
 
 Value = Union[bool, float, str, None]
 """A named result for people and plots; None is unknown."""
+
+
+class Standing(NamedTuple):
+    """What one guarantee, threshold or event came to in the last step, for people.
+
+    Attributes:
+        what: word for it, ``guarantee``; empty where its id says it.
+        id: as in the model.
+        active: as it is published.
+        lacks: inputs that keep it from being otherwise, each with the reason in words.
+        reason: what else does, empty for nothing.
+    """
+
+    what: str
+    id: str
+    active: bool
+    lacks: Tuple[Tuple[str, str], ...] = ()
+    reason: str = ""
+
 
 _FOLDER = [str(Path(__file__).parent)]
 
@@ -70,13 +101,19 @@ class Monitor(Protocol):
         message with ``_message`` behind it.
         """
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
         """Return input id -> outputs that are not given because this input is not known now.
 
         Args:
-            not_good: inputs that count as not known whatever they hold, such as one that still
+            not_known: inputs that count as not known whatever they hold, such as one that still
                 has its default because no message has come.
         """
+
+    def standings(self) -> Sequence[Standing]:
+        """Return every guarantee, threshold or event after the last step, active or not."""
+
+    def accepted(self) -> Sequence[str]:
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
