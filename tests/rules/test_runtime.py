@@ -45,10 +45,11 @@ def old_pytest() -> Path:
     """Return a Python 3.8 with pytest, kept in the checkout's `.cache`; installed once."""
     python = old_python()
     home = HERE / ".cache" / f"python{SINCE}"
-    ready = home / "ready-with-numpy"
+    ready = home / "ready-with-timeout"
     if not ready.exists():
         shutil.rmtree(home, ignore_errors=True)
-        wanted = ["pytest==8.3.*", "hypothesis==6.113.*", "numpy==1.24.*"]
+        plugins = ["hypothesis==6.113.*", "pytest-timeout==2.3.*"]  # pyproject.toml names them
+        wanted = ["pytest==8.3.*", *plugins, "numpy==1.24.*"]
         pip = [str(home / "bin" / "python"), "-m", "pip", "install", "--quiet", *wanted]
         for command in ([python, "-m", "venv", str(home)], pip):
             done = subprocess.run(command, capture_output=True, text=True, check=False)
