@@ -38,7 +38,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
         reasons = "; ".join(problem.message for problem in failure.problems)
         text = f"reference_sample_file {settings.reference_sample_file!r}: {reasons}"
         hint = "it is looked for beside this file"
-        return Reading((), (error("S004", text, where, hint),))
+        return Reading((), (error("L004", text, where, hint),))
     if reference is None:
         return Reading((), tuple(in_order(found)))
     file = SafeMLFile(settings, reference)
@@ -55,7 +55,7 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     settings = _file(model).settings
     problems = [
         error(
-            "S014",
+            "L014",
             f"a SafeML monitor has one input, {item.id!r} is one more",
             item.place,
             "let the first one require several messages: their numbers are joined",
