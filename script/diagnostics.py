@@ -28,9 +28,9 @@ _HEAD = """# Diagnostics
 
 <!-- written by script/diagnostics.py from eddi_scaffold/diagnostics/areas -->
 
-Every problem has a code that stays, while its words may change. `eddi-scaffold explain K007` prints what stands here,
-with `--json` for programs. An *error* stops each command that would write, a *warning* does not, an *info* is shown with
-`--verbose`. The examples are printed by the tests.
+Every problem has a code that stays, while its words may change. `eddi-scaffold explain K007` prints
+what stands here, with `--json` for programs. An *error* stops each command that would write, a
+*warning* does not, an *info* is shown with `--verbose`. Tests print the examples.
 
 """
 

@@ -11,6 +11,7 @@ from eddi_scaffold.monitors import drawing
 from eddi_scaffold.monitors.drawing import pictures
 from eddi_scaffold.problems import EddiError
 from tests.checkouts import HERE
+from tests.diagnosed import assert_example
 
 MODEL = HERE / "examples" / "two-conserts" / "two_conserts.xml"
 
@@ -26,4 +27,4 @@ def test_a_kind_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(drawing, "kinds", lambda: plain)
     with pytest.raises(EddiError) as refused:
         pictures(MODEL, None, (), single=False)
-    assert [problem.code for problem in refused.value.problems] == ["G018"]
+    assert_example("G018", refused.value.problems)
