@@ -37,7 +37,7 @@ command -v git >/dev/null || apt_install git || { echo "git is missing: apt-get 
 BASE_PYTHON=$(find_python) || { apt_install python3 python3-venv && BASE_PYTHON=$(find_python); } ||
   { echo "Python 3.10 or newer with venv is missing: apt-get install python3 python3-venv" >&2; exit 2; }
 
-if have_ros || { apt_install $ROS_PACKAGES && have_ros; }; then ROS=yes; else ROS=no; fi
+if have_ros || { [ "${FAST:-no}" = no ] && apt_install $ROS_PACKAGES && have_ros; }; then ROS=yes; else ROS=no; fi
 
 STAMP=.venv/.installed-from
 WANTED="$(cat pyproject.toml) $BASE_PYTHON $PWD"

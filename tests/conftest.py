@@ -1,6 +1,8 @@
-"""Hypothesis profiles: `quick` in every run, `--hypothesis-profile=long` for thousands of examples.
+"""Hypothesis profiles, what runs first, and how long a test may take.
 
-`--update-golden` writes the expected packages anew.
+The profile `quick` is for every run, `fast` for `script/test --fast`, and
+`--hypothesis-profile=long` for thousands of examples. `--update-golden` writes the expected
+packages anew.
 """
 
 from __future__ import annotations
@@ -37,6 +39,7 @@ settings.register_profile(
     derandomize=True,
     suppress_health_check=list(HealthCheck),
 )
+settings.register_profile("fast", settings.get_profile("quick"), max_examples=10)
 settings.register_profile(
     "long", max_examples=5000, deadline=None, suppress_health_check=list(HealthCheck)
 )
@@ -49,6 +52,22 @@ def own_state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
         yield
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Let the long profile take its time, unless a limit is asked for."""
+    if config.getoption("--hypothesis-profile") == "long" and config.option.timeout is None:
+        config.option.timeout = 0
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest files, so that no worker waits for one at the end."""
+    ranks: dict[Path, int] = {}
+    for item in items:
+        marks = {mark.name for mark in item.iter_markers()} & {"ros", "slow"}
+        ranks[item.path] = max(ranks.get(item.path, 0), len(marks))
+    items.sort(key=lambda item: -ranks[item.path])
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

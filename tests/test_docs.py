@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from eddi_runtime.monitor import kinds
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.adopting.expected import foreign
 from eddi_scaffold.adopting.modules import Body, Module, whole_body
@@ -34,7 +35,7 @@ class Adoption:
 
     old: OldPackage
     model: Model
-    kind: Kind
+    kind: Kind[Any]
     model_file: Path
     wiring: Wiring
     bodies: tuple[Orphan, ...]
@@ -105,13 +106,13 @@ def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path,
     raise EddiError(error("A004", message, Place(str(old.folder)), hint))
 
 
-def _fitting(wiring: Wiring, model: Model, kind: Kind) -> Wiring:
+def _fitting(wiring: Wiring, model: Model, kind: Kind[Any]) -> Wiring:
     """Leave out inputs that the model does not have, and defaults that would be good evidence."""
     declared = tuple(
         DeclaredInput(one.id, None, None, one.default, model.place) for one in wiring.inputs
     )
-    configured, _ = kind.configure(model, Options(inputs=declared))
-    known = {one.id: one for one in kind.inputs(configured or model)}
+    configured, _ = kind.functions.configure(model, Options(inputs=declared))
+    known = {one.id: one for one in kind.functions.inputs(configured or model)}
     inputs: list[OldInput] = []
     lost = list(wiring.lost)
     for one in wiring.inputs:
@@ -126,11 +127,11 @@ def _fitting(wiring: Wiring, model: Model, kind: Kind) -> Wiring:
     return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))
 
 
-def _names(model: Model, kind: Kind, region: str) -> dict[str, str]:
+def _names(model: Model, kind: Kind[Any], region: str) -> dict[str, str]:
     """Return name in Python -> id of the region's element: the name itself, then its identifier."""
     if region == "input":
         return {}
-    methods = [method for module in kind.modules(model) for method in module.methods]
+    methods = [method for module in kind.functions.modules(model) for method in module.methods]
     return {
         method.name.removeprefix("node_"): method.region.partition(":")[2] for method in methods
     }

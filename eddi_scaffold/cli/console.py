@@ -135,6 +135,8 @@ def _one_line(text: str) -> str:
 
 def _clean(text: str) -> str:
     """Replace what is not printable, so that text of a model cannot steer the terminal."""
+    if text.replace("\n", "").replace("\t", "").isprintable():  # a long diff, as a rule
+        return text
     return "".join(
         char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text
     )

@@ -46,11 +46,11 @@ def export(
     else:
         reading = checked_models(model, default_guarantee or ())
         chosen, found = select(reading.models, name, wanted), list(reading.problems)
-    seen = [problem for item in chosen for problem in kinds()[item.kind].check(item)]
+    seen = [problem for item in chosen for problem in kinds()[item.kind].functions.check(item)]
     console.problems(in_order([*found, *seen]))
     files: dict[str, FileState] = {}
     for item in chosen:
-        for file, text in kinds()[item.kind].export(item).items():
+        for file, text in kinds()[item.kind].functions.export(item).items():
             # Upper and lower case are the same on some disks.
             if file.lower() in map(str.lower, files):
                 message = f"two models would be written to {file}; {item.name!r} is the second"

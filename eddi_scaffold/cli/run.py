@@ -1,8 +1,9 @@
-"""``eddi-scaffold run``: a monitor on recorded inputs, without ROS and without generation."""
+"""``eddi-scaffold run``: monitors on recorded inputs, without ROS and without generation."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,14 +14,31 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, for_picture
 if TYPE_CHECKING:
     from eddi_scaffold.monitors.binding import Monitor
     from eddi_scaffold.problems import Problem
-    from eddi_scaffold.replay.running import Play
+    from eddi_scaffold.replay.packaged import Packaged
+    from eddi_scaffold.replay.playing import Part, Play
+    from eddi_scaffold.replay.recordings import Tape
+    from eddi_scaffold.replay.steps import Rhythm
+
+
+CHECKED_BY_BAG = {"K039", "K049"}
+"""Warnings of what is unchecked because a message is not known: a bag knows its messages."""
+
+
+class StepsAs(str, Enum):
+    """When a monitor steps."""
+
+    NODE = "node"
+    ROWS = "rows"
 
 
 def run(
-    model: Annotated[
-        Path | None,
+    files: Annotated[
+        list[Path] | None,
         typer.Argument(
-            help="EDDI XML, a model file of a kind, or a configuration that names its model."
+            metavar="[FILE]...",
+            help="EDDI XML, a model file of a kind, configurations that name their models, or the "
+            "folder of a generated package, whose hand-written code is executed then.",
+            show_default=False,
         ),
     ] = None,
     inputs: Annotated[
@@ -28,13 +46,22 @@ def run(
         typer.Option("-i", "--inputs", help="CSV with a column t and one per input."),
     ] = None,
     bag: Annotated[
-        Path | None, typer.Option("--bag", help="ROS 1 bag with the topics of the configuration.")
+        Path | None, typer.Option("--bag", help="ROS 1 bag with the topics of the configurations.")
     ] = None,
     config: Annotated[
-        Path | None, typer.Option("-c", "--config", help="eddi_config.yml: ages, defaults, units.")
+        list[Path] | None,
+        typer.Option(
+            "-c", "--config", help="eddi_config.yml: ages, defaults, units; may be repeated."
+        ),
     ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
+    steps_as: Annotated[
+        StepsAs,
+        typer.Option(
+            "--steps", help="As the node would, by mode and frequency, or one for each row."
+        ),
+    ] = StepsAs.NODE,
     as_json: Json = False,
     as_csv: Annotated[
         bool, typer.Option("--csv", help="Print every step as CSV: t and each value.")
@@ -44,7 +71,7 @@ def run(
         typer.Option("--plot", callback=for_pictures, help="SVG to draw inputs and outputs into."),
     ] = None,
 ) -> None:
-    """Run a monitor on a recording; print what changes, or every step as JSON or CSV.
+    """Run monitors on a recording; print changes of verdicts, or every step as JSON or CSV.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
     """
@@ -54,85 +81,196 @@ def run(
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.replay.playing import play
     from eddi_scaffold.replay.running import changes, picture, steps, table, watched
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
     if (inputs is None) == (bag is None):
         raise EddiError(error("G020", "give either --inputs FILE.csv or --bag FILE.bag"))
-    model, config = _model_and_config(model, config)
-    configs = [config] if config is not None else []
-    monitors, problems = monitors_of(model, configs, name, default_guarantee or ())
-    if len(monitors) != 1:
-        names = ", ".join(monitor.model.name for monitor in monitors)
-        message = f"the file holds several models: {names}"
-        raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
-    (monitor,) = monitors
-    play, found = _from_bag(monitor, bag) if bag is not None else _from_csv(monitor, inputs)
-    if play is None:
-        raise EddiError(*problems, *found)
+    package = _package(files or [], config=config, name=name, marks=default_guarantee)
+    configs: list[Path] = []
+    monitors: list[Monitor] = []
+    problems: list[Problem] = []
+    if package is not None:
+        monitors = [package.monitor]
+    else:
+        models, configs = _models_and_configs(files or [], config or [])
+        monitors, problems = monitors_of(models, configs, name, default_guarantee or ())
+        problems += _unused_lines(monitors, configs)
+    _check_number(monitors, configs, one_only="--csv" if as_csv else "--plot" if plot else None)
+    rhythms = _rhythms(monitors, steps_as)
+    if bag is not None:
+        tape, found = _from_bag(monitors, bag, package)
+        problems = [one for one in problems if one.code not in CHECKED_BY_BAG]
+    else:
+        tape, found = _from_csv(monitors, inputs, package)
     console.problems([*problems, *found])
-    play = watched(play, console.progress)
+    _check_length(rhythms, tape)
+
+    def begun() -> Play:
+        return play(_parts(monitors, rhythms, package, from_bag=bag is not None), tape)
+
+    playing = watched(begun(), console.progress)
     if as_json:
-        for row in steps(monitor, play):
+        for row in steps(playing):
             console.data(json.dumps(row))
     else:
-        for line in (table if as_csv else changes)(monitor, play):
+        for line in (table if as_csv else changes)(playing):
             console.data(line)
     if plot is not None:
-        drawn = FileState(picture(monitor, play).encode())
-        write(plot.parent, {plot.name: drawn})
+        title = f"{monitors[0].kind.title} {monitors[0].model.name}"
+        write(plot.parent, {plot.name: FileState(picture(title, begun()).encode())})
 
 
-def _model_and_config(model: Path | None, config: Path | None) -> tuple[Path | None, Path | None]:
-    """Tell model and configuration apart; a configuration may stand in place of its model."""
+def _package(files: Sequence[Path], **others: object) -> Packaged | None:
+    """Return the package that is named in place of a model; its code is executed."""
+    from eddi_scaffold.packages.rendering import ANSWERS_FILE
+    from eddi_scaffold.problems import EddiError, Place, error
+
+    folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
+    if folder is None:
+        return None
+    if len(files) > 1 or any(others.values()):
+        message = "a package has its model and its configuration, and runs alone"
+        raise EddiError(error("G020", message, Place(str(folder)), "name the package only"))
+    from eddi_scaffold.replay.packaged import load
+
+    return load(folder)
+
+
+def _unused_lines(monitors: Sequence[Monitor], configs: Sequence[Path]) -> list[Problem]:
+    """Warn of hand-written lines in the packages of these monitors (I022)."""
+    from eddi_scaffold.packages.handwritten import packages_of, written
+    from eddi_scaffold.problems import Place, warning
+
+    near = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
+    found = []
+    for monitor in monitors if configs else ():
+        for package in packages_of(monitor, near):
+            lines = ", ".join(written(package))
+            if lines:
+                message = f"the hand-written lines of this package are not used here: {lines}"
+                hint = "run that folder in place of the configuration"
+                found.append(warning("I022", message, Place(str(package)), hint))
+    return found
+
+
+def _models_and_configs(
+    files: Sequence[Path], configs: Sequence[Path]
+) -> tuple[list[Path], list[Path]]:
+    """Tell models from configurations, which may stand in place of their models."""
     from eddi_scaffold.config.model_path import named_model_path
     from eddi_scaffold.config.reading import read_config
     from eddi_scaffold.monitors.loading import is_config
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source
 
-    if model is None and config is None:
+    if not files and not configs:
         message = "say of what: run MODEL, or run CONFIG that names its model"
         raise EddiError(error("G015", message))
-    if model is None or config is not None:
-        return model, config
-    source = read_source(model)
-    if not is_config(source):
-        return model, None
-    parsed, problems = read_config(source)
-    if parsed is None:
-        raise EddiError(*problems)
-    if named_model_path(parsed) is None:
-        message = "this is an eddi_config.yml, not a model, and it names none"
-        hint = f"run MODEL -c {model}, or name it: `parameters: [{{model: FILE}}]`"
-        raise EddiError(error("F008", message, Place(source.name), hint))
-    return None, model
+    if len(files) == 1 and configs:
+        return list(files), list(configs)
+    sources = {path: read_source(path) for path in files}
+    models = [path for path, source in sources.items() if not is_config(source)]
+    for path in [] if models else files:
+        parsed, problems = read_config(sources[path])
+        if parsed is None:
+            raise EddiError(*problems)
+        if named_model_path(parsed) is None:
+            message = "this is an eddi_config.yml, not a model, and it names none"
+            hint = f"run MODEL -c {path}, or name it: `parameters: [{{model: FILE}}]`"
+            raise EddiError(error("F008", message, Place(str(path)), hint))
+    return models, [*configs, *(path for path in sources if path not in models)]
 
 
-def _from_csv(monitor: Monitor, path: Path | None) -> tuple[Play | None, Sequence[Problem]]:
-    from eddi_scaffold.replay.recordings import read_recording
-    from eddi_scaffold.replay.running import of_recording
+def _check_number(
+    monitors: Sequence[Monitor], configs: Sequence[Path], one_only: str | None
+) -> None:
+    """Refuse several models without configurations, and what shows one monitor only."""
+    from eddi_scaffold.problems import EddiError, error
+
+    names = ", ".join(monitor.model.name for monitor in monitors)
+    if len(monitors) != 1 and not configs:
+        message = f"the file holds several models: {names}"
+        raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
+    if len(monitors) > 1 and one_only is not None:
+        message = f"{one_only} shows one monitor, not {names}"
+        raise EddiError(error("G020", message, hint="--json prints every step of each"))
+
+
+def _rhythms(monitors: Sequence[Monitor], steps_as: StepsAs) -> list[Rhythm]:
+    from eddi_scaffold.replay.parts import rhythm
+    from eddi_scaffold.replay.steps import ROWS
+
+    return [ROWS if steps_as is StepsAs.ROWS else rhythm(one) for one in monitors]
+
+
+def _check_length(rhythms: Sequence[Rhythm], tape: Tape) -> None:
+    """Refuse more steps than anybody waits for."""
+    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.replay.playing import MAX_STEPS, count
+
+    most = max(count(rhythm, tape) for rhythm in rhythms)
+    if most > MAX_STEPS:
+        seconds = (tape.end - tape.start) / 1e9
+        message = f"the recording is {seconds:.3g} s long, which are {most:.3g} steps"
+        raise EddiError(error("I019", message, hint="see column t, or use --steps rows"))
+
+
+def _parts(
+    monitors: Sequence[Monitor],
+    rhythms: Sequence[Rhythm],
+    package: Packaged | None,
+    *,
+    from_bag: bool,
+) -> Sequence[Part]:
+    from eddi_scaffold.replay.parts import of_messages, of_values
+
+    if from_bag:
+        made = package.from_messages() if package is not None else None
+        return of_messages(monitors, rhythms, made)
+    made = package.from_values() if package is not None else None
+    return [of_values(monitors[0], rhythms[0], made)]
+
+
+def _from_csv(
+    monitors: Sequence[Monitor], path: Path | None, package: Packaged | None
+) -> tuple[Tape, Sequence[Problem]]:
+    from eddi_scaffold.problems import EddiError, error, warning
+    from eddi_scaffold.replay.recordings import read_recording, tape_of
     from eddi_scaffold.source import read_source
 
     assert path is not None
+    if len(monitors) > 1:
+        message = "--inputs has the inputs of one monitor, several take a bag"
+        raise EddiError(error("G020", message, hint="use --bag, or give one configuration"))
+    (monitor,) = monitors
     types = {binding.model.id: binding.model.type for binding in monitor.inputs}
     recording, found = read_recording(read_source(path), types)
-    return (of_recording(recording) if recording is not None else None), found
-
-
-def _from_bag(monitor: Monitor, path: Path) -> tuple[Play | None, Sequence[Problem]]:
-    from eddi_scaffold.problems import EddiError, error, warning
-    from eddi_scaffold.replay.bags import absent, read_bag, written_by_hand
-    from eddi_scaffold.replay.running import of_bag
-
+    if recording is None:
+        raise EddiError(*found)
     if monitor.config is None:
+        message = "without a configuration no `max_age` is checked, and each row is one step"
+        hint = "give it with -c" if package is None else "generate the package with -c"
+        found.append(warning("I016", message, hint=hint))
+    found += package.without_lines() if package is not None else []
+    return tape_of(recording), found
+
+
+def _from_bag(
+    monitors: Sequence[Monitor], path: Path, package: Packaged | None
+) -> tuple[Tape, Sequence[Problem]]:
+    from eddi_scaffold.problems import EddiError, error, warning
+    from eddi_scaffold.replay.bags import read_bag, written_by_hand
+    from eddi_scaffold.replay.parts import published
+
+    if any(monitor.config is None for monitor in monitors):
         raise EddiError(error("G020", "--bag needs the topics of a configuration: -c"))
-    wanted = {one.id: one for binding in monitor.inputs for one in binding.requires}
-    bag = read_bag(path, monitor.config, list(wanted.values()))
-    problems = [absent(path, bag, list(wanted.values()))]
-    by_hand = written_by_hand(monitor)
-    if by_hand:
-        message = f"only hand-written code gives {', '.join(by_hand)}: unknown here"
-        problems.append(warning("I014", message, hint="a `field:` needs no code"))
-    return of_bag(monitor, bag), problems
+    tape, problems = read_bag(path, monitors, published(monitors))
+    for monitor in monitors if package is None else ():
+        by_hand = written_by_hand(monitor)
+        if by_hand:
+            message = f"only hand-written code gives {', '.join(by_hand)}: unknown here"
+            problems.append(warning("I014", message, hint="a `field:` needs no code"))
+    return tape, problems

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name
+from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import JsonValue, Model
@@ -18,20 +18,29 @@ if TYPE_CHECKING:
 
 def show(
     model: Annotated[
-        Path, typer.Argument(help="EDDI XML, a model file of a kind, .rossystem or .ros.")
+        Path,
+        typer.Argument(
+            help="EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml "
+            "that names its model."
+        ),
     ],
     name: Name = None,
+    config: ConfigFiles = None,
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
 ) -> None:
     """Show the models of a file as a tree, or as JSON.
 
-    Example: eddi-scaffold show example.xml
+    With configurations also what they accept in place of known values, and the claims that rest
+    on it.
+
+    Example: eddi-scaffold show example.xml -c consert_a_config.yml
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.deployments.accepted import accepted_of
     from eddi_scaffold.monitors.choosing import select
     from eddi_scaffold.monitors.loading import read_models, unfit
-    from eddi_scaffold.monitors.survey import mros_of, only, survey_of
+    from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
     from eddi_scaffold.problems import EddiError, has_errors
     from eddi_scaffold.source import read_source
 
@@ -40,18 +49,25 @@ def show(
     if robot is not None:
         _show_robot(robot, as_json=as_json)
         return
+    given = configured(source, [read_source(path) for path in config or ()])
+    source = given.source
     survey, problems = survey_of(source)
     reading = read_models(source, default_guarantee or ())
     if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
     chosen = select(reading.models, name) if name is not None else reading.models
     survey = survey if name is None else only(survey, chosen)
+    accepted, wrong = accepted_of(reading.models, given.configs, default_guarantee or ())
     if as_json:
-        console.json(survey)
+        rows = [one.as_json() for one in accepted]
+        console.json(survey if not given.configs else {**survey, "accepted": rows})
     else:
         _print(survey, reading.models, chosen)
-        console.problems([*reading.problems, *reading.unread, *unfit(chosen)])
-    if has_errors(reading.problems):  # what is left of the file was shown
+        if accepted:
+            console.data("\n".join(["", "accepted:", *(f"  {one.as_text()}" for one in accepted)]))
+    shown = [*reading.problems, *reading.unread, *unfit(chosen)]
+    console.problems([*given.problems, *wrong, *([] if as_json else shown)])
+    if wrong or has_errors(reading.problems):  # what is left of the file was shown
         raise typer.Exit(exit_status.NO)
 
 
@@ -76,7 +92,7 @@ def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) 
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")
-        for line in kinds()[item.kind].outline(item):
+        for line in kinds()[item.kind].functions.outline(item):
             console.data(f"  {line}")
     for other in survey["models"]:
         if not is_one_of(other, models):

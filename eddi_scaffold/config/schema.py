@@ -33,6 +33,8 @@ INPUT_TYPES: dict[str, InputType] = {
 
 _FREQUENCIES = (1e-6, 1e6)
 """Least and most steps per second: periods that every clock can count."""
+_LONGEST_GRACE = 1e6
+"""Seconds that inputs may wait for their first message: more is no limit at all."""
 
 
 def _topic(text: str) -> str:
@@ -73,6 +75,14 @@ def _frequency(value: object) -> object:
             f"{low:f} to {high:.0f} steps per second are expected",
             "10 is usual, and `mode: on_change` steps at once when a message comes",
         )
+    return float(value)
+
+
+def _seconds(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("seconds (a number from 0 on) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+    if not 0 <= value <= _LONGEST_GRACE:
+        raise ValueError(f"seconds from 0 to {_LONGEST_GRACE:g} are expected")
     return float(value)
 
 
@@ -125,6 +135,8 @@ class ModelSection(_Section):
     Attributes:
         frequency: steps per second, in Hz.
         mode: one step per period, or at once when a message comes (and per period).
+        startup_grace: seconds from the start in which an input may wait for its first message
+            before the diagnostics call that an error; verdicts do not depend on it.
         parameters: D7.2's list of maps; names the file of a kind that has one.
 
     Further keys belong to the kind, which checks them.
@@ -136,6 +148,7 @@ class ModelSection(_Section):
     type: StrictStr
     frequency: Annotated[float, BeforeValidator(_frequency)] = 10.0
     mode: Literal["rate", "on_change"] = "rate"
+    startup_grace: Annotated[float, BeforeValidator(_seconds)] = 10.0
     parameters: Any = None
 
 

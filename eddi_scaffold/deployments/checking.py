@@ -119,7 +119,7 @@ def _alone(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
 
 
 def _static(models: Iterable[Model]) -> list[Problem]:
-    return [problem for model in models for problem in kinds()[model.kind].check(model)]
+    return [problem for model in models for problem in kinds()[model.kind].functions.check(model)]
 
 
 def _named(path: Path, marks: Sequence[str]) -> Reading:

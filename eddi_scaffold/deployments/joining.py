@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, Reading, kinds
@@ -18,6 +19,9 @@ from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.monitors.connections import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Problem, error
+
+_Joined = tuple[Monitor | None, list[Problem]]
+"""What comes of a model and its configuration."""
 
 
 def join(
@@ -40,6 +44,7 @@ def join(
     """
     problems = list(check_neighbours(configs))
     monitors: list[Monitor] = []
+    joined: list[tuple[Model, _Joined]] = []
     for config in configs:
         try:
             reading = candidates(config, models, read)
@@ -48,9 +53,12 @@ def join(
         except EddiError as failure:
             problems += failure.problems
             continue
-        _add(model, config, marks, monitors, problems)
-    for model in () if configs else models:
-        _add(model, None, marks, monitors, problems)
+        joined.append((model, _of(model, config, marks)))
+    if not configs:
+        joined = [(model, _of(model, None, marks)) for model in models]
+    for monitor, found in _with_ages(joined, marks):
+        problems += found
+        monitors += [monitor] if monitor is not None else []
     problems += check_ids(monitors)
     problems += check_wiring(members_of(monitors))
     return monitors, problems
@@ -76,17 +84,22 @@ def packages_of(
     return packages, problems
 
 
-def _add(
-    model: Model,
-    config: ConfigFile | None,
-    marks: Sequence[str],
-    monitors: list[Monitor],
-    problems: list[Problem],
-) -> None:
+def _of(model: Model, config: ConfigFile | None, marks: Sequence[str]) -> _Joined:
     known = known_messages(kinds().values())
-    monitor, found = monitor_of(model, kinds()[model.kind], config, known, marks)
-    problems += found
-    monitors += [monitor] if monitor is not None else []
+    return monitor_of(model, kinds()[model.kind], config, known, marks)
+
+
+def _with_ages(joined: Sequence[tuple[Model, _Joined]], marks: Sequence[str]) -> Iterator[_Joined]:
+    """Give inputs on topics of the other monitors the limits that they lack."""
+    whole = [one for _, (one, _) in joined if one is not None]
+    ages = {id(one): age for one, age in zip(whole, with_default_ages(whole), strict=True)}
+    for model, (monitor, problems) in joined:
+        age = ages.get(id(monitor))
+        if age is None:
+            yield monitor, problems
+        else:
+            again, found = _of(model, age[0], marks)
+            yield again, [*found, *age[1]]
 
 
 def _check_names(

@@ -1,7 +1,7 @@
 """Monitor kinds: what the generator knows of ConSerts, Bayesian networks, ... as plain functions.
 
-A kind is one folder below this one (or a package of a third party with the entry point group
-``eddi_scaffold.kinds``) that offers ``KIND``. Kinds know neither each other nor a platform.
+A kind is one folder below this one that offers ``KIND``. Kinds know neither each other nor a
+platform.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from eddi_scaffold.claims import Acceptance, Meanings, Use
 from eddi_scaffold.problems import EddiError, Place, error
@@ -87,8 +87,12 @@ class ModelOutput:
     of: str = ""
 
 
+D = TypeVar("D")
+C = TypeVar("C")
+
+
 @dataclass(frozen=True)
-class Model:
+class TypedModel(Generic[D, C]):
     """One model of a kind, checked as far as it could be.
 
     Attributes:
@@ -97,15 +101,21 @@ class Model:
         data: the kind's own typed model; only the kind looks inside.
         source: the file it was read from.
         place: where it stands in that file.
-        options: what the kind made of the configuration; only the kind looks inside.
+        options: what the kind made of the configuration, ``None`` before; only the kind looks
+            inside.
     """
 
     kind: str
     name: str
-    data: Any
+    data: D
     source: Source
     place: Place
-    options: Any = None
+    options: C | None = None
+
+
+Model = TypedModel[Any, Any]
+"""A model where nobody looks inside."""
+M = TypeVar("M", bound=Model)
 
 
 @dataclass(frozen=True)
@@ -253,7 +263,7 @@ class CrossCheck:
     problems: tuple[Problem, ...] = ()
 
 
-def _as_it_is(model: Model, _: Options) -> tuple[Model | None, list[Problem]]:
+def _as_it_is(model: M, _: Options) -> tuple[M | None, list[Problem]]:
     return model, []
 
 
@@ -287,15 +297,11 @@ def with_status(message: str) -> Callable[[Model], Mapping[str, str]]:
 
 
 @dataclass(frozen=True)
-class Kind:
-    """The functions that make a monitor kind.
+class Functions(Generic[M]):
+    """What a kind does with its models, which are of the type ``M``.
 
     Attributes:
-        name: module-like name, the same in the runtime (``consert``).
-        title: for people (``ConSert``).
-        config_types: spellings of ``Model: type:`` in a configuration, compared without case.
         read_eddi: EDDI document -> models and problems.
-        sniff: does this file, by its first bytes and name, hold a model of this kind by itself?
         read_file: such a file -> models and problems.
         check: problems of one model that the readers do not see (static checks).
         counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
@@ -303,21 +309,14 @@ class Kind:
         export: file name -> text of the kind's own formats.
         inputs: what the monitor must be told.
         runtime_model: the ``model`` part of ``config/model.json``.
-        messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
-        output_message: name of the message that the monitor publishes.
         beside: name -> message of what it publishes beside that, on ``<topic>/<name>``; in the
             runtime the monitor has a method ``<name>_message()`` for each.
         parts: ids of results that are messages of their own, which an output may choose.
         outputs: topics that a configured model itself asks for.
-        options: keys of ``Model:`` in a configuration that this kind understands.
         configure: takes what the configuration says into the model; comes before ``inputs``,
             ``runtime_model`` and all below.
-        inputs_of_model: the inputs stand in the model, not in the configuration.
-        without_input: what becomes of an output while an input that it needs is not known.
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
-        aliases: generated modules with the names of SESAME D7.2.
-        requirements: what the runtime of this kind needs from PyPI.
         data_files: bulk data beside ``model.json``, which holds their digests.
         cross_check: compares the compiled model (text of ``model.json``) with an independent
             tool before a package is written.
@@ -325,7 +324,6 @@ class Kind:
         diagram: the picture of a model.
         ids: path of a list in a message of the kind -> the keys of its elements, as far as they are
             known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
-        named_by_config: its files hold one model without a name; the configuration's id is one.
         meanings: what the fields of its messages say of what is known: of the ``model`` part of
             ``config/model.json`` where it is at hand, and of the part that a topic is limited to.
         accepted: of ``config/model.json`` and the steps per second: what the model and its options
@@ -338,56 +336,79 @@ class Kind:
             kind, ``None`` where it does, or where nothing is asked of that input.
     """
 
-    name: str
-    title: str
-    config_types: tuple[str, ...]
     read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading]
-    sniff: Callable[[Source], bool]
     read_file: Callable[[Source, Sequence[str]], Reading]
-    check: Callable[[Model], Sequence[Problem]]
-    counts: Callable[[Model], Mapping[str, int]]
-    outline: Callable[[Model], Sequence[str]]
-    export: Callable[[Model], Mapping[str, str]]
-    inputs: Callable[[Model], Sequence[ModelInput]]
-    runtime_model: Callable[[Model], dict[str, JsonValue]]
-    messages: Mapping[str, str]
-    output_message: str
-    beside: Callable[[Model], Mapping[str, str]] = _nothing
-    options: tuple[str, ...] = ()
-    configure: Callable[[Model, Options], tuple[Model | None, list[Problem]]] = _as_it_is
-    inputs_of_model: bool = True
-    without_input: str = "nothing that needs it becomes known"
-    settings: Callable[[Model], dict[str, JsonValue]] = _nothing
-    modules: Callable[[Model], Sequence[EditableModule]] = _none
-    aliases: tuple[Alias, ...] = ()
-    requirements: tuple[str, ...] = ()
-    data_files: Callable[[Model], Mapping[str, bytes]] = _nothing
-    cross_check: Callable[[Model, str], CrossCheck] | None = None
-    readme: Callable[[Model], Sequence[str]] = _none
-    diagram: Callable[[Model], Diagram] | None = None
-    parts: Callable[[Model], Sequence[str]] = _none
-    outputs: Callable[[Model], Sequence[ModelOutput]] = _none
-    ids: Callable[[Model], Mapping[str, Sequence[str]]] = _nothing
-    named_by_config: bool = False
+    counts: Callable[[M], Mapping[str, int]]
+    outline: Callable[[M], Sequence[str]]
+    export: Callable[[M], Mapping[str, str]]
+    inputs: Callable[[M], Sequence[ModelInput]]
+    runtime_model: Callable[[M], dict[str, JsonValue]]
+    check: Callable[[M], Sequence[Problem]] = _none
+    beside: Callable[[M], Mapping[str, str]] = _nothing
+    configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is
+    settings: Callable[[M], dict[str, JsonValue]] = _nothing
+    modules: Callable[[M], Sequence[EditableModule]] = _none
+    data_files: Callable[[M], Mapping[str, bytes]] = _nothing
+    cross_check: Callable[[M, str], CrossCheck] | None = None
+    readme: Callable[[M], Sequence[str]] = _none
+    diagram: Callable[[M], Diagram] | None = None
+    parts: Callable[[M], Sequence[str]] = _none
+    outputs: Callable[[M], Sequence[ModelOutput]] = _none
+    ids: Callable[[M], Mapping[str, Sequence[str]]] = _nothing
     meanings: Callable[[JsonValue | None, str | None], Meanings] = _no_meanings
     accepted: Callable[[JsonValue, float], Sequence[Acceptance]] = _accepts_nothing
     limits: Callable[[JsonValue], Mapping[str, float]] = _nothing
     lag: Callable[[JsonValue, float], float] = _no_lag
     support: Callable[[JsonValue], Mapping[str, frozenset[str]]] = _no_support
-    unfulfilled: Callable[[Model, str, Model, str], str | None] | None = None
+    unfulfilled: Callable[[M, str, M, str], str | None] | None = None
+
+
+@dataclass(frozen=True)
+class Kind(Generic[M]):
+    """What is known of a monitor kind before any of its models is looked at: cheap to import.
+
+    Attributes:
+        name: module-like name, the same in the runtime (``consert``).
+        title: for people (``ConSert``).
+        config_types: spellings of ``Model: type:`` in a configuration, compared without case.
+        sniff: does this file, by its first bytes and name, hold a model of this kind by itself?
+        messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
+        output_message: name of the message that the monitor publishes.
+        options: keys of ``Model:`` in a configuration that this kind understands.
+        inputs_of_model: the inputs stand in the model, not in the configuration.
+        without_input: what becomes of an output while an input that it needs is not known.
+        aliases: generated modules with the names of SESAME D7.2.
+        requirements: what the runtime of this kind needs from PyPI.
+        named_by_config: its files hold one model without a name; the configuration's id is one.
+        load: imports the functions of the kind, with all that they need.
+    """
+
+    name: str
+    title: str
+    config_types: tuple[str, ...]
+    sniff: Callable[[Source], bool]
+    messages: Mapping[str, str]
+    output_message: str
+    load: Callable[[], Functions[M]]
+    options: tuple[str, ...] = ()
+    inputs_of_model: bool = True
+    without_input: str = "nothing that needs it becomes known"
+    aliases: tuple[Alias, ...] = ()
+    requirements: tuple[str, ...] = ()
+    named_by_config: bool = False
+
+    @property
+    def functions(self) -> Functions[M]:
+        """What the kind does with its models; imported when it is first asked for."""
+        return self.load()
 
 
 @cache
-def kinds() -> Mapping[str, Kind]:
-    """Return every known kind by name, sorted: the folders here, then third parties' packages."""
-    found: dict[str, Kind] = {}
+def kinds() -> Mapping[str, Kind[Any]]:
+    """Return every kind by name, sorted: each is a folder here that offers ``KIND``."""
+    found = {}
     for module in pkgutil.iter_modules(__path__):
         if module.ispkg:
-            kind: Kind = importlib.import_module(f"{__name__}.{module.name}").KIND
+            kind: Kind[Any] = importlib.import_module(f"{__name__}.{module.name}").KIND
             found[kind.name] = kind
-    from importlib.metadata import entry_points  # noqa: PLC0415 - 4 MB that a reader does not need
-
-    for entry in entry_points(group="eddi_scaffold.kinds"):
-        kind = entry.load()
-        found.setdefault(kind.name, kind)
     return dict(sorted(found.items()))

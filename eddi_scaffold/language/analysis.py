@@ -57,7 +57,7 @@ class Analysis:
         events: in the order of the text; those with an error are left out.
         variables: those that are used, in the order of the form.
         enums: ENUM -> literals.
-        form: the intermediate form (``eddi_runtime.event.form``); ``None`` after an error.
+        form: the intermediate form (``eddi_runtime.expressions.form``); ``None`` after an error.
         text: what was analysed.
     """
 

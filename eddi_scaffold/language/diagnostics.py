@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable
+from itertools import accumulate
 
 from eddi_scaffold.problems import Place, Problem, error, warning
 
@@ -40,7 +41,7 @@ class Findings:
 
 def line_and_column(text: str) -> Callable[[int], tuple[int, int]]:
     """Return the function offset -> line and column, both from 1."""
-    starts = [0, *(k + 1 for k, char in enumerate(text) if char == "\n")]
+    starts = [0, *accumulate(len(line) + 1 for line in text.split("\n"))]
 
     def of(offset: int) -> tuple[int, int]:
         line = bisect_right(starts, offset)

@@ -273,7 +273,8 @@ class ExpressionParser(Cursor):
             self._fail("E013", f"the text has more than {MAX_NODES} operations", at=node.at)
         if node.op not in REDUCTIONS.values():
             is_list = any(self._nodes[k].is_list for k in node.args)
-            node = replace(node, is_list=is_list or (node.op == "name" and is_list_path(node.text)))
+            if is_list or (node.op == "name" and is_list_path(node.text)):
+                node = replace(node, is_list=True)
         self._nodes.append(node)
         return len(self._nodes) - 1
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
-from eddi_runtime.event.engine import build_engine
-from eddi_runtime.event.form import BOOL
-from eddi_runtime.event.sampling import Sampling
+from eddi_runtime.expressions.engine import build_engine
+from eddi_runtime.expressions.form import BOOL
+from eddi_runtime.expressions.sampling import Sampling
 
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.syntax import is_list_path

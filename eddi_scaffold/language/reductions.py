@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from eddi_runtime.event.elements import OPERATIONS
-from eddi_runtime.event.reduction import TRUTHS
+from eddi_runtime.expressions.elements import OPERATIONS
+from eddi_runtime.expressions.reduction import TRUTHS
 
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.diagnostics import Findings

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from eddi_scaffold.language.diagnostics import Findings
 
@@ -22,8 +21,9 @@ _TOKEN = re.compile(
       | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
       | (?P<text>"[^"\r\n]+")
-      | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=])""",
-    re.VERBOSE,
+      | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=])
+      | (?P<other>.)""",
+    re.VERBOSE | re.DOTALL,
 )
 _INSTEAD = {
     "&": "AND",
@@ -38,8 +38,7 @@ _INSTEAD = {
 }
 
 
-@dataclass(frozen=True)
-class Token:
+class Token(NamedTuple):
     """One token.
 
     Attributes:
@@ -70,23 +69,18 @@ class Token:
 def tokens_of(text: str, findings: Findings) -> tuple[Token, ...]:
     """Return the tokens of a text; characters outside the language are E001 and left out."""
     found: list[Token] = []
-    position = last = 0
-    while position < len(text):
-        match = _TOKEN.match(text, position)
-        if match is None:
-            char = text[position]
+    for match in _TOKEN.finditer(text):
+        if match.lastgroup in ("number", "word", "text", "symbol"):
+            kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # one of these four
+            found.append(Token(kind, match.group(), match.start(), match.end()))
+        elif match.lastgroup == "other":
+            char = match.group()
             instead = _INSTEAD.get(char)
             findings.error(
                 "E001",
-                position,
+                match.start(),
                 f"unexpected character {char!r}",
                 f"write {instead}" if instead else None,
             )
-            position += 1
-            continue
-        position = match.end()
-        if match.lastgroup in ("number", "word", "text", "symbol"):
-            kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # one of these four
-            found.append(Token(kind, match.group(), match.start(), position))
-            last = position
+    last = found[-1].end if found else 0
     return (*found, Token("end", "", last, last))

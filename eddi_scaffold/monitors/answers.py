@@ -54,11 +54,11 @@ def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
 def _kind_answers(monitor: Monitor) -> dict[str, JsonValue]:
     """Return what only some kinds have."""
     model, kind = monitor.model, monitor.kind
-    readme = [one_line(line) for line in kind.readme(model)]
+    readme = [one_line(line) for line in kind.functions.readme(model)]
     if monitor.cross_check:
         readme += ["", one_line(monitor.cross_check)]
     return {
-        "modules": [_module_answers(module) for module in kind.modules(model)],
+        "modules": [_module_answers(module) for module in kind.functions.modules(model)],
         "aliases": [
             {
                 "name": alias.name,

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from eddi_scaffold import units
 from eddi_scaffold.config import fields
@@ -19,8 +20,9 @@ from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import Input, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.identifiers import attribute, package_name
+from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
+from eddi_scaffold.monitors import accepting
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, InputExpression, bind_expression
 from eddi_scaffold.monitors.model_document import model_document
@@ -103,17 +105,21 @@ class Monitor:
 
     package: str
     model: Model
-    kind: Kind
+    kind: Kind[Any]
     config: ConfigFile | None
     inputs: tuple[InputBinding, ...]
     model_json: str
     default_guarantees: tuple[str, ...] = ()
     cross_check: str = ""
 
+    def topic(self, name: str) -> str:
+        """Return the full name of a topic of its node, as it stands in a bag."""
+        return full_topic(name, "", self.package)
+
 
 def monitor_of(
     model: Model,
-    kind: Kind,
+    kind: Kind[Any],
     config: ConfigFile | None,
     known_messages: FieldsOf,
     marks: Sequence[str] = (),
@@ -130,7 +136,7 @@ def monitor_of(
     Returns:
         The monitor, ``None`` when a problem is an error, and all problems of the join.
     """
-    configured, problems = kind.configure(model, options_of(config))
+    configured, problems = kind.functions.configure(model, options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
@@ -144,7 +150,8 @@ def monitor_of(
     if configured is None or has_errors(problems):
         return None, problems
     place = config.place("Model") if config is not None else model.place
-    inputs = [_input_document(binding) for binding in bindings]
+    entries = {one.id: one for one in config.config.EDDIInputs} if config is not None else {}
+    inputs = [_input_document(binding, entries.get(binding.model.id)) for binding in bindings]
     try:
         text = model_document(model, kind, inputs, place)
     except EddiError as refused:
@@ -164,10 +171,10 @@ def _with_declared(known: FieldsOf, config: ConfigFile | None) -> FieldsOf:
     return {**known, **own}
 
 
-def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
+def _input_document(binding: InputBinding, entry: Input | None) -> dict[str, JsonValue]:
     every = {"every_message": True} if binding.model.every_message else {}
     computed = {"expression": binding.computed} if binding.computed is not None else {}
-    return {
+    document = {
         **every,
         **computed,
         "id": binding.model.id,
@@ -177,9 +184,11 @@ def _input_document(binding: InputBinding) -> dict[str, JsonValue]:
         "factor": list(binding.factor) if binding.factor else None,
         "default": binding.default,
     }
+    accepts = accepting.keys(entry, document) if entry is not None else []
+    return {**document, "accepts": accepts} if accepts else document
 
 
-def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterable[Problem]:
+def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
         message = f"the model is a {kind.title}, the configuration says {section.type!r}"
@@ -193,9 +202,9 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
 
 
 def _bind(
-    model: Model, kind: Kind, config: ConfigFile | None, known: FieldsOf
+    model: Model, kind: Kind[Any], config: ConfigFile | None, known: FieldsOf
 ) -> tuple[list[InputBinding], list[Problem]]:
-    inputs = kind.inputs(model)
+    inputs = kind.functions.inputs(model)
     if config is None:
         return [_unconfigured(item) for item in inputs], []
     problems: list[Problem] = []
@@ -226,9 +235,16 @@ def _bind(
 
 def _unconfigured(item: ModelInput) -> InputBinding:
     """Bind an input to a value of its own id: what a plain program passes in."""
-    name = _attribute(item)
-    source = SimulatorOutput.model_construct(id=item.id, type="", topic="", max_age=None)
-    return InputBinding(item, name, (source,), (name,), name, unit=item.unit)
+    return by_value(InputBinding(item, _attribute(item), unit=item.unit))
+
+
+def by_value(binding: InputBinding) -> InputBinding:
+    """Return the binding of an input that is given its value itself, in place of messages."""
+    source = SimulatorOutput.model_construct(id=binding.model.id, type="", topic="", max_age=None)
+    name = binding.attribute
+    return replace(
+        binding, requires=(source,), arguments=(name,), expression=name, computed=None, key_paths={}
+    )
 
 
 def _attribute(item: ModelInput) -> str:
@@ -436,7 +452,7 @@ class _Binder:
         return next((k for k in ("field", *EXPRESSION_KEYS) if getattr(self.entry, k)), "id")
 
     def _check_end(self, of: str | None, message: str) -> None:
-        if of is not None and not _fits(of, self.item.type):
+        if of is not None and not fits(of, self.item.type):
             text = (
                 f"{self.entry.field!r} of {message} is a {of}, {self.item.id!r} a {self.item.type}"
             )
@@ -494,10 +510,10 @@ def _only_fitting_field(
     if of_type is None or len(of_type) != 1:
         return None
     ((name, of),) = of_type.items()
-    return f"{argument}.{name}" if _fits(python_type(of), wanted) else None
+    return f"{argument}.{name}" if fits(python_type(of), wanted) else None
 
 
-def _fits(given: str, wanted: str) -> bool:
+def fits(given: str, wanted: str) -> bool:
     """Tell whether a field of one Python type can fill an input."""
     if wanted == "state":  # a name, or one likelihood per state
         return given in ("bool", "int", "str", "float[]")

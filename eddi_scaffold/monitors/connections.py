@@ -66,7 +66,7 @@ def _unknown_ids(
 
 def _given(monitor: Monitor) -> Iterable[tuple[str, str]]:
     """Yield topic and type of the messages that a monitor publishes."""
-    kind, beside = monitor.kind, monitor.kind.beside(monitor.model)
+    kind, beside = monitor.kind, monitor.kind.functions.beside(monitor.model)
     config = monitor.config
     for output in config.config.EDDIOutputs if config is not None else ():
         assert config is not None
@@ -103,7 +103,7 @@ def _missing(
     path: Sequence[fields.PlainStep], provider: Monitor
 ) -> Iterable[tuple[str, Sequence[str]]]:
     """Yield the id that a path asks for and the monitor does not have, with those it has."""
-    ids = provider.kind.ids(provider.model)
+    ids = provider.kind.functions.ids(provider.model)
     before = ""
     for step in path:
         if isinstance(step, str):

@@ -34,7 +34,7 @@ def pictures(
     found: dict[str, str] = {}
     stems: set[str] = set()
     for model in models:
-        draw = kinds()[model.kind].diagram
+        draw = kinds()[model.kind].functions.diagram
         if draw is not None:
             plain = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
             stem = free_name(plain, stems)

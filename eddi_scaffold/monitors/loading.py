@@ -46,7 +46,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     """Read every model of every kind in one file, with all problems."""
     for kind in kinds().values():
         if kind.sniff(source):
-            return kind.read_file(source, default_guarantees)
+            return kind.functions.read_file(source, default_guarantees)
     with source.open() as stream:
         head = stream.read(_HEAD)
     if len(head) < _HEAD and not head.strip():
@@ -63,7 +63,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         return Reading((), (error("F003", message, Place(source.name), hint),))
     if source.name.lower().endswith(_YAML_SUFFIXES):
         # damaged beyond recognition: this kind says best what such a file should look like
-        return kinds()["consert"].read_file(source, default_guarantees)
+        return kinds()["consert"].functions.read_file(source, default_guarantees)
     known = ", ".join(kind.title for kind in kinds().values())
     if b"\0" in head or not _is_utf8(source.data):
         message = f"this is no text, so it is no model ({known})"
@@ -78,7 +78,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
         return Reading((), tuple(problems))
     models: list[Model] = []
     for kind in kinds().values():
-        reading = kind.read_eddi(document, source, default_guarantees)
+        reading = kind.functions.read_eddi(document, source, default_guarantees)
         models += reading.models
         problems = [*problems, *reading.problems]
     found = foreign(document) if not models else None
@@ -118,7 +118,7 @@ def no_model(source: Source) -> Problem:
 
 def unfit(models: Sequence[Model]) -> list[Problem]:
     """Return why no monitor can be made of some models without a configuration, as warnings."""
-    found = [kinds()[model.kind].configure(model, Options())[1] for model in models]
+    found = [kinds()[model.kind].functions.configure(model, Options())[1] for model in models]
     return [
         replace(
             problem, level="warning", place=problem.place if problem.place.file else model.place

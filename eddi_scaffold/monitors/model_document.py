@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from eddi_runtime import EDDIInputBase
 from eddi_runtime import __version__ as runtime_version
-from eddi_runtime.model_file import ModelError, canonical, digest_of, parse_model
+from eddi_runtime.documents import ModelError
+from eddi_runtime.model_file import canonical, digest_of, parse_model
 from eddi_runtime.monitor import build
 
 from eddi_scaffold.kinds import JsonValue, Kind, Model
@@ -15,7 +17,7 @@ from eddi_scaffold.problems import EddiError, Place, error
 
 def model_document(
     model: Model,
-    kind: Kind,
+    kind: Kind[Any],
     inputs: Sequence[dict[str, JsonValue]],
     place: Place,
 ) -> str:
@@ -41,13 +43,13 @@ def model_document(
             "path": model.place.path,
         },
         "inputs": list(inputs),
-        "model": kind.runtime_model(model),
-        "settings": kind.settings(model),
+        "model": kind.functions.runtime_model(model),
+        "settings": kind.functions.settings(model),
     }
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:
-        parsed = parse_model(text, "the runtime model", kind.data_files(model))
+        parsed = parse_model(text, "the runtime model", kind.functions.data_files(model))
         EDDIInputBase().bind(parsed.inputs)
         build(parsed)
     except ModelError as refused:  # the runtime that will run it has the last word

@@ -47,7 +47,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
     known = known_messages([monitor.kind])
     found: list[Publication] = []
     problems: list[Problem] = []
-    parts = list(monitor.kind.parts(monitor.model))
+    parts = list(monitor.kind.functions.parts(monitor.model))
     for index, output in enumerate(config.config.EDDIOutputs):
         places = partial(config.place, "EDDIOutputs", index)
         if output.event is not None and output.event not in parts:
@@ -68,7 +68,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
         found.append(
             Publication(output, _std_msgs(end), places("topic"), messages[of], end.path, of)
         )
-    for one in monitor.kind.outputs(monitor.model):
+    for one in monitor.kind.functions.outputs(monitor.model):
         path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in one.path)
         end = _value_at(path, messages[one.of], known)
         own = _output(one.id, one.topic)
@@ -80,7 +80,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
 
 def _messages(monitor: Monitor) -> dict[str, str]:
     """Return name -> type of what the monitor says; the name of the result is empty."""
-    names = {"": monitor.kind.output_message, **monitor.kind.beside(monitor.model)}
+    names = {"": monitor.kind.output_message, **monitor.kind.functions.beside(monitor.model)}
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
 
 

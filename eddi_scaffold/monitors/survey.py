@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.model_path import named_model_path
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import JsonValue, Model, kinds
-from eddi_scaffold.monitors.loading import is_mros, read_models
+from eddi_scaffold.monitors.loading import is_config, is_mros, read_models
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.as_json import failure_json, model_json, system_json
 from eddi_scaffold.mros.as_tree import model_tree, system_tree
 from eddi_scaffold.mros.definitions import noticed
 from eddi_scaffold.mros.directory import problem_of
-from eddi_scaffold.problems import Problem
+from eddi_scaffold.problems import EddiError, Problem
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.survey import survey
-from eddi_scaffold.source import Source
+from eddi_scaffold.source import Source, read_source
 
 
 def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
@@ -31,7 +34,7 @@ def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
             "name": model.name,
             "path": model.place.path,
             "line": model.place.line,
-            "counts": dict(kinds()[model.kind].counts(model)),
+            "counts": dict(kinds()[model.kind].functions.counts(model)),
         }
         for model in reading.models
     ]
@@ -67,6 +70,45 @@ def mros_of(source: Source) -> Shown | None:
         problem = replace(problem_of(failed), level="error")
         return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
     return Shown(document, tuple(tree), tuple(noticed(notices, source.name)))
+
+
+@dataclass(frozen=True)
+class Configured:
+    """The model file to show, and the configurations that are shown with it.
+
+    Attributes:
+        source: of the models.
+        configs: those that could be read.
+        problems: of the configurations.
+    """
+
+    source: Source
+    configs: tuple[ConfigFile, ...]
+    problems: tuple[Problem, ...]
+
+
+def configured(source: Source, more: Sequence[Source]) -> Configured:
+    """Read the configurations; one that is shown by itself names its model.
+
+    Args:
+        source: what is to be shown; a configuration that names no model is returned as it is.
+        more: configurations that are given beside it.
+
+    Raises:
+        EddiError: a configuration has errors, or names a file that is not there.
+    """
+    alone = is_config(source)
+    configs: list[ConfigFile] = []
+    problems: list[Problem] = []
+    for one in (source, *more) if alone else more:
+        config, found = read_config(one)
+        if config is None:
+            raise EddiError(*found)
+        configs.append(config)
+        problems += found
+    path = named_model_path(configs[0]) if alone else None
+    source = source if path is None else read_source(path)
+    return Configured(source, tuple(configs), tuple(problems))
 
 
 def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, JsonValue]:

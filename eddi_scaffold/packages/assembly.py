@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -14,8 +14,9 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
+from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
-from eddi_scaffold.deployments.wiring.support import remembered
+from eddi_scaffold.deployments.wiring.support import Participant, remembered
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import Monitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
@@ -43,13 +44,13 @@ class Assembly:
 
 
 def monitors_of(
-    model_file: Path | None,
+    model_file: Path | Sequence[Path] | None,
     config_files: Sequence[Path],
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
     robot: RobotAdditions | None = None,
 ) -> tuple[list[Monitor], list[Problem]]:
-    """Read a model file and configurations, and join them.
+    """Read a model file, or several, and configurations, and join them.
 
     With configurations: one monitor for each, of a model in the file or of the file that the
     configuration itself names. Without: one for each model, or the one of ``name``.
@@ -59,10 +60,12 @@ def monitors_of(
     """
     models: Sequence[Model] = ()
     problems: list[Problem] = []
-    if model_file is not None:
-        reading = checked_models(model_file, default_guarantees)
-        models = select(reading.models, name) if name is not None else reading.models
+    for path in [model_file] if isinstance(model_file, Path) else model_file or ():
+        reading = checked_models(path, default_guarantees)
+        models = [*models, *reading.models]
         problems += reading.problems
+    if model_file and name is not None:
+        models = select(models, name)
     configs, unsure = read_configs(config_files, robot)
     problems += unsure
     read = partial(checked_models, default_guarantees=default_guarantees)
@@ -102,15 +105,14 @@ def wiring_with(
         present: package -> answers of those that are there.
     """
     new = {monitor.package for monitor in monitors}
-    found = (remembered(name, of) for name, of in present.items() if name not in new)
-    return check_wiring(members_of(monitors), [one for one in found if one is not None])
+    return check_wiring(members_of(monitors), _beside(present, new))
 
 
 def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
     """Compare the compiled model with an independent tool, where its kind has one."""
-    if monitor.kind.cross_check is None:
+    if monitor.kind.functions.cross_check is None:
         return monitor
-    result = monitor.kind.cross_check(monitor.model, monitor.model_json)
+    result = monitor.kind.functions.cross_check(monitor.model, monitor.model_json)
     problems += result.problems
     return replace(monitor, cross_check=result.text)
 
@@ -144,13 +146,36 @@ def stored(folder: str, answers: Mapping[str, Any]) -> PackageAnswers:
 
 
 def rejoined(
-    answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
-) -> tuple[Monitor, list[Problem]]:
-    """Join a newer model with the configuration that a package remembers, or with a newer one.
+    present: Mapping[str, Mapping[str, Any]],
+    models: Mapping[str, Model],
+    configs: Mapping[str, ConfigFile],
+) -> dict[str, tuple[Monitor, list[Problem]]]:
+    """Join newer models with the configurations that packages remember, or with newer ones.
+
+    Args:
+        present: package -> answers of those that are there.
+        models: package -> newer model.
+        configs: package -> newer configuration.
 
     Raises:
-        EddiError: the model no longer fits.
+        EddiError: a model no longer fits.
     """
+    found = {
+        folder: _rejoined(present[folder], models[folder], configs.get(folder), folder)
+        for folder in present
+        if folder in models
+    }
+    ages = with_default_ages([one for one, _ in found.values()], _beside(present, found))
+    for folder, age in zip(tuple(found), ages, strict=True):
+        if age is not None:
+            monitor, problems = _rejoined(present[folder], models[folder], age[0], folder)
+            found[folder] = monitor, [*problems, *age[1]]
+    return found
+
+
+def _rejoined(
+    answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
+) -> tuple[Monitor, list[Problem]]:
     kind = kinds()[answers["kind"]]
     if config is None and answers.get("config_json"):
         config = from_json(answers["config_json"], f"the configuration that {folder} remembers")
@@ -160,6 +185,12 @@ def rejoined(
     if monitor is None:
         raise EddiError(*problems)
     return monitor, problems
+
+
+def _beside(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> Sequence[Participant]:
+    """Return the monitors of the packages that are not made anew."""
+    found = (remembered(name, of) for name, of in present.items() if name not in new)
+    return [one for one in found if one is not None]
 
 
 def _kept_identity(answers: Mapping[str, Any]) -> dict[str, Any]:

@@ -51,6 +51,26 @@ def unwritten(root: Path, monitors: Iterable[Monitor]) -> list[str]:
     ]
 
 
+def written(package: Path) -> list[str]:
+    """Return the ids of the regions of a package in which somebody has written."""
+    return [status.id for status in list_regions(package) if status.state == "edited"]
+
+
+def packages_of(monitor: Monitor, near: Iterable[Path]) -> list[Path]:
+    """Return the packages of a monitor in workspaces around or below some folders.
+
+    Only the places of a catkin workspace and of ``generate -o`` are looked at, nothing else.
+    """
+    file = f"{monitor.package}/{ANSWERS_FILE}"
+    found: dict[Path, None] = {}
+    for folder in near:
+        places = [(folder, pattern) for pattern in ("", "*/", "src/*/", "*/src/*/")]
+        places += [(parent, "src/*/") for parent in folder.parents]
+        for place, pattern in places:
+            found |= dict.fromkeys(sorted(place.glob(f"{pattern}{file}")))
+    return [path.parent for path in found if path.is_file()]
+
+
 def packages_below(folder: Path) -> list[Path]:
     """Return the generated packages in a folder, itself included.
 

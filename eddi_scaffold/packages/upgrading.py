@@ -94,6 +94,7 @@ def targets(
         hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
         raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
     models, problems = _newer_models(group, model_file, configs)
+    renewed = rejoined(group.present, models, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
     joined: list[Monitor] = []
@@ -101,10 +102,10 @@ def targets(
         if "model_json" not in answers:
             continue
         platform = monitors[folder] = _platform(answers)
-        if folder not in models:
+        if folder not in renewed:
             packages.append(stored(folder, answers))
             continue
-        monitor, found = rejoined(answers, models[folder], configs.get(folder), folder)
+        monitor, found = renewed[folder]
         joined.append(monitor)
         package, more = platform.monitor(monitor)
         packages.append(package)

@@ -70,7 +70,6 @@ MAX_DEPTH = 32
 _FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _IS_SLOW = _FAST_LOADER is yaml.SafeLoader
 _LARGE = 100_000
-_UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
 _CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
 

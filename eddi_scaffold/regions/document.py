@@ -6,7 +6,7 @@ import re
 from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from eddi_scaffold.regions.markers import Marker, decode_id, encode_id, indent_of, read_marker
 
@@ -75,7 +75,7 @@ class Document:
         """The regions by id, in file order."""
         return {part.id: part for part in self.parts if isinstance(part, Region)}
 
-    @property
+    @cached_property
     def skeleton(self) -> list[str]:
         """The lines with one placeholder line for each region: what is compared and merged."""
         return [p if isinstance(p, str) else placeholder(p.id, p.indent) for p in self.parts]
@@ -114,6 +114,12 @@ def parse(text: str) -> tuple[Document, list[Fault]]:
     Returns:
         The document, and the faults; with any fault the document must not be used.
     """
+    document, faults = _parsed(text)
+    return document, list(faults)
+
+
+@lru_cache(maxsize=32)  # a sync looks at a rendering and a person's text several times
+def _parsed(text: str) -> tuple[Document, tuple[Fault, ...]]:
     lines = split_lines(text)
     faults: list[Fault] = []
     parts: list[str | Region] = []
@@ -146,7 +152,7 @@ def parse(text: str) -> tuple[Document, list[Fault]]:
             Fault(begin.line, "the region has no end marker; put it back below the hand code")
         )
     faults.extend(_duplicates(parts))
-    return Document(tuple(parts)), sorted(faults, key=lambda f: f.line)
+    return Document(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
 
 
 def _nested(outer: Marker, inner: Marker) -> Fault:

@@ -102,6 +102,13 @@ def retire(path: str, base: str | None, mine: str) -> Merged | Refused:
     )
 
 
+def may_return(theirs: str, orphans: Sequence[Orphan]) -> bool:
+    """Tell whether a rendering has, under its id or a former one, a region of a saved body."""
+    regions = parse(_plain(theirs))[0].regions.values()
+    names = {name for region in regions for name in (region.id, *region.was)}
+    return any(orphan.id in names for orphan in orphans)
+
+
 def check_text(path: str, text: str) -> Fault | None:
     """Return why a Python or XML file is not valid, ``None`` when it is."""
     try:

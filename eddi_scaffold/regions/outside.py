@@ -282,7 +282,7 @@ def _valid(text: str) -> bool:
 
 def same_lines(one: Sequence[str], other: Sequence[str]) -> bool:
     """Tell whether two blocks are the same but for line ends and blank lines around them."""
-    return _plain(one) == _plain(other)
+    return one == other or _plain(one) == _plain(other)
 
 
 def _plain(lines: Sequence[str]) -> list[str]:

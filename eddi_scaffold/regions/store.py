@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from eddi_scaffold.regions.document import Fault
-from eddi_scaffold.regions.files import LINK, entries, read_regular, stays
+from eddi_scaffold.regions.files import LINK, entries, read_regular, resolved
 from eddi_scaffold.regions.markers import decode_id, encode_id
 from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.result import Orphan
@@ -80,9 +80,9 @@ def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> b
         OSError: a link leads out of the package, the disk is full, or the folder is not writable;
             the old file stays.
     """
-    if not stays(root, root / name):
+    path = resolved(root, root / name)
+    if path is None:
         raise OSError(errno.ELOOP, "a link leads out of the package", str(root / name))
-    path = Path(os.path.realpath(root / name))
     if _holds(path, data):
         return False
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -123,8 +123,8 @@ def remove_file(path: Path) -> bool:
 def clean_temporaries(root: Path, paths: list[str]) -> None:
     """Remove what a killed process left beside the files that sync writes."""
     found = {root / EDDI / name for name, _ in entries(root / EDDI) if name.endswith(_TEMPORARY)}
-    for path in (Path(os.path.realpath(root / name)) for name in paths):
-        if stays(root, path):
+    for path in (resolved(root, root / name) for name in paths):
+        if path is not None:
             found.add(path.with_name(f".{path.name}{_TEMPORARY}"))
     for path in found:
         path.unlink(missing_ok=True)

@@ -16,7 +16,7 @@ from pathlib import Path
 from eddi_scaffold.regions.document import Fault, parse
 from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.generated import record_generated
-from eddi_scaffold.regions.merge import merge, retire
+from eddi_scaffold.regions.merge import may_return, merge, retire
 from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused
 from eddi_scaffold.regions.store import (
     EDDI,
@@ -182,6 +182,9 @@ def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal])
         return done
     plan = []
     for planned in done:
+        if planned.texts.theirs is None or not may_return(planned.texts.theirs, pool):
+            plan.append(planned)
+            continue
         result = _merge(planned.texts, pool)
         assert isinstance(result, Merged)
         pool = [orphan for orphan in pool if orphan not in result.taken]

@@ -1,52 +1,61 @@
-"""ROS 1 bags as inputs of a monitor: the messages that its node would have received.
+"""ROS 1 bags as inputs of monitors: the messages that their nodes would have received.
 
 Needs the extra ``bags`` (rosbags), and no ROS.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.monitors.binding import Monitor
-from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.problems import (
+    EddiError,
+    Place,
+    Problem,
+    did_you_mean,
+    error,
+    has_errors,
+    info,
+    warning,
+)
 from eddi_scaffold.regions.files import NotRegularError, open_regular
-from eddi_scaffold.replay.node import Node, Received
-from eddi_scaffold.replay.recordings import Frame
-
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
+from eddi_scaffold.replay.bag_types import check_fields, tables
+from eddi_scaffold.replay.recordings import Sample, Tape
 
 
 @dataclass(frozen=True)
-class Bag:
-    """What a monitor's node would have received from a bag.
+class _Wanted:
+    """A topic that a monitor listens to."""
 
-    Attributes:
-        messages: their times are nanoseconds since the first message of the bag, of any topic.
-        end: nanoseconds from the first to the last message of the bag, of any topic.
-    """
-
-    messages: tuple[Received, ...]
-    end: int
+    monitor: Monitor
+    source: SimulatorOutput
 
 
-def read_bag(path: Path, config: ConfigFile, wanted: Sequence[SimulatorOutput]) -> Bag:
-    """Read the messages of some topics.
+def read_bag(
+    path: Path, monitors: Sequence[Monitor], own: Collection[str] = ()
+) -> tuple[Tape, list[Problem]]:
+    """Read the messages that monitors listen to.
+
+    Times are nanoseconds since the first message of the bag, of any topic.
 
     Args:
         path: a ROS 1 bag.
-        config: for places.
-        wanted: the simulator outputs that inputs require.
+        monitors: they have configurations.
+        own: topics that one of the monitors publishes itself: what was recorded of them is not
+            played.
+
+    Returns:
+        The messages, and warnings.
 
     Raises:
-        EddiError: rosbags is not installed (I010), the bag cannot be read (I011), or holds a topic
-            with another type than the configuration says (I012).
+        EddiError: rosbags is not installed (I010), the bag cannot be read (I011), holds a topic
+            with another type than a configuration says (I012), or messages without a field that
+            an input needs (I017).
     """
     try:
         from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
@@ -56,26 +65,49 @@ def read_bag(path: Path, config: ConfigFile, wanted: Sequence[SimulatorOutput]) 
         raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
     place = Place(str(path))
     _refuse_special(path, place)
+    wanted = _wanted(monitors)
+    outside = {topic: of for topic, of in wanted.items() if topic not in own}
     try:
         store = get_typestore(Stores.ROS1_NOETIC)
         with AnyReader([path], default_typestore=store) as reader:
-            by_topic: dict[str, list[SimulatorOutput]] = defaultdict(list)
-            for source in wanted:
-                by_topic[absolute(source.topic)].append(source)
-            found = [one for one in reader.connections if absolute(one.topic) in by_topic]
-            _refuse(_wrong_types(found, by_topic, config))
+            found = [one for one in reader.connections if _absolute(one.topic) in outside]
+            _refuse(_wrong_types(found, outside))
+            known = tables(reader.typestore.fielddefs)
+            there = {_absolute(one.topic) for one in found}
+            _refuse(p for one in monitors for p in check_fields(one, known, there))
+            _name_times_as_rospy(reader.typestore.types)
             start = reader.start_time
-            messages = tuple(
-                Received(t - start, source.id, reader.deserialize(data, connection.msgtype))
+            samples = tuple(
+                Sample(
+                    t - start,
+                    _absolute(connection.topic),
+                    reader.deserialize(data, connection.msgtype),
+                )
                 for connection, t, data in reader.messages(found)
-                for source in by_topic[absolute(connection.topic)]
             )
-            return Bag(messages, reader.end_time - start)
+            twice = {_absolute(one.topic) for one in reader.connections} & (wanted.keys() - outside)
+            end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
+            tape = Tape(0, end, samples)
+            return tape, [*_absent(place, tape, outside), *_computed(place, twice)]
     except EddiError:
         raise
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything
         reason = " ".join(str(failed).split()) or type(failed).__name__
         raise EddiError(error("I011", f"cannot read the bag: {reason}", place)) from None
+
+
+def _wanted(monitors: Sequence[Monitor]) -> Mapping[str, Sequence[_Wanted]]:
+    """Return full name of a topic -> who listens to it."""
+    found: dict[str, list[_Wanted]] = {}
+    for monitor in monitors:
+        sources = {one.id: one for binding in monitor.inputs for one in binding.requires}
+        for source in sources.values():
+            found.setdefault(monitor.topic(source.topic), []).append(_Wanted(monitor, source))
+    return found
+
+
+def _absolute(topic: str) -> str:
+    return topic if topic.startswith("/") else f"/{topic}"
 
 
 def _refuse_special(path: Path, place: Place) -> None:
@@ -90,37 +122,43 @@ def _refuse_special(path: Path, place: Place) -> None:
 
 def _refuse(problems: Iterable[Problem]) -> None:
     found = list(problems)
-    if found:
+    if has_errors(found):
         raise EddiError(*found)
 
 
-def absent(path: Path, bag: Bag, wanted: Sequence[SimulatorOutput]) -> Problem:
-    """Return a warning for the topics without a message in the bag (I013); info when none lacks."""
-    there = {one.source for one in bag.messages}
-    lacking = [source.topic for source in wanted if source.id not in there]
-    message = (
-        f"no message of {', '.join(lacking)} in the bag" if lacking else "every topic is there"
-    )
-    level = warning if lacking else _quiet
-    return level("I013", message, Place(str(path)))
+def _name_times_as_rospy(types: Mapping[str, Any]) -> None:
+    """Let the parts of a time be called as a node knows them, beside what rosbags calls them."""
+    for name in ("Time", "Duration"):
+        of = types.get(f"builtin_interfaces/msg/{name}")
+        if of is not None:
+            of.secs, of.nsecs = property(attrgetter("sec")), property(attrgetter("nanosec"))
 
 
-def _quiet(code: str, message: str, place: Place) -> Problem:
-    return Problem("info", code, message, place)
+def _absent(place: Place, tape: Tape, wanted: Mapping[str, Sequence[_Wanted]]) -> list[Problem]:
+    """Warn of topics without a message (I013)."""
+    there = {one.topic for one in tape.samples}
+    lacking = [of[0].source.topic for topic, of in wanted.items() if topic not in there]
+    if not lacking:
+        return [info("I013", "every topic is there", place)]
+    return [warning("I013", f"no message of {', '.join(lacking)} in the bag", place)]
 
 
-def absolute(topic: str) -> str:
-    """Return a topic as it stands in a bag."""
-    return topic if topic.startswith("/") else f"/{topic.lstrip('~/')}"
+def _computed(place: Place, topics: Collection[str]) -> list[Problem]:
+    """Say which topics are not taken from the bag (I018)."""
+    if not topics:
+        return []
+    message = f"{', '.join(sorted(topics))} is published by a monitor here, not taken from the bag"
+    return [info("I018", message, place)]
 
 
 def _wrong_types(
-    connections: Sequence[Any], by_topic: Mapping[str, list[SimulatorOutput]], config: ConfigFile
+    connections: Sequence[Any], wanted: Mapping[str, Sequence[_Wanted]]
 ) -> Iterator[Problem]:
     for connection in connections:
         of = connection.msgtype.replace("/msg/", "/")
-        for source in by_topic[absolute(connection.topic)]:
-            if of != source.type:
+        for one in wanted[_absolute(connection.topic)]:
+            source, config = one.source, one.monitor.config
+            if of != source.type and config is not None:
                 message = (
                     f"{source.topic} is a {of} in the bag, the configuration says {source.type}"
                 )
@@ -132,38 +170,3 @@ def _wrong_types(
 def written_by_hand(monitor: Monitor) -> list[str]:
     """Return the inputs whose values only code of a person gives: they stay unknown here."""
     return [one.model.id for one in monitor.inputs if one.requires and not one.is_given]
-
-
-def frames_of(monitor: Monitor, running: RuntimeMonitor, bag: Bag) -> Iterator[Frame]:
-    """Yield the steps of the node: one per period, or in mode ``on_change`` one per message, too.
-
-    Messages that came at the same time count as one change.
-    """
-    assert monitor.config is not None
-    section = monitor.config.config.Model
-    running.reset()
-    node = Node(monitor.inputs, running)
-    for t, messages in _instants(bag, 1e9 / section.frequency, section.mode == "on_change"):
-        yield node.step(t, messages)
-
-
-def _instants(bag: Bag, period: float, on_change: bool) -> Iterator[tuple[int, Sequence[Received]]]:
-    """Yield the times of steps with the messages since the last one."""
-    waiting = 0
-    step = 1
-    due = period
-    times = sorted({one.t for one in bag.messages}) if on_change else []
-    position = 0
-    while True:
-        change = times[position] if position < len(times) else None
-        t = round(due) if change is None or due <= change else change
-        if t > bag.end:
-            return
-        if change is not None and t >= change:
-            position += 1
-        fresh = waiting
-        while waiting < len(bag.messages) and bag.messages[waiting].t <= t:
-            waiting += 1
-        yield t, bag.messages[fresh:waiting]
-        step += 1
-        due = t + period if on_change else step * period

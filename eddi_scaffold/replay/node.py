@@ -17,10 +17,12 @@ from eddi_runtime.access import by_id, by_key, by_name, joined
 from eddi_runtime.inputs import UNKNOWN_AGE
 
 from eddi_scaffold.monitors.binding import InputBinding
-from eddi_scaffold.replay.recordings import Frame
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
+
+SECOND = 1_000_000_000
+"""Nanoseconds."""
 
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, joined)
@@ -43,20 +45,58 @@ class Received:
     latched: bool = False
 
 
+@dataclass(frozen=True)
+class Frame:
+    """One step of a node.
+
+    Attributes:
+        t: time in seconds.
+        inputs: input id -> what the monitor read, None when unknown.
+        output: what it gave.
+    """
+
+    t: float
+    inputs: Mapping[str, Any]
+    output: Any
+
+
+class GivenInput(EDDIInputBase):
+    """``EDDIInput`` of a package without hand-written lines."""
+
+    # Two underscores: an input may be called anything else.
+
+    def __init__(self, bindings: Sequence[InputBinding]) -> None:
+        super().__init__()
+        self.__bound = [(one, self.__updater(one), _process(self, one)) for one in bindings]
+
+    def processing(self, simulator_outputs: Mapping[str, Any]) -> None:
+        """Update every input with the messages that are there."""
+        for binding, update, process in self.__bound:
+            requires = [one.id for one in binding.requires]
+            update(binding.model.id, process, simulator_outputs, requires)
+
+    def __updater(self, binding: InputBinding) -> Callable[..., None]:
+        if binding.model.every_message:
+            return self.update_each
+        return self.update if binding.computed is None else self.update_expression
+
+
 class Node:
     """One process of a monitor, which has received nothing as yet.
 
     Args:
-        bindings: how its inputs come about.
+        eddi_input: an ``EDDIInput`` as a package has it: with a method ``processing``.
         running: the monitor; it should have been reset.
+        step: what takes the place of ``running.execute_step``, where a package wraps it.
     """
 
-    def __init__(self, bindings: Sequence[InputBinding], running: RuntimeMonitor) -> None:
+    def __init__(
+        self, eddi_input: Any, running: RuntimeMonitor, step: Callable[..., Any] | None = None
+    ) -> None:
         self._running = running
-        self._eddi_input = EDDIInputBase()
+        self._execute = step or running.execute_step
+        self._eddi_input = eddi_input
         self._eddi_input.bind(running.inputs)
-        self._bindings = bindings
-        self._process = [_process(self._eddi_input, binding) for binding in bindings]
         self._latest: dict[str, Received] = {}
         for spec in running.inputs:
             setattr(self._eddi_input, spec.attribute, spec.default)
@@ -75,21 +115,16 @@ class Node:
             new[one.source].append(one.message)
         now = t if clock is None else clock
         self._eddi_input.begin_step(self._ages(t), new, now)
-        latest = {name: one.message for name, one in self._latest.items()}
-        for binding, process in zip(self._bindings, self._process, strict=True):
-            update = self._eddi_input.update
-            if binding.model.every_message:
-                update = self._eddi_input.update_each
-            elif binding.computed is not None:
-                update = self._eddi_input.update_expression
-            update(binding.model.id, process, latest, [one.id for one in binding.requires])
-        output = self._running.execute_step(self._eddi_input, now)
-        values = {one.model.id: getattr(self._eddi_input, one.attribute) for one in self._bindings}
-        return Frame(t / 1e9, values, output)
+        self._eddi_input.processing({name: one.message for name, one in self._latest.items()})
+        output = self._execute(self._eddi_input, now)
+        values = {
+            one.id: getattr(self._eddi_input, one.attribute, None) for one in self._running.inputs
+        }
+        return Frame(t / SECOND, values, output)
 
     def _ages(self, t: int) -> dict[str, float]:
         return {
-            name: UNKNOWN_AGE if one.latched else (t - one.t) / 1e9
+            name: UNKNOWN_AGE if one.latched else (t - one.t) / SECOND
             for name, one in self._latest.items()
         }
 

@@ -1,4 +1,4 @@
-"""Recorded inputs: a CSV file with a column ``t`` (seconds) and one column per input, played back.
+"""Recorded inputs: a CSV file with a column ``t`` (seconds) and one column per input.
 
 An empty cell means that no new sample came: the last one holds until it is older than the input's
 ``max_age``. Which values count is decided by the monitor and ``EDDIInputBase``, as on the robot.
@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
-
-from eddi_runtime import EDDIInputBase
 
 from eddi_scaffold.problems import (
     Place,
@@ -25,8 +24,6 @@ from eddi_scaffold.problems import (
 )
 
 if TYPE_CHECKING:
-    from eddi_runtime import InputSpec, Monitor
-
     from eddi_scaffold.kinds import InputType, JsonValue
     from eddi_scaffold.source import Source
 
@@ -65,6 +62,11 @@ class Row:
     samples: Mapping[str, JsonValue]
     line: int
 
+    @property
+    def t_ns(self) -> int:
+        """The time in nanoseconds: of the decimal number in the file, not of its binary form."""
+        return round(Decimal(repr(self.t)).scaleb(9))
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -80,18 +82,45 @@ class Recording:
 
 
 @dataclass(frozen=True)
-class Frame:
-    """One step of a replay.
+class Sample:
+    """One message of a recording.
 
     Attributes:
-        t: time in seconds.
-        inputs: input id -> what the monitor read, None when unknown.
-        output: what it gave.
+        t: nanoseconds.
+        topic: full name of a topic; of a CSV file, id of an input.
     """
 
-    t: float
-    inputs: Mapping[str, Any]
-    output: Any
+    t: int
+    topic: str
+    message: Any
+
+
+@dataclass(frozen=True)
+class Tape:
+    """What was recorded; times are nanoseconds.
+
+    Attributes:
+        start: where it begins.
+        end: where it ends.
+        samples: in the order of time.
+        rows: times at which something was written down, also if no sample came.
+    """
+
+    start: int
+    end: int
+    samples: tuple[Sample, ...]
+    rows: tuple[int, ...] = ()
+
+
+def tape_of(recording: Recording) -> Tape:
+    """Return the rows of a CSV file."""
+    rows = tuple(row.t_ns for row in recording.rows)
+    samples = tuple(
+        Sample(row.t_ns, name, value)
+        for row in recording.rows
+        for name, value in row.samples.items()
+    )
+    return Tape(rows[0], rows[-1], samples, rows)
 
 
 @dataclass(frozen=True)
@@ -296,80 +325,3 @@ def _several(text: str, wanted: InputType) -> JsonValue:
     if wanted == "state" and (not values or None in values):
         return text
     return None if None in values else values
-
-
-def replay(
-    monitor: Monitor,
-    recording: Recording,
-    limits: Mapping[str, float | str | None] | None = None,
-) -> Iterator[tuple[float, Any]]:
-    """Yield (time, output of the monitor) for each row, as ``frames`` does."""
-    for frame in frames(monitor, recording, limits):
-        yield frame.t, frame.output
-
-
-def frames(
-    monitor: Monitor,
-    recording: Recording,
-    limits: Mapping[str, float | str | None] | None = None,
-) -> Iterator[Frame]:
-    """Yield what happens in each row, one step per row.
-
-    An input has its default before its first sample, holds each sample, and is unknown while the
-    last sample is older than its limit. The monitor can be asked for more (``explain``) between
-    two rows.
-
-    Args:
-        monitor: a monitor; former steps are forgotten.
-        recording: what to play.
-        limits: input id -> ``max_age`` in seconds, to use instead of those of the model.
-    """
-    monitor.reset()
-    player = _Player(monitor.inputs, limits or {})
-    for row in recording.rows:
-        player.play(row)
-        output = monitor.execute_step(player.eddi_input, round(row.t * 1e9))
-        yield Frame(row.t, player.values(), output)
-
-
-class _Player:
-    """Feeds an ``EDDIInputBase`` as the node does: each input is its own source of messages."""
-
-    def __init__(
-        self, specs: Sequence[InputSpec], limits: Mapping[str, float | str | None]
-    ) -> None:
-        self.eddi_input = EDDIInputBase()
-        self.eddi_input.bind(
-            [spec._replace(max_age=limits.get(spec.id, spec.max_age)) for spec in specs]
-        )
-        self._process = {spec.id: _setter(self.eddi_input, spec.attribute) for spec in specs}
-        self._attribute = {spec.id: spec.attribute for spec in specs}
-        self._update = {
-            spec.id: self.eddi_input.update_each if spec.every_message else self.eddi_input.update
-            for spec in specs
-        }
-        for spec in specs:
-            setattr(self.eddi_input, spec.attribute, spec.default)
-        self._samples: dict[str, JsonValue] = {}
-        self._times: dict[str, float] = {}
-
-    def play(self, row: Row) -> None:
-        """Take over the samples of a row and update every input."""
-        self._samples.update(row.samples)
-        self._times.update(dict.fromkeys(row.samples, row.t))
-        # Decimal times are not exact in binary: 0.7 - 0.2 is a little more than 0.5.
-        self.eddi_input.begin_step(
-            {k: round(row.t - t, 9) for k, t in self._times.items()},
-            {name: [sample] for name, sample in row.samples.items()},
-            round(row.t * 1e9),
-        )
-        for name, process in self._process.items():
-            self._update[name](name, process, self._samples, (name,))
-
-    def values(self) -> dict[str, Any]:
-        """Return input id -> value as the monitor reads it."""
-        return {name: getattr(self.eddi_input, self._attribute[name]) for name in self._process}
-
-
-def _setter(target: object, attribute: str) -> Callable[[JsonValue], None]:
-    return lambda value: setattr(target, attribute, value)

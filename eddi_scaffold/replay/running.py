@@ -1,4 +1,4 @@
-"""A monitor in this process: the same model text and the same runtime as in a package."""
+"""What is said of monitors that a recording is played to."""
 
 from __future__ import annotations
 
@@ -6,17 +6,15 @@ import csv
 import io
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
-
-from eddi_runtime import Monitor as RuntimeMonitor
-from eddi_runtime.model_file import parse_model
-from eddi_runtime.monitor import Value, build
+from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.diagrams.plotting.svg import plot
 from eddi_scaffold.diagrams.plotting.tracks import tracks_of
-from eddi_scaffold.monitors.binding import Monitor
-from eddi_scaffold.replay.bags import Bag, frames_of
-from eddi_scaffold.replay.recordings import Frame, Recording, frames
+from eddi_scaffold.replay.playing import Play
+
+if TYPE_CHECKING:
+    from eddi_runtime import Monitor as RuntimeMonitor
+    from eddi_runtime.monitor import Value
 
 _PATIENCE = 2.0
 """Seconds of work after which a person is told how far it is."""
@@ -24,39 +22,28 @@ _PATIENCE = 2.0
 _NO_OTHER = "unknown inputs"
 """The reason of a result that lacks inputs only: their names say more."""
 
-Play = Callable[[RuntimeMonitor], Iterator[Frame]]
-"""Plays what was recorded to a monitor, one frame for each of its steps."""
-
-
-def of_recording(recording: Recording) -> Play:
-    """Return what plays a CSV recording."""
-    return lambda running: frames(running, recording)
-
-
-def of_bag(monitor: Monitor, bag: Bag) -> Play:
-    """Return what plays a bag."""
-    return lambda running: frames_of(monitor, running, bag)
-
 
 def watched(play: Play, say: Callable[[str], None]) -> Play:
     """Say from time to time how far a long recording is."""
-
-    def told(running: RuntimeMonitor) -> Iterator[Frame]:
-        said = time.monotonic()
-        for frame in play(running):
-            yield frame
-            if time.monotonic() - said >= _PATIENCE:
-                said = time.monotonic()
-                say(f"{frame.t:.0f} s of the recording are played")
-
-    return told
+    said = time.monotonic()
+    for part, frame in play:
+        yield part, frame
+        if time.monotonic() - said >= _PATIENCE:
+            said = time.monotonic()
+            say(f"{frame.t:.0f} s of the recording are played")
 
 
-def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
-    """Yield time in seconds and output as JSON for each step; a step without output says why."""
-    running = compiled(monitor)
-    for frame in play(running):
-        row: dict[str, Any] = {"t": frame.t, "outputs": running.as_json(frame.output)}
+def steps(play: Play) -> Iterator[dict[str, Any]]:
+    """Yield time in seconds and output as JSON for each step; a step without output says why.
+
+    Of several monitors, each says its name.
+    """
+    for part, frame in play:
+        running = part.running
+        row: dict[str, Any] = {"t": frame.t}
+        if part.name:
+            row["monitor"] = part.name
+        row["outputs"] = running.as_json(frame.output)
         why = getattr(running, "status_name", None)
         if row["outputs"] is None and why is not None:
             row["status"] = why()
@@ -66,34 +53,38 @@ def steps(monitor: Monitor, play: Play) -> Iterator[dict[str, Any]]:
         yield row
 
 
-def changes(monitor: Monitor, play: Play) -> Iterator[str]:
-    """Yield a line for the first step and for each one whose output differs from the last.
+def changes(play: Play) -> Iterator[str]:
+    """Yield a line for the first step of each monitor, and for each with a new verdict.
 
-    A line says which inputs keep outputs from being given, and why, and what else is wrong. A new
-    reason is a new line where the kind names its reasons.
+    A verdict is what the kind calls one, the reason why it is not to be relied on, and which
+    inputs keep outputs from being given; not each digit. A line has every value of the step, says
+    why these inputs are not known, and what else is wrong.
     """
-    running = compiled(monitor)
-    last: object = None
-    for frame in play(running):
-        values = running.series(frame.output)
-        shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
+    last: dict[str, object] = {}
+    for part, frame in play:
+        running = part.running
         reason = _reason(frame.output)
-        now = shown, reason
-        if now != last:
-            beside = _beside(running, reason) + _blocking(running)
-            yield f"{frame.t:10.3f}  {shown}{beside}".rstrip()
-        last = now
+        # A plain package has a runtime of its own, which may be older.
+        decided = getattr(running, "decided", running.series)(frame.output)
+        now = decided, reason, set(running.blocked())
+        if last.get(part.name) == now:
+            continue
+        last[part.name] = now
+        values = {**running.series(frame.output), **decided}
+        shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
+        beside = _beside(running, reason) + _blocking(running)
+        who = f"{part.name}: " if part.name else ""
+        yield f"{frame.t:10.3f}  {who}{shown}{beside}".rstrip()
 
 
-def table(monitor: Monitor, play: Play) -> Iterator[str]:
+def table(play: Play) -> Iterator[str]:
     """Yield the lines of a CSV: time, then every named value of the output in each step.
 
     Kinds whose results tell why they are not to be relied on have columns for it at the end:
     ``reason``, and ``unknown`` with the ids of inputs, blanks between them.
     """
-    running = compiled(monitor)
-    for number, frame in enumerate(play(running)):
-        values = dict(running.series(frame.output))
+    for number, (part, frame) in enumerate(play):
+        values = dict(part.running.series(frame.output))
         for name, fact in _facts(frame.output).items():
             values.setdefault(name, fact)
         if number == 0:
@@ -101,22 +92,14 @@ def table(monitor: Monitor, play: Play) -> Iterator[str]:
         yield _csv_line([repr(frame.t), *(_cell(value) for value in values.values())])
 
 
-def picture(monitor: Monitor, play: Play) -> str:
+def picture(title: str, play: Play) -> str:
     """Return an SVG of inputs and outputs over time."""
-    running = compiled(monitor)
     inputs: list[tuple[float, Mapping[str, object]]] = []
     outputs: list[tuple[float, Mapping[str, object]]] = []
-    for frame in play(running):
+    for part, frame in play:
         inputs.append((frame.t, {k: v for k, v in frame.inputs.items() if not _is_list(v)}))
-        outputs.append((frame.t, running.series(frame.output)))
-    title = f"{monitor.kind.title} {monitor.model.name}"
+        outputs.append((frame.t, part.running.series(frame.output)))
     return plot(title, [*tracks_of("inputs", inputs), *tracks_of("outputs", outputs)])
-
-
-def compiled(monitor: Monitor) -> RuntimeMonitor:
-    """Return the monitor as its package would load it; hand-written code is not in it."""
-    files = monitor.kind.data_files(monitor.model)
-    return build(parse_model(monitor.model_json, monitor.model.name, files))
 
 
 def _omission(running: RuntimeMonitor) -> str:

@@ -10,6 +10,8 @@ import yaml
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
 from tests.cli.command import example, files_below, run
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def old(tmp_path: Path) -> Path:

@@ -14,6 +14,8 @@ from tests.adopting.old_networks import write_old_network
 from tests.cli.command import ROOT, run
 from tests.kinds.bayesian_network.networks import read_path
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def old(tmp_path: Path) -> Path:

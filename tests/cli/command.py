@@ -26,6 +26,9 @@ EXAMPLE = ROOT / "examples" / "two-conserts"
 @cache
 def template() -> rendering.Template:
     """Copy the templates as they lie there: faster than git, no note on uncommitted changes."""
+    from tests.quick_copier import render_faster  # half a second, only where needed
+
+    render_faster()
     folder = Path(tempfile.mkdtemp(prefix="eddi-templates-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     for name in PATHS:
@@ -75,11 +78,9 @@ def example(folder: Path) -> Path:
 
 def files_below(folder: Path) -> dict[str, bytes]:
     """Return every file below a folder."""
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
+    start = len(f"{folder}/")
+    paths = sorted(f"{place}/{name}" for place, _, names in os.walk(folder) for name in names)
+    return {path[start:]: Path(path).read_bytes() for path in paths if Path(path).is_file()}
 
 
 XML_HEAD = (

@@ -7,9 +7,10 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
+from eddi_scaffold.replay.message_trees import Message, blank
 from eddi_scaffold.replay.node import Received
 from tests.deployments.drafts import Draft, Instance
-from tests.deployments.messages import Message, blank, path_of, read, written
+from tests.deployments.messages import path_of, read, written
 from tests.deployments.pool.readings import Leaf
 from tests.deployments.pool.templates import Rank, Slot
 from tests.deployments.world import MS, Member, Observer

@@ -12,7 +12,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from eddi_runtime.event import engine
+from eddi_runtime.expressions import engine
 from hypothesis import settings
 
 from eddi_scaffold.deployments.checking import check_files
@@ -45,6 +45,7 @@ def _compile_once() -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shard", range(SHARDS))
 def test_silence_claims_nothing(shard: int) -> None:
     total = Count()
@@ -95,6 +96,7 @@ def test_what_is_found_is_made_small() -> None:
     assert len(draft.values) <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(40))
 def test_check_accepts_them_as_files(number: int, tmp_path: Path) -> None:
     """And the files give the same claims as the monitors of the pool."""

@@ -13,10 +13,10 @@ from functools import cached_property
 from eddi_runtime import Monitor as RunningMonitor
 
 from eddi_scaffold.monitors.binding import Monitor
-from eddi_scaffold.replay.node import Node, Received
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.message_trees import Message
+from eddi_scaffold.replay.node import GivenInput, Node, Received
+from eddi_scaffold.replay.parts import compiled
 from tests.deployments.history import History
-from tests.deployments.messages import Message
 from tests.deployments.publishing import Publisher
 
 MS = 1_000_000
@@ -128,7 +128,7 @@ class World:
         running = self._running[member.name]
         running.reset()
         self._observer.begun(member)
-        return _Process(Node(member.monitor.inputs, running))
+        return _Process(Node(GivenInput(member.monitor.inputs), running))
 
     def _tick(self, t: int) -> Claims:
         self._begin_anew(t)

@@ -1,6 +1,10 @@
-"""The pedestrian example on a real ROS 1: speed and distance in, the risk and evidence out."""
+"""The pedestrian example on a real ROS 1: speed and distance in, the risk and evidence out.
+
+A ConSert rests on that evidence: its guarantee goes away when the sensors of the network die.
+"""
 
 import subprocess
+import time
 
 import pytest
 
@@ -12,11 +16,37 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow]
 RISK = "/pedestrian/risk"
 LOW = f"{RISK}/low"
 PATIENCE_S = 30.0
+NETWORK, CONSERT = "/pedestrian_prediction_example", "/crossing"
+GUARANTEES = "/crossing/guarantees"
+PERIOD_S = 0.1
+MAX_AGE_S = 0.5
+SLACK_S = 0.5  # transport and a machine that others use as well
 EVIDENCE = f'{{id: RiskIsLow, node: Critical, state: "Yes", at_most: 0.35, topic: {LOW}}}'
+CROSSING = """\
+guarantees: [{id: Cross, dimensions: [{Binary: {type: SafeCrossing}}]}]
+demands: []
+evidence: [{id: RiskIsLow, dimension: {Binary: {type: LowRisk}}}]
+gates: []
+tree_propagations: [{from: RiskIsLow, to: Cross}]
+required_services: []
+provided_services: []
+"""
+CONFIG = """\
+Model: {id: Crossing, type: ConSert, parameters: [{model: crossing.yml}]}
+SimulatorOutputs:
+  - {id: risk, type: eddi_messages.BayesianNetworkEvidence, topic: pedestrian/risk/evidence}
+EDDIInputs:
+  - {id: RiskIsLow, type: bool, requires: [risk], field: "evidence[RiskIsLow].active"}
+EDDIOutputs:
+  - {id: crossing, topic: crossing/guarantees}
+"""
 
 
 class NetworkRun(Run):
-    TOPICS = (RISK, f"{RISK}/status", f"{RISK}/evidence", LOW)
+    TOPICS = (
+        RISK, f"{RISK}/status", f"{RISK}/evidence", LOW,
+        GUARANTEES, f"{GUARANTEES}/status", "/diagnostics",
+    )  # fmt: skip
 
     def send(self, topic, value):
         """Leave ``rostopic pub`` repeating a number, faster than it grows too old."""
@@ -46,6 +76,17 @@ class NetworkRun(Run):
 
         until(came, PATIENCE_S, f"evidence {active}")
 
+    def verdicts(self):
+        """Return (time of the step, verdict) in each status of the ConSert."""
+        return [
+            (_seconds(one["header"]["stamp"]), one["guarantees"][0]["verdict"])
+            for one in self.messages(f"{GUARANTEES}/status")
+        ]
+
+
+def _seconds(stamp):
+    return stamp["secs"] + stamp["nsecs"] / 1e9
+
 
 @pytest.fixture(scope="module")
 def workspace(generator, folder, home):
@@ -54,7 +95,10 @@ def workspace(generator, folder, home):
     config = folder / "eddi_config.yml"
     text = (example / "eddi_config.yml").read_text()
     config.write_text(text.replace("Simulator", f"  evidence: [{EVIDENCE}]\nSimulator", 1))
-    generator.generate(made.path, example / "pedestrian.xml", config)
+    (folder / "crossing.yml").write_text(CROSSING)
+    crossing = folder / "crossing_config.yml"
+    crossing.write_text(CONFIG)
+    generator.generate(made.path, example / "pedestrian.xml", config, crossing)
     output = made.catkin_make()
     assert "CMake Warning" not in output, output
     return made
@@ -89,11 +133,42 @@ def test_speed_and_distance_become_a_risk(workspace, roscore, tmp_path):
         assert (low["id"], low["active"], low["reason"]) == ("RiskIsLow", False, "unknown inputs")
         assert (low["low"], low["high"]) == (0.05, 0.95)
         assert run.messages(LOW)[-1] == {"data": False}
+        sensors_die_under_the_guarantee(run)
         states = [one["status"] for one in run.messages(f"{RISK}/status")]
         assert states[0] == 2  # PRIOR
         assert {1, 0} <= set(states)  # PARTIAL, then OK
         said = run.launch_text()
         assert "Traceback" not in said, said
+
+
+def sensors_die_under_the_guarantee(run):
+    """Kill both sensors while a guarantee rests on them: it ends in time, and they are named."""
+    for topic, value in (("/vehicle/speed", 4 / 3.6), ("/pedestrian/distance", 5.3)):
+        run.send(topic, value)
+    run.wait_for(GUARANTEES, {"Cross": True}, PATIENCE_S)
+    for sensor in run.processes[-2:]:
+        sensor.popen.kill()
+    dead = time.time()
+    run.wait_for(GUARANTEES, {"Cross": False}, PATIENCE_S)
+
+    def named():
+        said = run.diagnosis(NETWORK)
+        return "late" in said.get("threshold.RiskIsLow", "") and said
+
+    said = until(named, PATIENCE_S, "a diagnosis")
+    why = said["threshold.RiskIsLow"]
+    assert why.startswith("inactive: vehicleSpeed: /vehicle/speed is late, "), why
+    assert "; pedestrianDistance: /pedestrian/distance is late, " in why
+    assert (said["vehicleSpeed"], said["pedestrianDistance"]) == ("stale", "stale")
+    # the last status that is TRUE is of a step before the limit, and a period of each monitor
+    last = max(at for at, verdict in run.verdicts() if verdict == 2)
+    assert last - dead <= MAX_AGE_S + 2 * PERIOD_S + SLACK_S
+
+    def blamed():
+        text = run.diagnosis(CONSERT).get("guarantee.Cross")
+        return text == "inactive: RiskIsLow: the value is False"
+
+    until(blamed, PATIENCE_S, "a diagnosis of the guarantee")
 
 
 def test_the_package_of_the_network_passes_its_own_test(workspace):

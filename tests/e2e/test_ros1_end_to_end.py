@@ -58,7 +58,7 @@ def test_both_builders_build_every_package_without_a_word(shipped, edited, built
 def test_the_example_runs_without_a_hand_edit(shipped, built, launched):
     with launched(shipped.devel_env()) as run:
         until(lambda: run.diagnosis("/consertb"), 30.0, "the first diagnosis")
-        assert run.diagnosis("/consertb")["RtE_A_E0"] == "missing"
+        assert run.diagnosis("/consertb")["RtE_A_E0"] == "waiting"
         assert run.diagnosis("/consertb")["RtE_A_E0.blocks"] == "System_A_G0_c2"
         # The example ends a guarantee after half a second of silence: a busy machine may pass that.
         figure46.demonstrate(run, steady=False)

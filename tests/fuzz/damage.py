@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import math
 import signal
 import sys
 import time
@@ -21,7 +22,9 @@ from tests.fuzz.mutations import NASTY, mutated
 LARGEST = 150_000
 """Bytes of the largest damaged input; what is behind is cut off."""
 PATIENCE = 60
-"""Seconds after which a call that does not even return to Python ends the process."""
+"""Seconds after which, at the latest, a call that does not return to Python ends the process."""
+WOUND = 10
+"""Seconds between two windings of that clock, which starts a thread each time."""
 LONG = [
     *(b"[" * 3000, b"(" * 3000, b"{a: " * 2000, b"<a>" * 5000, b"-" * 100_000, b"~" * 100_000),
     *(b"not " * 20_000, b"NOT " * 20_000, b"9" * 20_000, b"0x" + b"f" * 20_000, b"1_" * 20_000),
@@ -131,10 +134,13 @@ def fuzz(reader: Reader, seed: str, count: int, limit: float) -> Result:
         limit: processor seconds for one input of up to 100 kB, and more for larger ones.
     """
     result = Result()
-    began = time.monotonic()
-    for number in range(count):
-        one = f"{seed}:{number}"
-        _try(reader, one, damaged_sample(reader, one), limit, result)
+    began, wound = time.monotonic(), -math.inf
+    with _ended():
+        for number in range(count):
+            if time.monotonic() - wound > WOUND:
+                wound = _wind()
+            one = f"{seed}:{number}"
+            _try(reader, one, damaged_sample(reader, one), limit, result)
     result.inputs, result.seconds = count, time.monotonic() - began
     return result
 
@@ -152,7 +158,7 @@ def _try(reader: Reader, seed: str, sample: Sample, limit: float, result: Result
     try:
         while True:
             start = time.process_time()
-            with watched(patience):
+            with _limited(patience):
                 next(steps)
             result.slowest = max(result.slowest, time.process_time() - start)
     except StopIteration:
@@ -180,15 +186,33 @@ def _note(result: Result, reader: Reader, seed: str, sample: Sample, failed: Bas
 @contextlib.contextmanager
 def watched(limit: float) -> Iterator[None]:
     """Raise in what takes longer; what does not come back from C ends the process."""
+    with _ended(), _limited(limit):
+        yield
+
+
+@contextlib.contextmanager
+def _limited(limit: float) -> Iterator[None]:
     before = signal.signal(signal.SIGPROF, _ring)
-    faulthandler.dump_traceback_later(PATIENCE, exit=True, file=sys.__stderr__)
     signal.setitimer(signal.ITIMER_PROF, limit)
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
-        faulthandler.cancel_dump_traceback_later()
         signal.signal(signal.SIGPROF, before)
+
+
+@contextlib.contextmanager
+def _ended() -> Iterator[None]:
+    _wind()
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+
+
+def _wind() -> float:
+    faulthandler.dump_traceback_later(PATIENCE, exit=True, file=sys.__stderr__)
+    return time.monotonic()
 
 
 def _ring(*_: object) -> None:

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_runtime.model_file import ModelError, parse_model
+from eddi_runtime.documents import ModelError
+from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import build
 
 from eddi_scaffold.config.block import read_block, rewritten
@@ -32,12 +33,16 @@ from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError, has_errors
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import sync_package
 from eddi_scaffold.replay.bags import read_bag
-from eddi_scaffold.replay.recordings import read_recording
-from eddi_scaffold.replay.running import changes, compiled, of_bag, of_recording, steps
+from eddi_scaffold.replay.parts import compiled, of_messages, of_values, rhythm
+from eddi_scaffold.replay.playing import play
+from eddi_scaffold.replay.recordings import read_recording, tape_of
+from eddi_scaffold.replay.running import changes, steps
+from eddi_scaffold.replay.steps import ROWS
 from eddi_scaffold.source import Source, read_source
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
@@ -73,26 +78,38 @@ def _samples(paths: Sequence[Path | str], shared: str = "") -> list[Sample]:
     return [Sample(p.name, p.read_bytes()) for p in found if p.stat().st_size <= SMALL]
 
 
-def used(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> Steps:
+def used(path: Path) -> Steps:
     """Do with a model what check, show, diagram, export and generate do before they write."""
-    check_files([path, *configs])
+    check_files([path])
     yield
-    with contextlib.suppress(EddiError):
-        survey_of(read_source(path))
-    yield
-    reading = read_models(read_source(path))
+    source = read_source(path)
+    if is_xml(source):  # of other files the survey is the models and their counts, as below
+        survey_of(source)
+        yield
+    reading = read_models(source)
     for model in () if has_errors(reading.problems) else reading.models:
-        kind = kinds()[model.kind]
+        kind = kinds()[model.kind].functions
         json.dumps([list(kind.outline(model)), dict(kind.counts(model)), dict(kind.export(model))])
         yield
         if kind.diagram is not None:
             drawn(kind.diagram(model))
     yield
+    yield from _generated(path)
+
+
+def _configured(model: Path, config: Path) -> Steps:
+    """Do with a sound model what check and generate do; show and the like see no configuration."""
+    check_files([model, config])
+    yield
+    yield from _generated(model, [config], "ros1")
+
+
+def _generated(path: Path, configs: Sequence[Path] = (), platform: str = "plain") -> Steps:
     with contextlib.suppress(EddiError):
-        yield from _generated(path, configs, platform)
+        yield from _compiled(path, configs, platform)
 
 
-def _generated(path: Path, configs: Sequence[Path], platform: str) -> Steps:
+def _compiled(path: Path, configs: Sequence[Path], platform: str) -> Steps:
     monitors, problems = monitors_of(path, configs)
     yield
     # a cross-check is the work of another library, which is not here everywhere
@@ -128,7 +145,7 @@ def _exported(folder: Path, suffix: str) -> list[Sample]:
     found = []
     for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(SHARED.glob("bn/net_[abc].xml"))):
         for model in read_models(read_source(path)).models:
-            for name, text in kinds()[model.kind].export(model).items():
+            for name, text in kinds()[model.kind].functions.export(model).items():
                 if name.endswith(suffix) and len(text) <= SMALL:
                     found.append(Sample(name, text.encode()))
     return found
@@ -163,6 +180,8 @@ def _config(folder: Path) -> Made:
         samples.append(sample)
         model_of[sample.name] = place / model
 
+    _shorten(folder / "safeml/reference_sample.csv", 200)
+
     def attempt(sample: Sample) -> Steps:
         path = folder / sample.name
         path.write_bytes(sample.data)
@@ -171,9 +190,13 @@ def _config(folder: Path) -> Made:
         with contextlib.suppress(EddiError):
             rewritten(read_block(source), [])
         yield
-        yield from used(model_of[sample.name], [path], "ros1")
+        yield from _configured(model_of[sample.name], path)
 
     return samples, attempt
+
+
+def _shorten(path: Path, lines: int) -> None:
+    path.write_bytes(b"\n".join(path.read_bytes().split(b"\n")[:lines]))
 
 
 def _reliability(folder: Path) -> Made:
@@ -258,7 +281,9 @@ def _recordings(folder: Path) -> Made:
     def attempt(sample: Sample) -> Steps:
         recording, _ = read_recording(Source("damaged.csv", sample.data), types)
         if recording is not None:
-            list(changes(monitor, of_recording(recording)))
+            tape = tape_of(recording)
+            for one in (rhythm(monitor), ROWS):
+                list(changes(itertools.islice(play([of_values(monitor, one)], tape), 100)))
         yield
 
     return samples, attempt
@@ -271,13 +296,12 @@ def _bags(folder: Path) -> Made:
     written(path, [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)])
     place = EXAMPLES / "two-conserts"
     (monitor,), _ = monitors_of(place / "two_conserts.xml", [place / "consert_a_config.yml"])
-    wanted = list({one.id: one for b in monitor.inputs for one in b.requires}.values())
 
     def attempt(sample: Sample) -> Steps:
         path.write_bytes(sample.data)
         with contextlib.suppress(EddiError):
-            bag = read_bag(path, monitor.config, wanted)
-            for _ in itertools.islice(steps(monitor, of_bag(monitor, bag)), 100):
+            tape, _ = read_bag(path, [monitor])
+            for _ in itertools.islice(steps(play(of_messages([monitor], [ROWS]), tape)), 100):
                 pass
         yield
 
@@ -411,7 +435,7 @@ def _adopt(folder: Path) -> Made:
 
 def _consert_yaml() -> str:
     (model, *_) = read_models(read_source(EXAMPLES / "two-conserts/two_conserts.xml")).models
-    return next(iter(kinds()["consert"].export(model).values()))
+    return next(iter(kinds()["consert"].functions.export(model).values()))
 
 
 def _files(*folders: Path) -> Iterator[Path]:

@@ -21,6 +21,8 @@ from eddi_scaffold.problems import EddiError
 from tests.cli.command import EXAMPLE, ROOT, Result, files_below, run
 from tests.fuzz.mutations import mutations
 
+pytestmark = pytest.mark.slow
+
 XML = (EXAMPLE / "two_conserts.xml").read_bytes()
 CONFIG = (EXAMPLE / "consert_a_config.yml").read_bytes()
 RECORDING = (EXAMPLE / "recording.csv").read_bytes()

@@ -31,6 +31,8 @@ try:
 except ImportError:  # Python 3.10
     tomllib = None  # type: ignore[assignment]
 
+pytestmark = pytest.mark.slow
+
 FEW = max(8, settings.default.max_examples // 25)
 WORDS = ["model", "first", "second", "text", "mm", "category", "topic", "source", "file"]
 TEXT = st.one_of(

@@ -16,6 +16,8 @@ from hypothesis import settings
 from tests.fuzz.damage import Reader, Sample, damaged_sample, fuzz
 from tests.fuzz.readers import NAMES, readers
 
+pytestmark = pytest.mark.slow
+
 LONG = settings.default.max_examples >= 1000
 COUNT, PARTS = (10_000, 10) if LONG else (150, 1)
 LIMIT = 1.0 if LONG else 10.0

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.cli.command import run
+
+pytestmark = pytest.mark.slow
 
 MODEL = """\
 guarantees: [{id: Go, dimensions: [{Binary: {type: T}}]}]

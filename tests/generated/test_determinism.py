@@ -5,8 +5,12 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from tests.checkouts import Checkout, tree, without_origin
 from tests.generated.conftest import generate
+
+pytestmark = pytest.mark.slow
 
 AUCKLAND = {
     "LC_ALL": "tr_TR.UTF-8",  # upper and lower case of i differ, if the locale is installed

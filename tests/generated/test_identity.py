@@ -10,6 +10,8 @@ import pytest
 from tests.checkouts import Checkout, tree
 from tests.generated.conftest import generate
 
+pytestmark = pytest.mark.slow
+
 SHARED = {"eddi_messages", "eddi_monitor", "eddi_monitor_launcher", "eddi_runtime"}
 
 
@@ -60,7 +62,6 @@ def test_own_files_stay_and_edits_of_generated_ones_are_kept(
     assert kept.read_text() == "*.bag\n"
 
 
-@pytest.mark.slow
 def test_plain_copier_joins_the_second_monitor(clone: Checkout, both: Path, tmp_path: Path) -> None:
     packages = tmp_path / "src" / "eddi_monitor"
     packages.mkdir(parents=True)

@@ -11,6 +11,8 @@ import pytest
 from tests.checkouts import HERE, Checkout, run, tree
 from tests.interpreters import old_python
 
+pytestmark = pytest.mark.slow
+
 MODEL = HERE / "tests" / "golden" / "models" / "rover.yml"
 PROGRAM = """
 from types import SimpleNamespace

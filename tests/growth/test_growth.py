@@ -14,6 +14,8 @@ from tests.fuzz.readers import readers
 from tests.growth.inputs import GROWING, Growing
 from tests.growth.work import work
 
+pytestmark = pytest.mark.slow
+
 TIMES = 4
 COUNT = 50
 FEWER = {"XDSL: chain": 20, "XDSL: nodes": 20}

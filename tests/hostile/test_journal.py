@@ -15,6 +15,8 @@ from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.transaction import FileState, apply, recover, tree_of
 from tests.cli.command import Result, example, files_below, run
 
+pytestmark = pytest.mark.slow
+
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
 OLD = {"a": FileState(b"old a"), "d/b": FileState(b"old b")}
 NEW = {"a": FileState(b"new a"), "d/b": FileState(b"new b")}

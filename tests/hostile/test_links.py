@@ -17,6 +17,8 @@ from tests.cli.command import Result, example, run
 from tests.diagnosed import assert_example
 from tests.hostile import special
 
+pytestmark = pytest.mark.slow
+
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
 PACKAGE = "consertb"
 INPUT = "EDDIInput.py"

@@ -11,6 +11,8 @@ from tests.hostile import inputs, records, repositories
 from tests.hostile.watch import changes
 from tests.hostile.world import World
 
+pytestmark = pytest.mark.slow
+
 BUILDERS: tuple[Callable[[World], None], ...] = (
     *inputs.BUILDERS,
     *records.BUILDERS,

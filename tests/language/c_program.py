@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from eddi_runtime.event.engine import converter
-from eddi_runtime.event.form import Form
+from eddi_runtime.expressions.engine import converter
+from eddi_runtime.expressions.form import Form
 
 from eddi_scaffold.language.targets.c import c_files
 from eddi_scaffold.language.targets.monitor_model import MonitorModel

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from eddi_runtime.event import InputExpression
+from eddi_runtime.expressions.expression import InputExpression
 
 from eddi_scaffold.language.inputs import ExpressionText, compile_input
 from eddi_scaffold.language.scope import BOOL, NUMBER, Variable

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
-from eddi_runtime.event.engine import build_engine
-from eddi_runtime.event.sampling import Sampling
+from eddi_runtime.expressions.engine import build_engine
+from eddi_runtime.expressions.sampling import Sampling
 
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.canonical import canonical

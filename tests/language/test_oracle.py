@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 import yaml
-from eddi_runtime.event.engine import build_engine
-from eddi_runtime.event.form import read_form
-from eddi_runtime.event.values import BoolVal, NumVal
+from eddi_runtime.expressions.engine import build_engine
+from eddi_runtime.expressions.form import read_form
+from eddi_runtime.expressions.values import BoolVal, NumVal
 
 from eddi_scaffold.language import Variable, analyse
 from eddi_scaffold.language.canonical import canonical

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from eddi_runtime.event.engine import build_engine
-from eddi_runtime.event.form import read_form
+from eddi_runtime.expressions.engine import build_engine
+from eddi_runtime.expressions.form import read_form
 from hypothesis import settings
 
 from eddi_scaffold.language import analyse

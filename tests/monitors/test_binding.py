@@ -143,7 +143,8 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     """Kinds that do not check this themselves get it checked here."""
     (model,) = read_models(Source("speed.yml", SPEED.encode())).models
     two = (ModelInput("a-b", "bool"), ModelInput("a.b", "bool"), ModelInput("c", "bool"))
-    kind = dataclasses.replace(KIND, inputs=lambda _: two)
+    functions = dataclasses.replace(KIND.functions, inputs=lambda _: two)
+    kind = dataclasses.replace(KIND, load=lambda: functions)
     monitor, problems = monitor_of(model, kind, None, {})
     assert monitor is None
     assert_example("K025", problems)

@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors import drawing
 from eddi_scaffold.monitors.drawing import pictures
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.problems import EddiError, Place
 from tests.checkouts import HERE
 from tests.diagnosed import assert_example
 
@@ -22,9 +20,9 @@ def test_one_picture_for_each_model() -> None:
     assert list(pictures(MODEL, "ConSertB", (), single=True)[0]) == ["ConSertB.svg"]
 
 
-def test_a_kind_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    plain = {name: replace(kind, diagram=None) for name, kind in kinds().items()}
-    monkeypatch.setattr(drawing, "kinds", lambda: plain)
+def test_a_kind_without_pictures_says_so() -> None:
+    events = HERE / "examples" / "motor-watch" / "motor_watch.events"
     with pytest.raises(EddiError) as refused:
-        pictures(MODEL, None, (), single=False)
-    assert_example("G018", refused.value.problems)
+        pictures(events, None, (), single=False)
+    (problem,) = refused.value.problems
+    assert_example("G018", [replace(problem, place=Place(events.name))])

@@ -11,6 +11,7 @@ from pathlib import Path
 from unittest.mock import patch
 from xml.etree import ElementTree as ET
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -29,6 +30,8 @@ from tests.regions.rendering import (
     render,
     snapshot,
 )
+
+pytestmark = pytest.mark.slow
 
 NAMES = ("speed", "Distance_to_Pedestrian", "Critical", "light", "gps", "wind")
 STATES = (("Yes", "No"), ("low", "mid", "high"), ("Yes", "No", "Maybe"))

@@ -30,10 +30,10 @@ def test_json_prints_one_object_per_step() -> None:
     )
     assert done.returncode == 0, done.stderr
     lines = [json.loads(line) for line in done.stdout.splitlines()]
-    assert [line["t"] for line in lines] == [0.0, 0.1, 0.2, 0.3, 0.4, 0.9, 1.0]
+    assert [line["t"] for line in lines] == [k / 10 for k in range(11)]
     active = [[o["id"] for o in line["outputs"] if o["active"]] for line in lines]
     both = ["System_A_G0", "System_A_G1"]
-    assert active == [[], ["System_A_G0"], both, [], both, both, ["System_A_G0"]]
+    assert active == [[], ["System_A_G0"], both, [], *[both] * 6, ["System_A_G0"]]
 
 
 def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> None:
@@ -135,3 +135,107 @@ def test_evidence_of_probability_zero_says_so(tmp_path: Path) -> None:
     first, second = (json.loads(line) for line in result.stdout.splitlines())
     assert first == {"t": 0.0, "outputs": None, "status": "inconsistent"}
     assert second["outputs"][0]["output_nodes"][0]["title"] == "B"
+    words = run("n.xdsl", "--inputs", "in.csv", folder=tmp_path).stdout.splitlines()
+    assert words[0].split("B unknown")[1].split() == ["status", "inconsistent"]
+    assert words[1].endswith("B y  status partial")
+
+
+GAP = "t,RtE_A_D0,RtE_A_E0\n0,true,true\n10,true,true\n"
+
+
+def configured(folder: Path, old: str, new: str) -> None:
+    """Put the example into a folder, its configuration changed."""
+    for file in ("two_conserts.xml", "consert_a_config.yml"):
+        text = (EXAMPLE / file).read_text().replace(old, new)
+        (folder / file).write_text(text)
+    (folder / "r.csv").write_text(GAP)
+
+
+def changes_of(folder: Path, *more: str) -> list[tuple[str, str]]:
+    words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv")
+    done = run(*words, *more, folder=folder)
+    assert done.returncode == 0, done.stderr
+    return [
+        (
+            line[:10].strip(),
+            "".join("01"[word == "active"] for word in line.split() if "active" in word),
+        )
+        for line in done.stdout.splitlines()
+    ]
+
+
+def test_an_outage_is_seen_at_the_frequency(tmp_path: Path) -> None:
+    configured(tmp_path, "frequency: 10", "frequency: 10")
+    wanted = [("0.000", "11"), ("0.600", "10"), ("2.100", "00"), ("10.000", "11")]
+    assert changes_of(tmp_path) == wanted
+
+
+def test_an_outage_is_seen_on_change_when_the_age_ends(tmp_path: Path) -> None:
+    configured(tmp_path, "frequency: 10", "frequency: 0.01\n  mode: on_change")
+    wanted = [("0.000", "11"), ("0.500", "10"), ("2.000", "00"), ("10.000", "11")]
+    assert changes_of(tmp_path) == wanted
+
+
+def test_one_step_per_row_shows_no_outage(tmp_path: Path) -> None:
+    configured(tmp_path, "", "")
+    assert changes_of(tmp_path, "--steps", "rows") == [("0.000", "11")]
+    words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv", "--json")
+    lines = run(*words, "--steps", "rows", folder=tmp_path).stdout.splitlines()
+    assert [json.loads(line)["t"] for line in lines] == [0.0, 10.0]
+
+
+def test_unix_times_keep_to_the_grid(tmp_path: Path) -> None:
+    configured(tmp_path, "", "")
+    rows = "".join(f"{1_700_000_000 + k / 10:.1f},true,{k % 2}\n" for k in range(30))
+    (tmp_path / "r.csv").write_text(f"t,RtE_A_D0,RtE_A_E0\n{rows}")
+    words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv", "--json")
+    lines = [json.loads(line) for line in run(*words, folder=tmp_path).stdout.splitlines()]
+    assert [line["t"] for line in lines] == [round(1_700_000_000 + k / 10, 1) for k in range(30)]
+    assert [line["outputs"][0]["active"] for line in lines] == [k % 2 == 1 for k in range(30)]
+
+
+def test_without_a_configuration_no_age_is_checked_and_that_is_said(tmp_path: Path) -> None:
+    (tmp_path / "r.csv").write_text("t,RtE_A_E0\n0,true\n1000,\n")
+    words = ("--name", "ConSertB", "--inputs", str(tmp_path / "r.csv"))
+    done = run("two_conserts.xml", *words)
+    assert done.stdout.splitlines() == ["     0.000  System_A_G0_c2 active"]
+    assert "warning: without a configuration no `max_age` is checked" in done.stderr
+    assert "[I016]" in done.stderr
+    configured_done = run(
+        "two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "recording.csv"
+    )
+    assert "I016" not in configured_done.stderr
+
+
+def test_a_recording_that_asks_for_too_many_steps_is_refused(tmp_path: Path) -> None:
+    configured(tmp_path, "", "")
+    (tmp_path / "r.csv").write_text("t,RtE_A_D0,RtE_A_E0\n0,true,true\n1700000000,true,true\n")
+    words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv")
+    done = run(*words, folder=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "the recording is 1.7e+09 s long, which are 1.7e+10 steps [I019]" in done.stderr
+    assert run(*words, "--steps", "rows", folder=tmp_path).returncode == 0
+
+
+def test_digits_alone_are_no_change() -> None:
+    """p_fail of the drone rises in every step; a line is printed when something is decided."""
+    words = ("drone.xml", "-c", "reliability_config.yml", "--inputs", "recording.csv")
+    folder = ROOT / "examples" / "drone"
+    lines = run(*words, folder=folder).stdout.splitlines()
+    assert [(line[:10].strip(), line.endswith("RtE_continue active")) for line in lines] == [
+        ("0.000", False), ("1.000", True), ("7.000", False),
+    ]  # fmt: skip
+    table = run(*words, "--csv", folder=folder).stdout.splitlines()
+    assert len({line.split(",")[1] for line in table[1:]}) > 90
+
+
+def test_the_most_probable_state_of_a_network_is_a_verdict() -> None:
+    folder = ROOT / "examples" / "pedestrian"
+    done = run(
+        "pedestrian.xml", "-c", "eddi_config.yml", "--inputs", "recording.csv", folder=folder
+    )
+    ends = [line.split("Critical ")[1] for line in done.stdout.splitlines()]
+    assert ends == [
+        "No  status prior", "No  status partial", "Yes  status ok", "No  status ok",
+        "No  status partial",
+    ]  # fmt: skip

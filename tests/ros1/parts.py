@@ -11,7 +11,7 @@ import eddi_messages.msg
 import rospy
 import std_msgs.msg
 from eddi_runtime.inputs import UNKNOWN_AGE
-from eddi_runtime.ros1 import Input, Output, health, report, schedule, settings, subscriptions
+from eddi_runtime.ros1 import Input, Output, health, schedule, settings, subscriptions
 from eddi_runtime.ros1.conversion import Converter, MessageError
 from eddi_runtime.ros1.publications import check_outputs as refuse_outputs
 from eddi_runtime.ros1.publications import picked
@@ -28,7 +28,8 @@ def refused(function, *words):
 
 def status(**changed):
     one = ("GuaranteeStatus", {"id": "G", "verdict": 2, "missing": ["E"], **changed})
-    return "ConSertStatus", {"model_id": "M", "model_digest": "d", "guarantees": [one]}
+    fields = {"model_id": "M", "model_digest": "d", "guarantees": [one], "accepted": []}
+    return "ConSertStatus", fields
 
 
 def check_messages_are_filled_completely_and_checked():
@@ -184,30 +185,13 @@ def check_settings_are_checked_all_at_once():
     good, wrong = settings.settings({"frequency": 2, "other": object()}, 10.0)
     assert not wrong
     assert good == settings.Settings(2.0)
+    own, _ = settings.settings({}, 10.0, 3.0)
+    given, _ = settings.settings({"startup_grace": 0}, 10.0, 3.0)
+    assert (own.startup_grace, given.startup_grace) == (3.0, 0.0)
     bad = {"frequency": float("nan"), "model": 3, "diagnostics": 1, "watchdog_period": -1}
-    bad.update(on_master_loss=[], queue_size=0)
+    bad.update(on_master_loss=[], queue_size=0, startup_grace=-1)
     _, wrong = settings.settings(bad, 10.0)
     assert [text.split(":")[0] for text in wrong] == [f"parameter ~{name}" for name in bad]
-
-
-def check_the_worst_finding_comes_first():
-    node = report.NodeFact(5, 0, 1, 0.001, "", "lost", ())
-    inputs = [
-        report.InputFact("M", "missing", blocks=("G1", "G2")),
-        report.InputFact("S", "stale", "too old", 2.0, 7),
-        report.InputFact("K", "ok", age=0.1, received=3, no_limit=True),
-    ]
-    said = report.report({"model_digest": "d"}, inputs, node)
-    assert said.level == report.STALE
-    assert said.message.startswith("S stale: too old; M missing (blocks G1, G2); ")
-    values = dict(said.values)
-    assert (values["K"], values["K.max_age"], values["S.age_s"]) == ("ok", "no limit", "2.000")
-    broken = report.InputFact("B", "invalid", "why")
-    assert report.report({}, [*inputs, broken], node).level == report.ERROR
-    calm = report.NodeFact(5, 0, 0, 0.001, "", "ok", ())
-    assert report.report({}, inputs[2:], calm)[:2] == (report.OK, "all inputs are good")
-    hung = report.NodeFact(5, 0, 0, 0.001, "", "ok", (), silent_for=4.0)
-    assert report.report({}, inputs[2:], hung)[:2] == (report.ERROR, "no step for 4.0 s")
 
 
 def check_outputs_of_any_shape_pass_the_change_log():

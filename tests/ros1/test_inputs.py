@@ -18,16 +18,22 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
         probe.subscribe(topic)
     probe.subscribe("/conserta/guarantees/status", "eddi_messages/ConSertStatus")
     a = world.node(master, "conserta", f"_model:={model_files['conserta']}")
-    b = world.node(master, "consertb", f"_model:={model_files['consertb']}")
+    b = world.node(master, "consertb", f"_model:={model_files['consertb']}", "_startup_grace:=0.0")
     probe.active("/conserta/guarantees", set(), after=start)
     level, text, values = probe.diagnostics(
         "/conserta", lambda level, text, v: v.get("RtE_A_D0") == "ok", after=start
     )
-    assert level == 1  # WARN: one input is still missing
-    assert values["RtE_A_E0"] == "missing"
+    assert level == 1  # WARN: one input still waits for its first message
+    assert values["RtE_A_E0"] == "waiting"
     assert values["RtE_A_E0.blocks"] == "System_A_G0"
-    assert "RtE_A_E0 missing" in text
-    assert "blocks System_A_G0" in text
+    waiting = "waiting for first message of /rte/e0a"
+    assert f"RtE_A_E0 waiting: {waiting} (blocks System_A_G0)" in text
+    unmet = "inactive: RtE_A_D0: the value is False"
+    assert values["guarantee.System_A_G0"] == f"{unmet}; RtE_A_E0: {waiting}"
+    assert values["guarantee.System_A_G1"] == unmet
+    level, text, values = probe.diagnostics("/consertb", lambda *_: True, after=start)
+    assert level == 2  # ERROR: it has no grace after the start
+    assert text.startswith("RtE_B_E0 missing: never received since start: /rte/e0b")
     assert len(values["model_digest"]) == 64
     assert values["master"] == "ok"
 
@@ -48,8 +54,11 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     assert len(status["model_digest"]) == 64
     assert abs(status["header"]["stamp"] - time.time()) < 60.0
     assert status["header"]["seq"] > 0
-    _, _, values = probe.diagnostics("/consertb", lambda *_: True, after=start)
+    level, _, values = probe.diagnostics(
+        "/consertb", lambda lv, t, v: v["guarantee.System_B_G0"] == "active", after=start
+    )
     assert values["RtE_B_E0.max_age"] == "no limit"
+    assert (level, values["accepted.0"]) == (1, "RtE_B_E0: max_age: none")  # WARN
 
     assert "monitor of ConSertA (consert), model digest" in a.text
     assert "inputs without max_age: RtE_A_E0" in a.text
@@ -89,6 +98,7 @@ def test_a_hung_and_a_dead_publisher(world, master, probe, model_files):
     assert float(values["F.age_s"]) > 0.5
     assert "F stale" in text
     assert values["F.blocks"] == "G_F"
+    assert "F: /limit/flag is late" in values["guarantee.G_F"]
 
     mark = probe.mark()
     source.popen.send_signal(signal.SIGCONT)
@@ -217,7 +227,7 @@ def test_latched_evidence_with_a_limit(world, master, probe, model_files):
     _level, text, _ = probe.diagnostics(
         "/old/tester", lambda lv, t, v: v.get("F") == "stale", after=start
     )
-    assert "the last message was latched, its age is not known" in text
+    assert "/old/flag was latched, its age is not known" in text
     assert all("G_F" not in active_ids(event) for event in probe.outputs("/old/guarantees", start))
     mark = probe.mark()
     probe.publish("/old/flag", BOOL, {"data": True})

@@ -120,7 +120,7 @@ def test_publishers_of_another_type(world, master, probe, model_files, tmp_path)
         "/typed/conserta", lambda lv, t, v: "wrong_type.0" in v, after=mark
     )
     assert level == 2
-    assert values["RtE_A_D0"] == "missing"
+    assert values["RtE_A_D0"] == "waiting"
     assert "/typed/consertb/guarantees" in text
     assert "md5sum" in text
     assert node.end()[1] < 2.0

@@ -8,7 +8,7 @@ from eddi_runtime.consert import compile as compiler
 from eddi_runtime.model_file import check_document, digest_of
 from eddi_runtime.testing import inputs
 
-from eddi_scaffold.kinds.consert import KIND
+from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from tests.kinds.consert.oracle import as_source, oracle
 
 
@@ -20,16 +20,16 @@ def document(model, settings):
         "requires_runtime": "0.1",
         "source": {},
         "inputs": [
-            {"id": one.id, "attribute": one.id, "requires": []} for one in KIND.inputs(model)
+            {"id": one.id, "attribute": one.id, "requires": []} for one in FUNCTIONS.inputs(model)
         ],
-        "model": KIND.runtime_model(model),
+        "model": FUNCTIONS.runtime_model(model),
         "settings": settings,
     }
     return dict(data, sha256=digest_of(data))
 
 
 def monitor(name, **settings):
-    (model,) = KIND.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
+    (model,) = FUNCTIONS.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
     return build(check_document(document(model, settings)), allow_unsupported=True)
 
 
@@ -93,7 +93,7 @@ def test_explanations(name, guarantee, true, missing, losses):
 def test_every_model_that_the_generator_accepts_is_accepted_here():
     accepted = 0
     for case in oracle()["parse"]:
-        reading = KIND.read_file(as_source(case.get("doc", case.get("text"))), ())
+        reading = FUNCTIONS.read_file(as_source(case.get("doc", case.get("text"))), ())
         if any(problem.level == "error" for problem in reading.problems):
             continue
         for model in reading.models:

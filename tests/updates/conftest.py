@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.quick_copier import render_faster
 from tests.updates.templates import Templates, make_templates
 from tests.updates.world import DONE
 
@@ -45,6 +46,11 @@ def own_home(fast_folder: Path) -> Iterator[None]:
         patch.setenv("TMPDIR", str(fast_folder))
         patch.setattr(tempfile, "tempdir", None)
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def faster() -> None:
+    render_faster()
 
 
 @pytest.fixture(scope="session")

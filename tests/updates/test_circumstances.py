@@ -22,6 +22,8 @@ from tests.updates.inputs import Element, elements, write_inputs
 from tests.updates.templates import CHECKOUT, Templates, git, make_templates, new_version
 from tests.updates.world import World, killed_at, long_profile, snapshot
 
+pytestmark = pytest.mark.slow
+
 START = elements("alpha", "beta", "gamma")
 CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 

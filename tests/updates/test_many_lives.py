@@ -29,6 +29,8 @@ from tests.updates.templates import Templates, git
 from tests.updates.test_sequences import CHANGES, OPERATIONS, WORDS, Life
 from tests.updates.world import DONE, Result, World, killed_at, long_profile
 
+pytestmark = pytest.mark.slow
+
 LOOKS = 3
 START = elements("alpha", "beta", "gamma")
 

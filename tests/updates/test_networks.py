@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import copier
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -24,6 +25,8 @@ from eddi_scaffold.regions.document import Region, parse
 from eddi_scaffold.regions.store import load_orphans
 from tests.updates.templates import Templates, git
 from tests.updates.world import World, long_profile
+
+pytestmark = pytest.mark.slow
 
 FILE = "bayesian_network_config.py"
 NAMES = ("speed", "distance", "critical", "weather", "speed2", "Rt-5")

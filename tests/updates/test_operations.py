@@ -16,6 +16,8 @@ from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates
 from tests.updates.world import DAMAGES, EDITABLE, Result, World, long_profile, snapshot
 
+pytestmark = pytest.mark.slow
+
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 START = (*elements("alpha", "beta"), Element("gamma", "float"), Element("delta", "pair"))
 ALPHA, BETA, GAMMA, DELTA = START

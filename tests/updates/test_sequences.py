@@ -7,12 +7,15 @@ import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, Phase, given, note, settings
 from hypothesis import strategies as st
 
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import VERSIONS, Templates, git
 from tests.updates.world import DONE, World, long_profile, snapshot
+
+pytestmark = pytest.mark.slow
 
 NAMES = ("alpha", "beta", "gamma", "delta", "alpha2", "Rt_E-5")
 PLACES = (
@@ -111,9 +114,9 @@ class Life:
         """Kill an operation; the person goes on writing before the next one."""
         self._some_change()
         word = self.chance.choice(OPERATIONS)
-        seconds = {"update": 1.3, "generate": 0.7, "upgrade": 0.7}.get(word, 0.4)
+        seconds = {"update": 0.8, "generate": 0.4, "upgrade": 0.4}.get(word, 0.25)
         if word == "generate" and self.world.platform == "ros1":
-            seconds = 3.0
+            seconds = 1.5
         self.world.seen.append(self.world.inputs)
         self.world.killed(getattr(self.world, word), self.chance.random() ** 0.7 * seconds)
         self.world.check(finished=False)

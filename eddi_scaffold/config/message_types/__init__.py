@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from eddi_scaffold.config.message_types.common import common_messages
 from eddi_scaffold.config.message_types.definitions import (
@@ -35,7 +36,7 @@ FieldsOf = Mapping[str, Fields]
 """Message type (``std_msgs/Bool``) -> field -> type as in a ``.msg`` file."""
 
 
-def known_messages(kinds: Iterable[Kind]) -> FieldsOf:
+def known_messages(kinds: Iterable[Kind[Any]]) -> FieldsOf:
     """Return the fields of the common messages of ROS 1 and of our own ``eddi_messages``."""
     own = {
         f"eddi_messages/{name}": fields_of(text, "eddi_messages")

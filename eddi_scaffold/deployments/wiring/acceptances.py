@@ -7,14 +7,13 @@ monitors, unless a key of its own accepts less. Such keys are never silent thems
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from eddi_scaffold.claims import Acceptance
-from eddi_scaffold.config.schema import Input
 from eddi_scaffold.deployments.wiring.support import Participant, supports
 from eddi_scaffold.graphs import reached, reversed_graph
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.language.uses import accepted, lasts
+from eddi_scaffold.monitors.accepting import of_input
 from eddi_scaffold.problems import Place, Problem, warning
 
 
@@ -78,28 +77,11 @@ def check_acceptances(participants: Sequence[Participant]) -> Iterator[Problem]:
 
 
 def _of(one: Participant) -> Iterator[Acceptance]:
-    yield from one.kind.accepted(one.document, one.frequency)
+    yield from one.kind.functions.accepted(one.document, one.frequency)
     specs = {spec["id"]: spec for spec in one.document["inputs"]}
     for index, entry in enumerate(one.config.config.EDDIInputs):
         if entry.id in specs:
-            yield from _of_input(entry, specs[entry.id], index)
-
-
-def _of_input(entry: Input, spec: JsonValue, index: int) -> Iterator[Acceptance]:
-    path = ("EDDIInputs", index)
-    if spec["max_age"] == "none":
-        yield Acceptance("max_age: none", "the last value", input=entry.id, path=(*path, "max_age"))
-    if entry.allow_unsafe_default and entry.default not in (None, False):
-        key, until = "allow_unsafe_default", "until the first message"
-        text = f"the default {entry.default!r}"
-        yield Acceptance(f"{key}: true", text, until, input=entry.id, path=(*path, key))
-    computed = spec.get("expression")
-    key = "expression" if entry.expression is not None else "expression_file"
-    for part in computed["parts"] if computed is not None else ():
-        (output,) = part["form"]["outputs"]
-        for one in accepted(part["form"], output["node"]):
-            found = Acceptance(one.word, one.accepts, lasts(one), one.seconds, path=(*path, key))
-            yield replace(found, input=entry.id)
+            yield from of_input(entry, specs[entry.id], index)
 
 
 def _outputs(of: Participant, one: Acceptance) -> Sequence[str]:

@@ -79,14 +79,14 @@ def _times(
     below: Sequence[str],
 ) -> _Times:
     """Return the bounds of one claim from those of the claims that it rests on."""
-    step = 1 / one.frequency + one.kind.lag(one.document, one.frequency)
+    step = 1 / one.frequency + one.kind.functions.lag(one.document, one.frequency)
     inputs = one.outputs[output]
     found: _Times = {}
     ages = [0.0]
     for name, reads in reads_of(one).items():
         if name not in inputs:
             continue
-        age = _limit(one, name)
+        age = limit_of(one, name)
         for topic, _ in reads:
             if topic in published:
                 ages.append(age)
@@ -103,10 +103,10 @@ def _raise(found: _Times, source: str, times: tuple[float, float]) -> None:
     found[source] = max(first, times[0]), max(second, times[1])
 
 
-def _limit(one: Participant, name: str) -> float:
+def limit_of(one: Participant, name: str) -> float:
     """Return the seconds after which an input is unknown: the smallest limit that it has."""
     spec = next(spec for spec in one.document["inputs"] if spec["id"] == name)
-    limits = [one.kind.limits(one.document).get(name), spec["max_age"]]
+    limits = [one.kind.functions.limits(one.document).get(name), spec["max_age"]]
     for part in (spec.get("expression") or {"parts": ()})["parts"]:
         timeouts = [variable.get("timeout") for variable in part["form"]["variables"]]
         if timeouts and None not in timeouts:

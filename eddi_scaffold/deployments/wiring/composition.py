@@ -22,9 +22,11 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
                 continue
             seen.add((reading.input, output))
             provider = publisher.member.monitor
-            if provider.kind is not user.kind or user.kind.unfulfilled is None:
+            if provider.kind is not user.kind or user.kind.functions.unfulfilled is None:
                 continue
-            reason = user.kind.unfulfilled(provider.model, output, user.model, reading.input)
+            reason = user.kind.functions.unfulfilled(
+                provider.model, output, user.model, reading.input
+            )
             if reason is not None:
                 message = f"demand {reading.input!r} is not fulfilled: {reason}"
                 hint = "`eddi-scaffold compose` shows which guarantees would"

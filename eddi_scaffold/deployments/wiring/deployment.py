@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
@@ -112,7 +113,7 @@ def deployment(members: Sequence[Member], others: Sequence[Participant] = ()) ->
     return Deployment(tuple(members), publishers, tuple(others))
 
 
-def kind_of_message(type_: str) -> Kind | None:
+def kind_of_message(type_: str) -> Kind[Any] | None:
     """Return the kind whose monitors publish a message type, ``None`` for other types."""
     package, _, name = type_.partition("/")
     if package != MESSAGE_PACKAGE:

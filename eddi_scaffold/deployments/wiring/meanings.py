@@ -81,17 +81,17 @@ def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
     publisher = deployment.publisher(member, source)
     if publisher is not None:
         one, of = publisher.publication, publisher.member.participant
-        meanings = of.kind.meanings(of.document["model"], one.output.event)
+        meanings = of.kind.functions.meanings(of.document["model"], one.output.event)
         return _Read(of.name, publisher.message, one.path or path, meanings)
     kind, message = kind_of_message(source.type), source.type.partition("/")[2]
     if kind is None:
         return None
     other = deployment.other(member, source)
     if other is not None and other.of.kind is kind:
-        meanings = kind.meanings(other.of.document["model"], other.part)
+        meanings = kind.functions.meanings(other.of.document["model"], other.part)
         return _Read(other.of.name, message, path, meanings)
     topic = member.topic(source.topic).removesuffix(f"/{STATUS}")
-    return _Read(topic, message, path, kind.meanings(None, None))
+    return _Read(topic, message, path, kind.functions.meanings(None, None))
 
 
 def _meaning(read: _Read) -> Meaning:

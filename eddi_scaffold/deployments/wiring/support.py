@@ -42,7 +42,7 @@ class Participant:
     name: str
     package: str
     namespace: str
-    kind: Kind
+    kind: Kind[Any]
     config: ConfigFile
     document: JsonValue
     model_file: str = ""
@@ -55,7 +55,7 @@ class Participant:
     @property
     def outputs(self) -> Mapping[str, frozenset[str]]:
         """Its claims -> the inputs that each rests on; the whole result where it names none."""
-        return self.kind.support(self.document) or {
+        return self.kind.functions.support(self.document) or {
             "": frozenset(spec["id"] for spec in self.document["inputs"])
         }
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from eddi_scaffold.escaping import python_comment, python_literal
-from eddi_scaffold.kinds import EditableMethod, EditableModule, Model
-from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.kinds import EditableMethod, EditableModule
+from eddi_scaffold.kinds.bayesian_network.model import Node
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
-from eddi_scaffold.kinds.bayesian_network.options import Settings, settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, Settings, settings_of
 from eddi_scaffold.kinds.bayesian_network.proposing import proposed_bins
 
 FILE = "bayesian_network_config.py"
@@ -21,9 +21,9 @@ _PLAIN = (
 )
 
 
-def config_module(model: Model) -> EditableModule:
+def config_module(model: NetworkModel) -> EditableModule:
     """Return the module with a region for each node."""
-    network: Network = model.data
+    network = model.data
     settings = settings_of(model)
     attributes = node_attributes(network)
     return EditableModule(

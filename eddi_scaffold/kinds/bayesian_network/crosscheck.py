@@ -13,9 +13,9 @@ from eddi_runtime.bayesian_network import BayesianNetworkMonitor, InconsistentEv
 from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import build
 
-from eddi_scaffold.kinds import CrossCheck, Model
+from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.model import Network
-from eddi_scaffold.kinds.bayesian_network.options import settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
 from eddi_scaffold.problems import error, warning
 
 EVERY_CASE = 2000
@@ -26,7 +26,7 @@ _ROUNDING = 1e-12
 Case = Mapping[str, "str | list[float]"]
 
 
-def cross_check(model: Model, model_json: str) -> CrossCheck:
+def cross_check(model: NetworkModel, model_json: str) -> CrossCheck:
     """Compare posteriors of the engine that will run with those of pgmpy (B306, B307)."""
     try:
         with warnings.catch_warnings():
@@ -36,7 +36,7 @@ def cross_check(model: Model, model_json: str) -> CrossCheck:
         hint = "pip install 'eddi-scaffold[bn]'"
         found = warning("B306", "the cross-check with pgmpy was not run", model.place, hint)
         return CrossCheck("", (found,))
-    network: Network = model.data
+    network = model.data
     settings = settings_of(model)
     monitor = build(parse_model(model_json, "the runtime model"))
     assert isinstance(monitor, BayesianNetworkMonitor)

@@ -1,4 +1,4 @@
-"""Evidence that says less than it seems to, or rests on more than what is known."""
+"""Evidence that says less than it seems to."""
 
 from __future__ import annotations
 
@@ -9,18 +9,9 @@ from eddi_runtime.bayesian_network import COMBINATIONS
 
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration
-from eddi_scaffold.kinds.bayesian_network.influence import reached
 from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.thresholds import KEY, Threshold
 from eddi_scaffold.problems import Problem, warning
-
-_ACCEPTED = {
-    ("missing", "prior"): "the prior of its node while {input} is unknown",
-    ("missing", "default"): "the default of {input} while that is unknown",
-    ("missing", "hold"): "the last state, for max_age more, when {input} fell silent",
-    ("out_of_range", "clamp"): "the nearest value while {input} is outside its range",
-    ("allow_inf", True): "{input} while that is infinite",
-}
 
 
 def doubts(
@@ -30,7 +21,7 @@ def doubts(
     observed: Sequence[str],
     options: Options,
 ) -> Iterable[Problem]:
-    """Warn of evidence that is of little use, and of what it accepts (B424, B425, B427)."""
+    """Warn of evidence that is of little use (B424, B425)."""
     if not thresholds:
         return
     for one in thresholds:
@@ -40,8 +31,6 @@ def doubts(
             yield warning("B424", message, one.place, hint)
     accepted = {one.node for one in declarations if one.data.get("missing") == "prior"}
     yield from _too_many(network, [n for n in observed if n not in accepted], options)
-    for declaration in declarations:
-        yield from _acceptances(network, thresholds, declaration, observed, options)
 
 
 def _too_many(network: Network, inputs: Iterable[str], options: Options) -> Iterable[Problem]:
@@ -56,22 +45,3 @@ def _too_many(network: Network, inputs: Iterable[str], options: Options) -> Iter
         )
         hint = "observe fewer nodes, or accept a prior by name: `missing: prior`"
         yield warning("B425", message, options.place(KEY), hint)
-
-
-def _acceptances(
-    network: Network,
-    thresholds: Sequence[Threshold],
-    declaration: Declaration,
-    observed: Sequence[str],
-    options: Options,
-) -> Iterable[Problem]:
-    """Say of each key that accepts something which evidence rests on it."""
-    node, data = declaration.node, declaration.data
-    nodes = reached(network, observed, node, [one.node for one in thresholds])
-    names = ", ".join(one.id for one in thresholds if one.node in nodes)
-    for (key, value), text in _ACCEPTED.items() if names else ():
-        if data.get(key) == value:
-            what = text.format(input=declaration.input)
-            shown = "true" if value is True else value
-            message = f"{key}: {shown} of {node}: evidence {names} rests on {what}"
-            yield warning("B427", message, options.place("discretisation", node, key))

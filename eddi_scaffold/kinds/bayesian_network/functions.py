@@ -1,4 +1,4 @@
-"""The functions behind the kind; they need lxml and the runtime, which load when one is called."""
+"""What is done with Bayesian networks."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from pathlib import PurePath
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.kinds import (
     EditableModule,
+    Functions,
     JsonValue,
-    Model,
     ModelInput,
     ModelOutput,
     Reading,
 )
+from eddi_scaffold.kinds.bayesian_network.claims import MEANINGS, accepted, lag, support
 from eddi_scaffold.kinds.bayesian_network.config_module import config_module
+from eddi_scaffold.kinds.bayesian_network.crosscheck import cross_check
 from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
 from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
 from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
@@ -23,7 +25,8 @@ from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
 from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
 from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
-from eddi_scaffold.kinds.bayesian_network.options import settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, configure, settings_of
+from eddi_scaffold.kinds.bayesian_network.picture import diagram
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
@@ -59,11 +62,11 @@ def read_file(source: Source, _marks: Sequence[str]) -> Reading:
 
 
 def _reading(networks: Sequence[Network], problems: Sequence[Problem], source: Source) -> Reading:
-    models = [Model(KIND, one.name, one, source, one.place) for one in networks]
+    models = [NetworkModel(KIND, one.name, one, source, one.place) for one in networks]
     return Reading(tuple(models), tuple(in_order(problems)))
 
 
-def check(model: Model) -> Sequence[Problem]:
+def check(model: NetworkModel) -> Sequence[Problem]:
     """Return what the readers do not see: names that an export must change."""
     changed = changed_ids(model.data)
     if not changed:
@@ -74,9 +77,9 @@ def check(model: Model) -> Sequence[Problem]:
     return (warning("B210", message, model.place),)
 
 
-def counts(model: Model) -> Mapping[str, int]:
+def counts(model: NetworkModel) -> Mapping[str, int]:
     """Return what ``show`` counts."""
-    network: Network = model.data
+    network = model.data
     return {
         "nodes": len(network.nodes),
         "edges": sum(len(node.parents) for node in network.nodes),
@@ -85,9 +88,9 @@ def counts(model: Model) -> Mapping[str, int]:
     }
 
 
-def outline(model: Model) -> Sequence[str]:
+def outline(model: NetworkModel) -> Sequence[str]:
     """Return the nodes with states and parents, then what inference costs."""
-    network: Network = model.data
+    network = model.data
     lines = []
     for node in network.nodes:
         title = f" ({node.title})" if node.title != node.id else ""
@@ -104,20 +107,20 @@ def outline(model: Model) -> Sequence[str]:
     return lines
 
 
-def export(model: Model) -> Mapping[str, str]:
+def export(model: NetworkModel) -> Mapping[str, str]:
     """Return the network as XDSL and as XMLBIF."""
     stem = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or KIND
     return {f"{stem}.xdsl": to_xdsl(model.data), f"{stem}.xmlbif": to_xmlbif(model.data)}
 
 
-def inputs(model: Model) -> Sequence[ModelInput]:
+def inputs(model: NetworkModel) -> Sequence[ModelInput]:
     """Return what the monitor reads."""
     return settings_of(model).inputs
 
 
-def runtime_model(model: Model) -> dict[str, JsonValue]:
+def runtime_model(model: NetworkModel) -> dict[str, JsonValue]:
     """Return the ``model`` part of ``config/model.json``; the schedule is compiled by the robot."""
-    network: Network = model.data
+    network = model.data
     settings = settings_of(model)
     attributes = node_attributes(network)
     thresholds = [one.document() for one in settings.thresholds]
@@ -144,18 +147,18 @@ def runtime_model(model: Model) -> dict[str, JsonValue]:
     }
 
 
-def settings(model: Model) -> dict[str, JsonValue]:
+def settings(model: NetworkModel) -> dict[str, JsonValue]:
     """Return the ``settings`` part of ``config/model.json``."""
     return dict(settings_of(model).evidence)
 
 
-def beside(model: Model) -> Mapping[str, str]:
+def beside(model: NetworkModel) -> Mapping[str, str]:
     """Return the messages that the monitor publishes beside its output."""
     evidence = {"evidence": "BayesianNetworkEvidence"} if settings_of(model).thresholds else {}
     return {"status": "BayesianNetworkStatus", **evidence}
 
 
-def outputs(model: Model) -> Sequence[ModelOutput]:
+def outputs(model: NetworkModel) -> Sequence[ModelOutput]:
     """Return the topics of thresholds that have one."""
     return [
         ModelOutput(
@@ -166,7 +169,7 @@ def outputs(model: Model) -> Sequence[ModelOutput]:
     ]
 
 
-def ids(model: Model) -> Mapping[str, Sequence[str]]:
+def ids(model: NetworkModel) -> Mapping[str, Sequence[str]]:
     """Return the thresholds, the titles of the outputs, and the outcomes of each."""
     settings = settings_of(model)
     nodes = {node.id: node for node in model.data.nodes}
@@ -178,12 +181,12 @@ def ids(model: Model) -> Mapping[str, Sequence[str]]:
     }
 
 
-def modules(model: Model) -> Sequence[EditableModule]:
+def modules(model: NetworkModel) -> Sequence[EditableModule]:
     """Return the module in which people write."""
     return (config_module(model),)
 
 
-def readme(model: Model) -> Sequence[str]:
+def readme(model: NetworkModel) -> Sequence[str]:
     """Return what the package's README says about the network."""
     settings = settings_of(model)
     width = settings.width
@@ -217,3 +220,28 @@ def _evidence(thresholds: Sequence[Threshold]) -> Sequence[str]:
     )
     rows = [f"| `{one.id}` | {one.text()} |" for one in thresholds]
     return ("", text, "", "| evidence | active while |", "|---|---|", *rows)
+
+
+FUNCTIONS = Functions(
+    read_eddi=read_eddi,
+    read_file=read_file,
+    check=check,
+    counts=counts,
+    outline=outline,
+    export=export,
+    inputs=inputs,
+    runtime_model=runtime_model,
+    beside=beside,
+    configure=configure,
+    settings=settings,
+    modules=modules,
+    cross_check=cross_check,
+    readme=readme,
+    diagram=diagram,
+    outputs=outputs,
+    ids=ids,
+    accepted=accepted,
+    lag=lag,
+    support=support,
+    meanings=lambda _document, _part: MEANINGS,
+)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_of
 
 from eddi_scaffold.claims import Use
 from eddi_scaffold.identifiers import attribute, free_name
-from eddi_scaffold.kinds import InputType, JsonValue, Model, ModelInput, Options
+from eddi_scaffold.kinds import InputType, JsonValue, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
 from eddi_scaffold.kinds.bayesian_network.doubts import doubts
 from eddi_scaffold.kinds.bayesian_network.influence import without_influence
@@ -59,9 +60,13 @@ class Settings:
         return tuple(dict.fromkeys([*self.outputs, *(one.node for one in self.thresholds)]))
 
 
-def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
-    """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B427)."""
-    network: Network = model.data
+NetworkModel = TypedModel[Network, Settings]
+"""A network; its options are what a configuration says to it."""
+
+
+def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
+    """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B426)."""
+    network = model.data
     settings, problems = _settings(network, options)
     if settings is not None:
         problems += _too_wide(settings.width, options)
@@ -117,9 +122,9 @@ def _judged(settings: Settings) -> list[str]:
     return [*settings.outputs, *(one.node for one in settings.thresholds)]
 
 
-def settings_of(model: Model) -> Settings:
+def settings_of(model: NetworkModel) -> Settings:
     """Return the settings of a model, by default those without a configuration."""
-    settings: Settings | None = model.options
+    settings = model.options
     if settings is None:
         settings, _ = _settings(model.data, Options())
         assert settings is not None, "a checked network needs no configuration"
@@ -282,7 +287,15 @@ def _width(network: Network, outputs: Sequence[str], observed: Sequence[str]) ->
         tuple(len(node.states) for node in network.nodes),
         tuple(tuple(number[parent] for parent in node.parents) for node in network.nodes),
     )
-    return width_of(shape, [number[name] for name in outputs], [number[name] for name in observed])
+    return _width_of(
+        shape,
+        tuple(number[name] for name in outputs),
+        tuple(number[name] for name in observed),
+    )
+
+
+_width_of = lru_cache(maxsize=16)(width_of)
+"""A command configures each network several times, and the search takes longer than all else."""
 
 
 def _too_wide(width: Width, options: Options) -> Iterable[Problem]:

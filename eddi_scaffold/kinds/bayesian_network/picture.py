@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
-from eddi_scaffold.kinds import Model
-from eddi_scaffold.kinds.bayesian_network.model import Network, Node
-from eddi_scaffold.kinds.bayesian_network.options import Settings, settings_of
+from eddi_scaffold.kinds.bayesian_network.model import Node
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, Settings, settings_of
 
 _LEGEND = (
     LegendEntry("output", "table", "output"),
@@ -15,9 +14,9 @@ _LEGEND = (
 _SHOWN = 6
 
 
-def diagram(model: Model) -> Diagram:
+def diagram(model: NetworkModel) -> Diagram:
     """Return what a picture of the network shows."""
-    network: Network = model.data
+    network = model.data
     settings = settings_of(model)
     edges = tuple(DiagramEdge(parent, node.id) for node in network.nodes for parent in node.parents)
     text = f"{len(network.nodes)} nodes, {len(edges)} edges; parents stand above their children"

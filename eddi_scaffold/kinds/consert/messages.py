@@ -31,6 +31,8 @@ std_msgs/Header header
 string model_id
 string model_digest
 GuaranteeStatus[] guarantees
+# What the configuration accepts in this step, and guarantees may rest on: `RtE_E0: max_age: none`.
+string[] accepted
 """
 
 MESSAGES = {

@@ -7,10 +7,14 @@ Places do not count in comparisons: two files with the same content hold equal C
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from eddi_scaffold.kinds import JsonValue, TypedModel
 from eddi_scaffold.problems import Place
+
+NAME = "consert"
 
 Subset = Literal["Demand", "Guarantee"]
 GateFunction = Literal["And", "Or"]
@@ -172,3 +176,7 @@ class ConSert:
     required_services: tuple[RequiredService, ...]
     provided_services: tuple[ProvidedService, ...]
     place: Place = field(default=Place(), compare=False)
+
+
+ConSertModel = TypedModel[ConSert, Mapping[str, JsonValue]]
+"""A ConSert; its options are the settings of its runtime."""

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold.claims import Acceptance
-from eddi_scaffold.kinds import JsonValue, Model, Options
+from eddi_scaffold.kinds import JsonValue, Options
+from eddi_scaffold.kinds.consert.model import ConSertModel
 from eddi_scaffold.problems import Problem, error
 
 KEYS = ("guarantee_ids", "debounce", "filter")
@@ -14,7 +15,7 @@ _IDS = ("source", "class")
 _NO_FILTER: Mapping[str, JsonValue] = {"kind": "none"}
 
 
-def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | None, list[Problem]]:
     """Take the ConSert's own keys of ``Model:`` into the model.
 
     ``guarantee_ids`` chooses between the ids of the model (``source``) and SESAME D7.2's class
@@ -33,7 +34,7 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     return (None if problems else replace(model, options=chosen)), problems
 
 
-def settings(model: Model) -> dict[str, JsonValue]:
+def settings(model: ConSertModel) -> dict[str, JsonValue]:
     """Return the ``settings`` part of ``config/model.json``."""
     return dict(model.options or {"guarantee_ids": "source", "filter": dict(_NO_FILTER)})
 

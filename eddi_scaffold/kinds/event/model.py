@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.escaping import markdown_code, markdown_text
-from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, Reading
+from eddi_scaffold.kinds import InputType, ModelInput, Options, Reading, TypedModel
 from eddi_scaffold.kinds.event.claims import uses_of
 from eddi_scaffold.language.analysis import Analysis, analyse
 from eddi_scaffold.language.report import cost_line
 from eddi_scaffold.language.scope import Variable
 from eddi_scaffold.language.syntax import is_list_path
+from eddi_scaffold.language.uses import accepted as silences
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import Source
 from eddi_scaffold.units import accepted
@@ -39,6 +40,10 @@ class Events:
     rate: float
 
 
+EventModel = TypedModel[Events, None]
+"""A file of events; the configuration's rate goes into the events themselves."""
+
+
 def read_file(source: Source, _marks: Sequence[str] = ()) -> Reading:
     """Read a file of events; what depends on the rate is checked by ``configure``."""
     try:
@@ -52,13 +57,13 @@ def read_file(source: Source, _marks: Sequence[str] = ()) -> Reading:
     if has_errors(problems):
         return Reading((), tuple(problems))
     data = Events(text, analysis, DEFAULT_RATE)
-    model = Model(NAME, source.stem, data, source, Place(source.name, 1, 1))
+    model = EventModel(NAME, source.stem, data, source, Place(source.name, 1, 1))
     return Reading((model,), tuple(problems))
 
 
-def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+def configure(model: EventModel, options: Options) -> tuple[EventModel | None, list[Problem]]:
     """Bring the events to the frequency of the configuration."""
-    events = events_of(model)
+    events = model.data
     rate = DEFAULT_RATE if options.frequency is None else options.frequency
     try:
         analysis = analyse(events.text, rate=rate, name=model.source.name)
@@ -72,9 +77,9 @@ def configure(model: Model, options: Options) -> tuple[Model | None, list[Proble
     )
 
 
-def inputs(model: Model) -> Sequence[ModelInput]:
+def inputs(model: EventModel) -> Sequence[ModelInput]:
     """Return one input for each variable, in the order of their first use."""
-    analysis = events_of(model).analysis
+    analysis = model.data.analysis
     assert analysis.form is not None
     uses = uses_of(analysis.form)
     return [
@@ -90,35 +95,40 @@ def inputs(model: Model) -> Sequence[ModelInput]:
     ]
 
 
-def model_part(model: Model) -> dict[str, Any]:
+def model_part(model: EventModel) -> dict[str, Any]:
     """Return the ``model`` part of ``config/model.json``."""
-    form = events_of(model).analysis.form
+    form = model.data.analysis.form
     assert form is not None
-    return {"form": form}
+    words = {
+        output["id"]: list(dict.fromkeys(one.word for one in silences(form, output["node"])))
+        for output in form["outputs"]
+    }
+    accepts = {id_: found for id_, found in words.items() if found}
+    return {"form": form, "accepts": accepts} if accepts else {"form": form}
 
 
-def counts(model: Model) -> Mapping[str, int]:
+def counts(model: EventModel) -> Mapping[str, int]:
     """Return how many events and variables there are."""
-    analysis = events_of(model).analysis
+    analysis = model.data.analysis
     return {"events": len(analysis.events), "variables": len(analysis.inputs)}
 
 
-def outline(model: Model) -> Sequence[str]:
+def outline(model: EventModel) -> Sequence[str]:
     """Return the events in canonical form, each above its line of the file."""
     return [
         f"event {event.id} ({event.polarity}): {event.canonical}"
-        for event in events_of(model).analysis.events
+        for event in model.data.analysis.events
     ]
 
 
-def export(model: Model) -> Mapping[str, str]:
+def export(model: EventModel) -> Mapping[str, str]:
     """Return the file itself: it is the format of events."""
-    return {f"{model.source.stem}.events": events_of(model).text}
+    return {f"{model.source.stem}.events": model.data.text}
 
 
-def readme(model: Model) -> Sequence[str]:
+def readme(model: EventModel) -> Sequence[str]:
     """Return the events, their rate and what they cost, for the package's README."""
-    events = events_of(model)
+    events = model.data
     lines = ["| event | UNKNOWN counts as | condition |", "|---|---|---|"]
     for event in events.analysis.events:
         counts_as = "active" if event.polarity == "HAZARD" else "not active"
@@ -129,13 +139,9 @@ def readme(model: Model) -> Sequence[str]:
     return [*lines, "", f"{events.rate:g} steps a second; {cost_line(events.analysis.form)}."]
 
 
-def events_of(model: Model) -> Events:
-    """Return what this kind keeps in a model."""
-    events: Events = model.data
-    return events
-
-
-def _one_topic(model: Model, analysis: Analysis, parts: Sequence[str | None]) -> Iterable[Problem]:
+def _one_topic(
+    model: EventModel, analysis: Analysis, parts: Sequence[str | None]
+) -> Iterable[Problem]:
     """Warn where the latest message of a topic may be that of another event."""
     if len(analysis.events) > 1 and None in parts:
         message = f"{len(analysis.events)} events share one topic: the latest message is of any"
@@ -143,9 +149,9 @@ def _one_topic(model: Model, analysis: Analysis, parts: Sequence[str | None]) ->
         yield warning("W005", message, model.place, hint)
 
 
-def parts(model: Model) -> Sequence[str]:
+def parts(model: EventModel) -> Sequence[str]:
     """Return the ids of the events, each of which is a message of its own."""
-    return [event.id for event in events_of(model).analysis.events]
+    return [event.id for event in model.data.analysis.events]
 
 
 def _input_type(variable: Variable) -> InputType:

@@ -7,12 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.kinds import Model, ModelInput, ModelOutput, Options, Reading
+from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Reading
 from eddi_scaffold.kinds.reliability import from_eddi, report
 from eddi_scaffold.kinds.reliability.check import check_system
+from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
 from eddi_scaffold.kinds.reliability.from_values import KEYS, read_system, with_rate
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.model import NAME, System
+from eddi_scaffold.kinds.reliability.model import NAME, ReliabilityModel, System
 from eddi_scaffold.kinds.reliability.picture import picture
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
@@ -23,7 +24,6 @@ from eddi_scaffold.problems import (
     EddiError,
     Place,
     Problem,
-    error,
     has_errors,
     in_order,
     warning,
@@ -38,7 +38,7 @@ def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> Readi
     systems, problems = from_eddi.read_eddi(document, source)
     if has_errors(problems):
         return Reading((), tuple(problems))
-    models = tuple(Model(NAME, one.top, one, source, one.place) for one in systems)
+    models = tuple(ReliabilityModel(NAME, one.top, one, source, one.place) for one in systems)
     return Reading(models, tuple(problems))
 
 
@@ -52,7 +52,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
     system, problems = read_system(values, library, None)
     if system is None:
         return Reading((), tuple(in_order(problems)))
-    model = Model(NAME, source.stem, system, source, root.place)
+    model = ReliabilityModel(NAME, source.stem, system, source, root.place)
     return Reading((model,), tuple(in_order(problems)))
 
 
@@ -95,9 +95,11 @@ def _library(values: Values, source: Source) -> Mapping[str, System]:
     return {one.top: one for one in systems}
 
 
-def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+def configure(
+    model: ReliabilityModel, options: Options
+) -> tuple[ReliabilityModel | None, list[Problem]]:
     """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
-    system: System | None = system_of(model)
+    system: System | None = model.data
     given = {key: value for key, value in options.values.items() if key in KEYS}
     problems: list[Problem] = []
     if given:
@@ -158,69 +160,78 @@ def _never(system: System) -> list[Problem]:
     return found
 
 
-def check(model: Model) -> Sequence[Problem]:
+def check(model: ReliabilityModel) -> Sequence[Problem]:
     """Return what is wrong with the models, whatever the configuration says."""
-    system = system_of(model)
+    system = model.data
     problems = check_system(system)
     return problems if has_errors(problems) else [*problems, *_never(system)]
 
 
-def inputs(model: Model) -> Sequence[ModelInput]:
+def inputs(model: ReliabilityModel) -> Sequence[ModelInput]:
     """Return what the monitor must be told."""
-    return inputs_of(used(system_of(model)))
+    return inputs_of(used(model.data))
 
 
-def outputs(model: Model) -> Sequence[ModelOutput]:
+def outputs(model: ReliabilityModel) -> Sequence[ModelOutput]:
     """Return the topics of thresholds that have one."""
     return [
         ModelOutput(one.id, one.topic, ("evidence", ("id", one.id), "active"), one.place)
-        for one in system_of(model).thresholds
+        for one in model.data.thresholds
         if one.topic is not None
     ]
 
 
-def ids(model: Model) -> Mapping[str, Sequence[str]]:
+def ids(model: ReliabilityModel) -> Mapping[str, Sequence[str]]:
     """Return the thresholds that the message tells of."""
-    return {"evidence": [one.id for one in system_of(model).thresholds]}
+    return {"evidence": [one.id for one in model.data.thresholds]}
 
 
-def model_part(model: Model) -> dict[str, Any]:
+def model_part(model: ReliabilityModel) -> dict[str, Any]:
     """Return the ``model`` part of ``config/model.json``."""
-    return runtime_model(system_of(model))
+    return runtime_model(model.data)
 
 
-def export(model: Model) -> Mapping[str, str]:
+def export(model: ReliabilityModel) -> Mapping[str, str]:
     """Return the whole system as one readable file."""
     name = "".join(c if c.isalnum() or c in "._-" else "_" for c in model.name)
-    return {f"{name}.yml": to_yaml(system_of(model))}
+    return {f"{name}.yml": to_yaml(model.data)}
 
 
-def counts(model: Model) -> Mapping[str, int]:
+def counts(model: ReliabilityModel) -> Mapping[str, int]:
     """Return what ``show`` counts."""
-    return report.counts(system_of(model))
+    return report.counts(model.data)
 
 
-def outline(model: Model) -> Sequence[str]:
+def outline(model: ReliabilityModel) -> Sequence[str]:
     """Return the lines that ``show`` prints."""
-    return report.outline(system_of(model))
+    return report.outline(model.data)
 
 
-def readme(model: Model) -> Sequence[str]:
+def readme(model: ReliabilityModel) -> Sequence[str]:
     """Return lines of Markdown for the package's README."""
-    return report.readme(system_of(model))
+    return report.readme(model.data)
 
 
-def diagram(model: Model) -> Diagram:
+def diagram(model: ReliabilityModel) -> Diagram:
     """Return the picture of the chains and trees."""
-    return picture(model.name, system_of(model))
+    return picture(model.name, model.data)
 
 
-def system_of(model: Model) -> System:
-    """Return what this kind keeps in a model.
-
-    Raises:
-        EddiError: the model is of another kind.
-    """
-    if not isinstance(model.data, System):
-        raise EddiError(error("R001", f"{model.name!r} is no reliability model"))
-    return model.data
+FUNCTIONS = Functions(
+    read_eddi=read_eddi,
+    read_file=read_file,
+    check=check,
+    counts=counts,
+    outline=outline,
+    export=export,
+    inputs=inputs,
+    outputs=outputs,
+    runtime_model=model_part,
+    configure=configure,
+    readme=readme,
+    diagram=diagram,
+    ids=ids,
+    support=support,
+    meanings=lambda _document, _part: MEANINGS,
+)
+"""What is done with systems of chains and trees."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from eddi_scaffold.kinds import TypedModel
 from eddi_scaffold.problems import Place
 
 NAME = "reliability"
@@ -204,3 +205,7 @@ class System:
     def usual_gap(self) -> float:
         """Seconds between two steps that are still usual: at least a step that is left out."""
         return max(1.0, 2.5 * self.quantum) if self.max_gap is None else self.max_gap
+
+
+ReliabilityModel = TypedModel[System, None]
+"""A system of chains and trees; the configuration goes into the system itself."""

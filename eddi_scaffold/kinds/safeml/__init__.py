@@ -6,17 +6,14 @@ library, whose distribution nobody knows.
 
 from __future__ import annotations
 
-import importlib
 import re
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds import Kind, Reading, with_status
-from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
+from eddi_scaffold.kinds import Functions, Kind
 from eddi_scaffold.kinds.safeml.messages import MESSAGES
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.document import EddiDocument
+    from eddi_scaffold.kinds.safeml.model import SafeMLModel
     from eddi_scaffold.source import Source
 
 _SUFFIXES = (".yml", ".yaml")
@@ -25,50 +22,25 @@ _OWN_KEY = re.compile(
 )
 
 
-def _later(name: str) -> Callable[..., Any]:
-    """Return a function of the kind; numpy, which it needs, is imported when it is called."""
-
-    def call(*values: Any) -> Any:
-        functions = importlib.import_module(f"{__name__}.functions")
-        return getattr(functions, name)(*values)
-
-    return call
-
-
 def _sniff(source: Source) -> bool:
     return source.name.lower().endswith(_SUFFIXES) and _OWN_KEY.search(source.data) is not None
 
 
-def _read_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]) -> Reading:
-    """An EDDI holds no reference samples."""
-    return Reading((), ())
+def _functions() -> Functions[SafeMLModel]:
+    from eddi_scaffold.kinds.safeml.functions import FUNCTIONS  # noqa: PLC0415 - numpy
+
+    return FUNCTIONS
 
 
 KIND = Kind(
     name="safeml",
     title="SafeML",
     config_types=("SafeML",),
-    read_eddi=_read_eddi,
     sniff=_sniff,
-    read_file=_later("read_file"),
-    check=_later("check"),
-    counts=_later("counts"),
-    outline=_later("outline"),
-    export=_later("export"),
-    inputs=_later("inputs"),
-    runtime_model=_later("model_part"),
     messages=MESSAGES,
     output_message="SafeMLOutput",
-    beside=with_status("SafeMLStatus"),
-    configure=_later("configure"),
-    settings=_later("settings"),
+    load=_functions,
     requirements=("numpy",),
-    data_files=_later("data_files"),
-    readme=_later("readme"),
-    diagram=_later("diagram"),
     named_by_config=True,
-    limits=limits,
-    support=support,
-    meanings=lambda _document, _part: MEANINGS,
 )
 """What the generator knows of SafeML."""

@@ -7,14 +7,16 @@ from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.kinds import DeclaredInput, Model, ModelInput, Options, Reading
+from eddi_scaffold.kinds import DeclaredInput, Functions, ModelInput, Options, Reading, with_status
 from eddi_scaffold.kinds.safeml import report, runtime_model
-from eddi_scaffold.kinds.safeml.model import Connection, Plan, Planned, SafeMLFile
+from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
+from eddi_scaffold.kinds.safeml.model import Connection, Plan, Planned, SafeMLFile, SafeMLModel
 from eddi_scaffold.kinds.safeml.picture import picture
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order
+from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.source import Source, beside, read_source
 
 NAME = "safeml"
@@ -42,17 +44,17 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
     if reference is None:
         return Reading((), tuple(in_order(found)))
     file = SafeMLFile(settings, reference)
-    return Reading((Model(NAME, source.stem, file, source, settings.place("")),), ())
+    return Reading((SafeMLModel(NAME, source.stem, file, source, settings.place("")),), ())
 
 
-def check(model: Model) -> Sequence[Problem]:
+def check(model: SafeMLModel) -> Sequence[Problem]:
     """Return what is wrong with tests and thresholds, whatever the configuration says."""
-    return _planned(model, single=_file(model).settings.input_dtype == "float32").problems
+    return _planned(model, single=model.data.settings.input_dtype == "float32").problems
 
 
-def configure(model: Model, options: Options) -> tuple[Model | None, list[Problem]]:
+def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None, list[Problem]]:
     """Find thresholds for the type of the messages; the configuration's id becomes the name."""
-    settings = _file(model).settings
+    settings = model.data.settings
     problems = [
         error(
             "L014",
@@ -87,10 +89,10 @@ def _is_single(inputs: Sequence[DeclaredInput]) -> bool:
     return any(not name.startswith(_DOUBLE) for name in types)
 
 
-def inputs(model: Model) -> Sequence[ModelInput]:
+def inputs(model: SafeMLModel) -> Sequence[ModelInput]:
     """Return the one input, which takes every message."""
-    features = _file(model).reference.rows.shape[1]
-    connection: Connection | None = model.options
+    features = model.data.reference.rows.shape[1]
+    connection = model.options
     return (
         ModelInput(
             connection.input_id if connection is not None else DEFAULT_INPUT,
@@ -102,64 +104,85 @@ def inputs(model: Model) -> Sequence[ModelInput]:
     )
 
 
-def model_part(model: Model) -> dict[str, Any]:
+def model_part(model: SafeMLModel) -> dict[str, Any]:
     """Return the ``model`` part of ``config/model.json``."""
-    return runtime_model.runtime_model(_file(model), _connection(model).plan)
+    return runtime_model.runtime_model(model.data, _connection(model).plan)
 
 
-def settings(model: Model) -> dict[str, Any]:
+def settings(model: SafeMLModel) -> dict[str, Any]:
     """Return the ``settings`` part of ``config/model.json``."""
     return runtime_model.settings(_connection(model))
 
 
-def data_files(model: Model) -> Mapping[str, bytes]:
+def data_files(model: SafeMLModel) -> Mapping[str, bytes]:
     """Return the reference and the configuration."""
-    return runtime_model.data_files(_file(model), model.source)
+    return runtime_model.data_files(model.data, model.source)
 
 
-def export(model: Model) -> Mapping[str, str]:
+def export(model: SafeMLModel) -> Mapping[str, str]:
     """Return configuration and reference."""
-    return runtime_model.export(_file(model), model.source.stem)
+    return runtime_model.export(model.data, model.source.stem)
 
 
-def counts(model: Model) -> Mapping[str, int]:
+def counts(model: SafeMLModel) -> Mapping[str, int]:
     """Return what ``show`` counts."""
-    return report.counts(_file(model))
+    return report.counts(model.data)
 
 
-def outline(model: Model) -> Sequence[str]:
+def outline(model: SafeMLModel) -> Sequence[str]:
     """Return the lines that ``show`` prints."""
-    return report.outline(_file(model), _plan(model))
+    return report.outline(model.data, _plan(model))
 
 
-def diagram(model: Model) -> Diagram:
+def diagram(model: SafeMLModel) -> Diagram:
     """Return what a picture of the monitor shows."""
-    return picture(model.name, _file(model), _plan(model))
+    return picture(model.name, model.data, _plan(model))
 
 
-def readme(model: Model) -> Sequence[str]:
+def readme(model: SafeMLModel) -> Sequence[str]:
     """Return lines of Markdown for the package's README."""
     connection = _connection(model)
     return report.readme(connection.plan, connection.frequency)
 
 
-def _file(model: Model) -> SafeMLFile:
-    file: SafeMLFile = model.data
-    return file
-
-
-def _plan(model: Model) -> Plan | None:
+def _plan(model: SafeMLModel) -> Plan | None:
     """Return the configured plan, or the one without a configuration; ``None`` on an error."""
     if model.options is not None:
         return _connection(model).plan
-    return _planned(model, single=_file(model).settings.input_dtype == "float32").plan
+    return _planned(model, single=model.data.settings.input_dtype == "float32").plan
 
 
-def _connection(model: Model) -> Connection:
-    connection: Connection = model.options
-    return connection
+def _connection(model: SafeMLModel) -> Connection:
+    assert model.options is not None, "it was configured"
+    return model.options
 
 
-def _planned(model: Model, *, single: bool) -> Planned:
-    file = _file(model)
-    return plan(file.settings, file.reference, single=single)
+def _planned(model: SafeMLModel, *, single: bool) -> Planned:
+    return plan(model.data.settings, model.data.reference, single=single)
+
+
+def _read_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]) -> Reading:
+    """An EDDI holds no reference samples."""
+    return Reading((), ())
+
+
+FUNCTIONS = Functions(
+    read_eddi=_read_eddi,
+    read_file=read_file,
+    check=check,
+    counts=counts,
+    outline=outline,
+    export=export,
+    inputs=inputs,
+    runtime_model=model_part,
+    beside=with_status("SafeMLStatus"),
+    configure=configure,
+    settings=settings,
+    data_files=data_files,
+    readme=readme,
+    diagram=diagram,
+    limits=limits,
+    support=support,
+    meanings=lambda _document, _part: MEANINGS,
+)
+"""What is done with SafeML monitors."""

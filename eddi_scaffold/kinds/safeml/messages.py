@@ -32,6 +32,8 @@ uint32 window_size
 string reason
 # Neither an omission nor a violation: what the evidence of a ConSert can be made of.
 bool in_scope
+# What the configuration accepts in this step: `sample: max_age: none`.
+string[] acceptances
 """
 
 MESSAGES = {"SafeMLOutput": SAFEML_OUTPUT, "SafeMLStatus": SAFEML_STATUS}

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from eddi_runtime.safeml.design import DesignSpec
 
+from eddi_scaffold.kinds import TypedModel
 from eddi_scaffold.problems import Place, Problem
 from eddi_scaffold.source import Source
 
@@ -176,3 +177,7 @@ class Connection:
     input_id: str
     max_age: float | None
     frequency: float | None
+
+
+SafeMLModel = TypedModel[SafeMLFile, Connection]
+"""A SafeML monitor; its options are how it is connected."""

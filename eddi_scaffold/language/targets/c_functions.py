@@ -1,4 +1,4 @@
-"""Windows in C99, the same algorithms as ``eddi_runtime.event.windows`` in the same order.
+"""Windows in C99, the same algorithms as ``eddi_runtime.expressions.windows`` in the same order.
 
 Buffers are rings whose size is a power of two; the arrays lie in the monitor's struct and are
 passed beside the ring, so that a struct can be copied as a whole.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from eddi_runtime.event.form import Form, read_form
-from eddi_runtime.event.sampling import HostInput, Sampling
+from eddi_runtime.expressions.form import Form, read_form
+from eddi_runtime.expressions.sampling import HostInput, Sampling
 
 from eddi_scaffold.escaping import c_comment
 from eddi_scaffold.language.analysis import Analysis

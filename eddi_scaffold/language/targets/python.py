@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import inspect
 import re
+from functools import cache
 
-from eddi_runtime.event import elements, reduction, stacks, values, windows
-from eddi_runtime.event.form import BUFFERED, WINDOWS, Variable
-from eddi_runtime.event.source import CLASSES, class_lines
+from eddi_runtime.expressions import elements, reduction, stacks, values, windows
+from eddi_runtime.expressions.form import BUFFERED, WINDOWS, Variable
+from eddi_runtime.expressions.source import CLASSES, class_lines
 
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.language.targets.monitor_model import Given, MonitorModel
@@ -125,12 +126,14 @@ def _types() -> list[str]:
     return [*lines, *_source(values.BoolVal), "", "", *_source(values.NumVal)]
 
 
+@cache
 def _line(cls: type) -> int:
     return inspect.getsourcelines(cls)[1]
 
 
-def _source(cls: type) -> list[str]:
-    return _NOQA.sub("", inspect.getsource(cls)).rstrip().split("\n")
+@cache
+def _source(cls: type) -> tuple[str, ...]:
+    return tuple(_NOQA.sub("", inspect.getsource(cls)).rstrip().split("\n"))
 
 
 _CONVERSIONS = '''\

@@ -22,7 +22,7 @@ def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
     answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
-    files = dict(monitor.kind.data_files(monitor.model))
+    files = dict(monitor.kind.functions.data_files(monitor.model))
     answers["package_data"] = ["model.json", *sorted(files)]
     return PackageAnswers(monitor.package, answers, files), []
 

@@ -38,6 +38,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["frequency"] = repr(config.Model.frequency)
     answers["mode"] = config.Model.mode
+    answers["startup_grace"] = repr(config.Model.startup_grace)
     answers["message_imports"] = _imports(classes)
     answers["subscriptions"] = [
         {
@@ -49,10 +50,12 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
         for source in _subscribed(monitor)
     ]
     answers["publications"] = [
-        publication_answers(publication, classes, monitor.kind.beside(monitor.model))
+        publication_answers(publication, classes, monitor.kind.functions.beside(monitor.model))
         for publication in published
     ]
-    files = {f"config/{n}": data for n, data in monitor.kind.data_files(monitor.model).items()}
+    files = {
+        f"config/{n}": data for n, data in monitor.kind.functions.data_files(monitor.model).items()
+    }
     problems += _check(monitor, monitor.config, published)
     return PackageAnswers(monitor.package, answers, files), problems
 

@@ -5,8 +5,8 @@ it once. Pure Python 3.8; only ``eddi_runtime.ros1`` knows ROS.
 """
 
 from .access import by_id, by_key, by_name, joined
+from .documents import ModelError
 from .inputs import EDDIInputBase, InputSpec, InputState
-from .model_file import ModelError
 from .monitor import Monitor, load
 from .version import __version__
 

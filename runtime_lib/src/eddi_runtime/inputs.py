@@ -6,6 +6,8 @@ import time
 import traceback
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
+from .plain_values import one_line
+
 RESERVED_ATTRIBUTES = frozenset(
     {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
     | {"update_expression"}
@@ -31,8 +33,10 @@ class InputSpec(NamedTuple):
         factor: numerator and denominator: a given number times this is in the model's unit.
         default: value before the first message.
         every_message: the attribute holds the list of all values since the last step.
-        expression: what ``expression`` computes: forms of ``event.expression``, and ``names``:
-            first word of a variable -> ``message`` or ``input``, and its id.
+        expression: what ``expression`` computes: forms of ``eddi_runtime.expressions``, and
+            ``names``: first word of a variable -> ``message`` or ``input``, and its id.
+        accepts: keys by which the configuration accepts a value of it that nobody vouches for;
+            ``max_age: none`` is not repeated here.
     """
 
     id: str
@@ -43,6 +47,11 @@ class InputSpec(NamedTuple):
     default: Any = None
     every_message: bool = False
     expression: Optional[Mapping[str, Any]] = None
+    accepts: Tuple[str, ...] = ()
+
+
+UNSAFE_DEFAULT = "allow_unsafe_default: true"
+"""The one key of ``accepts`` that counts before the first message, and only then."""
 
 
 class InputState(NamedTuple):
@@ -74,6 +83,35 @@ class Messages(List[Any]):
 _NEW = InputState("missing", "no message yet")
 
 
+def accepted(specs: Sequence[InputSpec], eddi_input: Any) -> Tuple[str, ...]:
+    """Return ``input: key`` for each key of the inputs that is in use in this step; never raises.
+
+    Where nobody watches the messages (``states``), no input is known to rest on such a key.
+
+    Args:
+        specs: of a monitor.
+        eddi_input: what its step was given.
+    """
+    found: List[str] = []
+    for spec in specs:
+        if spec.max_age == "none" or spec.accepts:
+            found += [f"{spec.id}: {key}" for key in _keys_in_use(spec, eddi_input)]
+    return tuple(found)
+
+
+def _keys_in_use(spec: InputSpec, eddi_input: Any) -> List[str]:
+    try:
+        state = eddi_input.states[spec.id].state
+        if getattr(eddi_input, spec.attribute) is None:
+            return []
+    except Exception:  # noqa: BLE001 - any object may be given as input
+        return []
+    if state == "missing":  # what it holds is the default
+        return [key for key in spec.accepts if key == UNSAFE_DEFAULT]
+    limitless = ["max_age: none"] if spec.max_age == "none" else []
+    return [*limitless, *(key for key in spec.accepts if key != UNSAFE_DEFAULT)]
+
+
 class EDDIInputBase:
     """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None.
 
@@ -97,7 +135,7 @@ class EDDIInputBase:
         """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
         if any(spec.expression is not None for spec in specs):
-            from .event.expression import InputExpression  # noqa: PLC0415 - no other input pays for it
+            from .expressions.expression import InputExpression  # noqa: PLC0415 - no other input pays for it
 
             self.__expressions = {
                 spec.id: InputExpression(spec.expression)
@@ -304,15 +342,6 @@ def _invalid(problem: Exception, before: InputState) -> InputState:
     repeated = before.state == "invalid" and before.reason == reason
     detail = before.detail if repeated else _traceback(problem)
     return InputState("invalid", reason, None, before.errors + 1, detail)
-
-
-def one_line(problem: BaseException) -> str:
-    """Return a problem in one line; never raises."""
-    try:
-        text = " ".join(str(problem).split())[:300]
-    except Exception:  # noqa: BLE001 - an exception may fail to print itself
-        text = "it cannot be printed"
-    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
 
 
 def _traceback(problem: BaseException) -> str:

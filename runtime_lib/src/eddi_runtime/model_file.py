@@ -11,8 +11,9 @@ import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Mapping, NoReturn, Optional, Tuple, Type, Union
+from typing import Any, Callable, Mapping, NoReturn, Optional, Tuple, Union
 
+from .documents import ModelError, take
 from .inputs import RESERVED_ATTRIBUTES, InputSpec
 from .version import __version__
 
@@ -21,20 +22,6 @@ _DATA_FILE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 
 Data = Union[None, Mapping[str, bytes], Callable[[str], bytes]]
-
-
-class ModelError(ValueError):
-    """A model file cannot be used.
-
-    Attributes:
-        path: the file, or another name for where the model came from.
-        reason: what is wrong, one sentence without a full stop.
-    """
-
-    def __init__(self, path: str, reason: str) -> None:
-        super().__init__(f"{path}: {reason}" if path else reason)
-        self.path = path
-        self.reason = reason
 
 
 @dataclass(frozen=True)
@@ -125,23 +112,6 @@ def digest_of(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(canonical(content).encode("ascii")).hexdigest()
 
 
-def take(item: Any, key: str, kind: Union[Type[Any], Tuple[Type[Any], ...]], where: str) -> Any:
-    """Return ``item[key]`` if it is of the given JSON type; ``bool`` is no number here.
-
-    Raises:
-        ModelError: ``item`` is no object, the key is absent, or the type is another one.
-    """
-    if not isinstance(item, dict):
-        raise ModelError("", f"{where} is not an object")
-    if key not in item:
-        raise ModelError("", f"{where} has no {key!r}")
-    value = item[key]
-    wanted = kind if isinstance(kind, tuple) else (kind,)
-    if not isinstance(value, wanted) or (isinstance(value, bool) and bool not in wanted):
-        raise ModelError("", f"{key!r} of {where} has the wrong type {type(value).__name__}")
-    return value
-
-
 def _no_constant(text: str) -> NoReturn:
     raise ValueError(f"{text} is not JSON")
 
@@ -224,19 +194,29 @@ def _input(item: Any, where: str) -> InputSpec:
     attribute = take(item, "attribute", str, where)
     if not attribute or attribute in RESERVED_ATTRIBUTES:
         raise ModelError("", f"{where} cannot be held in an attribute {attribute!r}")
-    requires = take(item, "requires", list, where)
-    if not all(isinstance(one, str) for one in requires):
-        raise ModelError("", f"'requires' of {where} is not a list of texts")
+    requires = texts(take(item, "requires", list, where), f"'requires' of {where}")
     return InputSpec(
         id=name,
         attribute=attribute,
-        requires=tuple(requires),
+        requires=requires,
         max_age=_max_age(item.get("max_age"), where),
         factor=_factor(item.get("factor"), where),
         default=item.get("default"),
         every_message=item.get("every_message") is True,
         expression=_expression(item.get("expression"), where),
+        accepts=texts(item.get("accepts", []), f"'accepts' of {where}"),
     )
+
+
+def texts(value: Any, what: str) -> Tuple[str, ...]:
+    """Return a list of texts.
+
+    Raises:
+        ModelError: it is none.
+    """
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        return tuple(value)
+    raise ModelError("", f"{what} is not a list of texts")
 
 
 def _expression(value: Any, where: str) -> Optional[Mapping[str, Any]]:

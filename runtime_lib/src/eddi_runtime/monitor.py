@@ -6,16 +6,48 @@ import importlib
 import pkgutil
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
+from typing import (
+    Any,
+    Callable,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Tuple,
+    Union,
+)
 
+from .documents import ModelError
 from .inputs import InputSpec
-from .model_file import ModelError, ModelFile, read_model
+from .model_file import ModelFile, read_model
 
 Tree = Tuple[str, Mapping[str, Any]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
 
 Value = Union[bool, float, str, None]
 """A named result for people and plots; None is unknown."""
+
+
+class Standing(NamedTuple):
+    """What one guarantee, threshold or event came to in the last step, for people.
+
+    Attributes:
+        what: word for it, ``guarantee``; empty where its id says it.
+        id: as in the model.
+        active: as it is published.
+        lacks: inputs that keep it from being otherwise, each with the reason in words.
+        reason: what else does, empty for nothing.
+    """
+
+    what: str
+    id: str
+    active: bool
+    lacks: Tuple[Tuple[str, str], ...] = ()
+    reason: str = ""
+
 
 _FOLDER = [str(Path(__file__).parent)]
 
@@ -50,6 +82,12 @@ class Monitor(Protocol):
     def series(self, output: Any) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""
 
+    def decided(self, output: Any) -> Mapping[str, Value]:
+        """Return what of an output is a verdict: truth values, states, whether it is valid.
+
+        Always the same names; numbers whose last digit changes in every step are not in it.
+        """
+
     def message(self, output: Any) -> Union[Tree, List[Tree], None]:
         """Return what ``execute_step`` gave as a message tree with checked values.
 
@@ -63,13 +101,19 @@ class Monitor(Protocol):
         message with ``_message`` behind it.
         """
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
         """Return input id -> outputs that are not given because this input is not known now.
 
         Args:
-            not_good: inputs that count as not known whatever they hold, such as one that still
+            not_known: inputs that count as not known whatever they hold, such as one that still
                 has its default because no message has come.
         """
+
+    def standings(self) -> Sequence[Standing]:
+        """Return every guarantee, threshold or event after the last step, active or not."""
+
+    def accepted(self) -> Sequence[str]:
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
@@ -104,11 +148,15 @@ def build(model_file: ModelFile, hooks: Any = None) -> Monitor:
         raise ModelError(model_file.path, problem.reason) from None
 
 
+_NO_KINDS = frozenset({"expressions", "ros1"})
+"""Folders beside those of the kinds."""
+
+
 @lru_cache(maxsize=None)
 def kinds() -> Tuple[str, ...]:
     """Return the kinds of this runtime: each is a module of its own that offers ``build``."""
     found = (module.name for module in pkgutil.iter_modules(_FOLDER) if module.ispkg)
-    return tuple(sorted(name for name in found if name != "ros1"))
+    return tuple(sorted(name for name in found if name not in _NO_KINDS))
 
 
 def _builder(model_file: ModelFile) -> Callable[[ModelFile, Any], Monitor]:

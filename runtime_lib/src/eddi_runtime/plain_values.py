@@ -60,3 +60,12 @@ def type_name(raw: object) -> str:
         return str(type.__dict__["__name__"].__get__(type(raw)))[:60]
     except Exception:  # noqa: BLE001 - a hostile object
         return "an unnamed type"
+
+
+def one_line(problem: BaseException) -> str:
+    """Return a problem in one line; never raises."""
+    try:
+        text = " ".join(str(problem).split())[:300]
+    except Exception:  # noqa: BLE001 - an exception may fail to print itself
+        text = "it cannot be printed"
+    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

@@ -5,7 +5,7 @@ import math
 import pytest
 from eddi_runtime.bayesian_network.bounds import COMBINATIONS
 from eddi_runtime.bayesian_network.engine import Engine
-from eddi_runtime.model_file import ModelError
+from eddi_runtime.documents import ModelError
 
 from .networks import HUMAN, NEAR, RISK, RISKS, give, monitor, node, posterior, threshold
 
@@ -336,3 +336,29 @@ WRONG = [
 def test_what_is_no_threshold_is_refused(given, reason):
     with pytest.raises(ModelError, match=reason):
         monitor(RISKS, ("Risk",), direct=DIRECT, thresholds=given)
+
+
+def told(one):
+    (found,) = one.standings()
+    return found[2:]
+
+
+def test_a_threshold_says_what_it_lacks():
+    one = risk()
+    step(one)
+    assert told(one) == (False, (("near", "not known"), ("human", "not known")), "")
+    step(one, near="yes", human="yes")
+    assert told(one) == (False, (), "the probability is 0.9")
+    step(one, near="yes")
+    assert told(one) == (False, (), "the probability is 0.4 to 0.9")
+    step(one, near="no")
+    assert told(one) == (True, (), "")
+    one = risk(threshold(at_most=0.3, hold_s=1.0))
+    step(one, near="no", human="no")
+    assert told(one) == (False, (), "it holds, but not for long enough yet")
+
+
+def test_a_network_without_thresholds_claims_nothing():
+    one = monitor(RISKS, ("Risk",), direct=DIRECT)
+    one.execute_step(give())
+    assert one.standings() == []

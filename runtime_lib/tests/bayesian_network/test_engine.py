@@ -263,7 +263,7 @@ def test_without_numpy_a_large_network_says_so():
 import sys, random
 sys.modules["numpy"] = None
 from runtime_lib.tests.bayesian_network.networks import monitor, node
-from eddi_runtime.model_file import ModelError
+from eddi_runtime.documents import ModelError
 row = [0.9, 0.1, 0.2, 0.8]
 nodes = [node("x0", "a b", (), [0.5, 0.5])]
 nodes += [node(f"x{k}", "a b", f"x{k - 1}", row) for k in range(1, 20)]

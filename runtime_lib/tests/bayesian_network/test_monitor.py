@@ -16,7 +16,8 @@ from eddi_runtime.bayesian_network import (
     width,
 )
 from eddi_runtime.bayesian_network import outputs as out
-from eddi_runtime.model_file import ModelError, check_document, digest_of
+from eddi_runtime.documents import ModelError
+from eddi_runtime.model_file import check_document, digest_of
 from eddi_runtime.monitor import build as build_any
 
 from runtime_lib.tests.bayesian_network.networks import (

@@ -13,8 +13,8 @@ from eddi_runtime.bayesian_network.declaration import read_declaration
 from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.evidence import finding
 from eddi_runtime.bayesian_network.readers import Discretiser
+from eddi_runtime.documents import ModelError
 from eddi_runtime.inputs import InputSpec
-from eddi_runtime.model_file import ModelError
 
 from runtime_lib.tests.bayesian_network.networks import furthest
 from tests.shared_data import shared

@@ -7,8 +7,8 @@ import pytest
 from eddi_runtime.bayesian_network.declaration import read_declaration
 from eddi_runtime.bayesian_network.direct import DirectReader
 from eddi_runtime.bayesian_network.readers import Discretiser
+from eddi_runtime.documents import ModelError
 from eddi_runtime.inputs import InputSpec
-from eddi_runtime.model_file import ModelError
 
 STATES = ("low", "mid", "high")
 

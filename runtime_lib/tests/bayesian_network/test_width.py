@@ -10,7 +10,7 @@ from eddi_runtime.bayesian_network.elimination import (
     smallest_table,
 )
 from eddi_runtime.bayesian_network.engine import Engine
-from eddi_runtime.model_file import ModelError
+from eddi_runtime.documents import ModelError
 
 from runtime_lib.tests.bayesian_network.networks import grid, monitor, network, node
 

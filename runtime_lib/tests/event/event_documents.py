@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eddi_runtime.event.form import BUFFERED, WINDOWS
+from eddi_runtime.expressions.form import BUFFERED, WINDOWS
 from eddi_runtime.model_file import check_document, digest_of
 
 SECOND = 10**9

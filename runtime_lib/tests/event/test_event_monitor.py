@@ -5,10 +5,10 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.event.expression import InputExpression, read_path, source_of
+from eddi_runtime.documents import ModelError
 from eddi_runtime.event.monitor import build
+from eddi_runtime.expressions.expression import InputExpression, read_path, source_of
 from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
-from eddi_runtime.model_file import ModelError
 
 from .event_documents import SECOND, form, model_file
 
@@ -225,3 +225,13 @@ def test_elements_by_key_and_why_there_is_none():
     assert one.reason == "LookupError: 2 elements have the name 'a.b'; there: a.b, a.b"
     assert one.value(2, {"x": Hostile()}) is None
     assert (one.value(3, {}), one.reason) == (None, "")
+
+
+def test_every_event_is_listed_with_what_it_lacks():
+    monitor = made(("gt", "x", 5), ("and", ("gt", "x", 5), ("gt", "y", 5)), hazards=[1])
+    step(monitor, 0, x=6.0)
+    first, second = monitor.standings()
+    assert first[1:] == (first.id, True, (), "")
+    assert second[2:] == (True, (("y", "not known"),), "")  # a HAZARD that is UNKNOWN
+    step(monitor, 1, x=4.0)
+    assert [one[2:] for one in monitor.standings()] == [(False, (), "the condition is FALSE")] * 2

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 
 import pytest
-from eddi_runtime.event.engine import build_engine
-from eddi_runtime.event.form import read_form, used_variables
-from eddi_runtime.event.source import class_lines
-from eddi_runtime.model_file import ModelError
+from eddi_runtime.documents import ModelError
+from eddi_runtime.expressions.engine import build_engine
+from eddi_runtime.expressions.form import read_form, used_variables
+from eddi_runtime.expressions.source import class_lines
 
 from .event_documents import SECOND, form
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from eddi_runtime import ModelError
 from eddi_runtime.access import gather
-from eddi_runtime.event.elements import number_in
-from eddi_runtime.event.form import read_form
 from eddi_runtime.event.monitor import EventMonitor
-from eddi_runtime.event.reduction import MAX_ELEMENTS, Reduction
+from eddi_runtime.expressions.elements import number_in
+from eddi_runtime.expressions.form import read_form
+from eddi_runtime.expressions.reduction import MAX_ELEMENTS, Reduction
 
 from .event_documents import SECOND, form, model_file
 

@@ -7,7 +7,7 @@ import random
 import statistics
 
 import pytest
-from eddi_runtime.event import stacks, windows
+from eddi_runtime.expressions import stacks, windows
 
 STEP = 10**7
 

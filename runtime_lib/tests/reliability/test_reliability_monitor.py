@@ -7,7 +7,7 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_runtime.model_file import ModelError  # noqa: E402 - numpy comes first
+from eddi_runtime.documents import ModelError  # noqa: E402 - numpy comes first
 from eddi_runtime.reliability.result import as_json  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
@@ -351,3 +351,22 @@ def test_damaged_components_are_refused(reason, component):
     with pytest.raises(ModelError) as caught:
         monitor([component])
     assert caught.value.reason == reason
+
+
+def test_a_threshold_says_what_it_lacks():
+    one = rotors(thresholds=[{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.2}])
+
+    def told():
+        (found,) = one.standings()
+        return found[2:]
+
+    step(one, 0.0, **WORKING)
+    assert told() == (False, (), "it holds, but not for long enough yet")
+    step(one, 0.2, **WORKING)
+    assert told() == (True, (), "")
+    step(one, 0.4, **{**WORKING, "m1": None})
+    assert told() == (False, (("m1", "not known"),), "")
+    step(one, 0.6, **{**WORKING, "m1": "x"})
+    assert [name for name, _ in told()[1]] == ["m1"]
+    step(one, 0.8, **{**WORKING, "m1": False})
+    assert told() == (False, (), "p_fail is 1, the threshold is 0.1")

@@ -6,8 +6,8 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime import EDDIInputBase  # noqa: E402 - numpy comes first
+from eddi_runtime.documents import ModelError  # noqa: E402
 from eddi_runtime.inputs import Messages  # noqa: E402
-from eddi_runtime.model_file import ModelError  # noqa: E402
 from eddi_runtime.safeml.design import Design, DesignSpec  # noqa: E402
 
 from runtime_lib.tests.safeml.monitors import document, give, monitor, step  # noqa: E402
@@ -315,3 +315,14 @@ def test_two_inputs_are_refused():
     made["sha256"] = digest_of(made)
     with pytest.raises(ModelError, match="one input is expected, not 2"):
         build(check_document(made, "model.json", files))
+
+
+def test_the_scope_says_what_it_lacks():
+    one = filled()
+    step(one, [0.5])
+    assert one.standings() == [("", "in_scope", True, (), "")]
+    assert violated().standings()[0][2:] == (False, (), "the samples differ from the reference")
+    fresh = monitor(ROWS)
+    step(fresh, [0.5])
+    lacks = (("sample", "the window has 1 of 4 samples"),)
+    assert fresh.standings() == [("", "in_scope", False, lacks, "")]

@@ -78,7 +78,7 @@ def test_posteriors_are_those_of_brute_force(
         [float(v > 0) for v in value]
         for name, value in known.items()
     }  # fmt: skip
-    for output in KIND.runtime_model(monitor.model)["outputs"]:
+    for output in KIND.functions.runtime_model(monitor.model)["outputs"]:
         wanted = brute_force(network, used, output)
         try:
             found = machine.inference.posteriors(known)[output]
@@ -262,7 +262,7 @@ def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
         "from eddi_scaffold.source import read_source; "
         "from eddi_scaffold.kinds import kinds; "
         f"model = read_models(read_source({str(EXAMPLE / 'pedestrian.xml')!r})).models[0]; "
-        "print(''.join(kinds()['bayesian_network'].export(model).values()))"
+        "print(''.join(kinds()['bayesian_network'].functions.export(model).values()))"
     )
     found = set()
     for seed, locale in (("1", "C"), ("2", "de_DE.UTF-8")):
@@ -309,7 +309,7 @@ def test_names_that_look_like_bins(states: list[str], edges: list[float] | None)
 def test_damaged_networks_are_problems_not_tracebacks(one: tuple[str, bytes]) -> None:
     name, data = one
     for model in read(data, name).models:
-        KIND.check(model)
+        KIND.functions.check(model)
         monitor, _ = joined(model)
         if monitor is not None:
             running(monitor).execute_step(SimpleNamespace())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert import KIND
+from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.source import Source
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ provided_services:
 
 
 def read(text: str, name: str = "Rover.yml", marks: tuple[str, ...] = ()) -> Model:
-    reading = KIND.read_file(Source(name, text.encode()), marks)
+    reading = FUNCTIONS.read_file(Source(name, text.encode()), marks)
     assert [p for p in reading.problems if p.level == "error"] == []
     (model,) = reading.models
     return model

@@ -7,6 +7,7 @@ import json
 
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.consert import KIND
+from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from eddi_scaffold.source import Source
 from tests.kinds.consert.example import ROVER, read
@@ -17,21 +18,21 @@ def test_the_kind_is_found():
 
 
 def test_export_writes_the_layout_of_d72():
-    assert KIND.export(read(ROVER)) == {"Rover.yml": ROVER}
+    assert FUNCTIONS.export(read(ROVER)) == {"Rover.yml": ROVER}
 
 
 def test_export_of_an_empty_list_and_a_strange_name():
     text = ROVER.partition("gates:\n")[0].replace("demands:", "demands:", 1)
     text += "gates: []\ntree_propagations: []\nrequired_services: []\nprovided_services: []\n"
-    consert = KIND.read_file(Source("a/../b c.yml", text.encode()), ()).models[0]
-    ((name, written),) = KIND.export(consert).items()
+    consert = FUNCTIONS.read_file(Source("a/../b c.yml", text.encode()), ()).models[0]
+    ((name, written),) = FUNCTIONS.export(consert).items()
     assert name == "b_c.yml"
     assert "gates: []\n" in written
 
 
 def test_counts_and_outline():
     model = read(ROVER)
-    assert dict(KIND.counts(model)) == {
+    assert dict(FUNCTIONS.counts(model)) == {
         "guarantees": 3,
         "demands": 1,
         "evidence": 2,
@@ -40,7 +41,7 @@ def test_counts_and_outline():
         "required_services": 1,
         "provided_services": 1,
     }
-    assert list(KIND.outline(model)) == [
+    assert list(FUNCTIONS.outline(model)) == [
         "guarantee FastDrive: Driving",
         "  And Both",
         "    evidence Distance: Clearance in [0.5, inf) or [-1, 0]",
@@ -55,7 +56,7 @@ def test_counts_and_outline():
 
 
 def test_inputs_are_demands_then_evidence():
-    demand, distance, lidar = KIND.inputs(read(ROVER))
+    demand, distance, lidar = FUNCTIONS.inputs(read(ROVER))
     assert (demand.id, demand.type, demand.covered) == (
         "MapKnown",
         "bool",
@@ -74,7 +75,7 @@ def test_inputs_are_demands_then_evidence():
 
 def test_units_of_a_velocity():
     text = ROVER.replace('        uom: ""\n', "        uom: kilometer_per_hour\n")
-    distance = KIND.inputs(read(text))[1]
+    distance = FUNCTIONS.inputs(read(text))[1]
     assert distance.unit == "kilometer_per_hour"
     assert distance.units == {
         **dict.fromkeys(("km/h", "kilometer_per_hour", "kmph"), (1, 1)),
@@ -83,7 +84,7 @@ def test_units_of_a_velocity():
 
 
 def test_runtime_model_is_json_with_traces():
-    data = KIND.runtime_model(read(ROVER))
+    data = FUNCTIONS.runtime_model(read(ROVER))
     assert json.loads(json.dumps(data, allow_nan=False)) == data
     assert data["evidence"][0] == {
         "id": "Distance",
@@ -129,10 +130,10 @@ def test_sniff():
 def test_marks_of_default_guarantees():
     text = ROVER.replace("    default: true\n", "")
     source = Source("Rover.yml", text.encode())
-    assert {p.code for p in KIND.read_file(source, ()).problems} == {"C012"}
+    assert {p.code for p in FUNCTIONS.read_file(source, ()).problems} == {"C012"}
     for mark in ("StandStill", "Rover/StandStill"):
         assert read(text, marks=(mark,)).data == read(ROVER).data
-    (problem,) = KIND.read_file(source, ("Standstill", "StandStill")).problems
+    (problem,) = FUNCTIONS.read_file(source, ("Standstill", "StandStill")).problems
     assert problem.message == "--default-guarantee Standstill: there is no guarantee 'Standstill'"
     assert (problem.code, problem.hint) == ("C028", "did you mean 'StandStill'?")
 
@@ -145,5 +146,5 @@ def test_a_deep_chain_is_cut_in_the_outline():
     text = text.replace(
         head, f"{head}{edges}  - {{from: g0, to: SlowDrive}}\n  - {{from: Lidar, to: g49}}\n"
     )
-    lines = KIND.outline(read(text))
+    lines = FUNCTIONS.outline(read(text))
     assert "  " * 30 + "Or g29 ..." in lines

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.kinds.consert import KIND
+from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.source import Source
 
 SOUND = {
@@ -48,7 +48,7 @@ CASES = read_cases()
 def test_text_of_the_diagnostic(name):
     text, expected = CASES[name]
     lines = []
-    for problem in KIND.read_file(Source("m.yml", text.encode()), ()).problems:
+    for problem in FUNCTIONS.read_file(Source("m.yml", text.encode()), ()).problems:
         place = problem.place
         where = f"{place.file}:{place.line}:{place.col}"
         lines.append(f"{where}: {problem.level}: {problem.message} [{problem.code}]")
@@ -61,6 +61,6 @@ def test_every_code_has_a_case():
 
 
 def test_the_sound_file_has_no_problem():
-    reading = KIND.read_file(Source("m.yml", changed("").encode()), ())
+    reading = FUNCTIONS.read_file(Source("m.yml", changed("").encode()), ())
     assert reading.problems == ()
     assert [model.name for model in reading.models] == ["m"]

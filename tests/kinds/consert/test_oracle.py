@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
-from eddi_scaffold.kinds.consert import KIND, names
+from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
+from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import ConSert
 from eddi_scaffold.problems import worst
 from eddi_scaffold.source import Source
@@ -18,7 +19,7 @@ MORE_UNITS = {"P_uom_percent", "P_uom_rad"}
 def test_parse_gives_the_wanted_severity_and_code():
     wrong = []
     for case in oracle()["parse"]:
-        problems = KIND.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
+        problems = FUNCTIONS.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
         want, codes = case["want"], {problem.code for problem in problems}
         if case["id"] in MORE_UNITS:
             want = {"result": "ok"}
@@ -43,7 +44,7 @@ def test_names_agree():
 def test_every_model_is_read_with_the_listed_errors_only():
     wanted = oracle()["model_errors"]
     for name, document in oracle()["models"].items():
-        reading = KIND.read_file(as_source(document, f"{name}.yml"), ())
+        reading = FUNCTIONS.read_file(as_source(document, f"{name}.yml"), ())
         errors = {problem.code for problem in reading.problems if problem.level == "error"}
         assert errors == set(wanted.get(name, ())), name
         assert [model.name for model in reading.models] == [name]
@@ -51,13 +52,13 @@ def test_every_model_is_read_with_the_listed_errors_only():
 
 def test_export_and_read_again_gives_the_same_model():
     for name, document in oracle()["models"].items():
-        (model,) = KIND.read_file(as_source(document, f"{name}.yml"), ()).models
-        ((file_name, text),) = KIND.export(model).items()
-        (again,) = KIND.read_file(Source(file_name, text.encode()), ()).models
+        (model,) = FUNCTIONS.read_file(as_source(document, f"{name}.yml"), ()).models
+        ((file_name, text),) = FUNCTIONS.export(model).items()
+        (again,) = FUNCTIONS.read_file(Source(file_name, text.encode()), ()).models
         assert isinstance(again.data, ConSert)
         assert dataclasses.asdict(again.data)  # a frozen dataclass through and through
         assert again.data == model.data
-        assert KIND.export(again) == {file_name: text}
+        assert FUNCTIONS.export(again) == {file_name: text}
 
 
 def test_composition_agrees():
@@ -66,7 +67,7 @@ def test_composition_agrees():
         instances, codes = [], set()
         for number, document in enumerate(case["models"]):
             content = oracle()["models"][document] if isinstance(document, str) else document
-            reading = KIND.read_file(as_source(content, f"m{number}.yml"), ())
+            reading = FUNCTIONS.read_file(as_source(content, f"m{number}.yml"), ())
             codes |= {problem.code for problem in reading.problems}
             instances += [(model.name, model.data) for model in reading.models]
         result, want = compose(instances), case["want"]
@@ -83,7 +84,9 @@ def test_composition_agrees():
 def test_implications_of_known_models():
     found = {}
     for name in ("ConSertA", "FabOS_Scanner2"):
-        (model,) = KIND.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
-        found[name] = [p.message for p in KIND.check(model) if p.code == "S004"]
+        (model,) = FUNCTIONS.read_file(
+            as_source(oracle()["models"][name], f"{name}.yml"), ()
+        ).models
+        found[name] = [p.message for p in FUNCTIONS.check(model) if p.code == "S004"]
     assert "guarantee 'System_A_G1' implies 'System_A_G0'" in found["ConSertA"]
     assert "guarantee 'UnoccupiedLong' implies 'UnoccupiedMedium'" in found["FabOS_Scanner2"]

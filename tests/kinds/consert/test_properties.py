@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.kinds.consert.check.model import check_consert
 from eddi_scaffold.kinds.consert.check.static import static_checks
 from eddi_scaffold.kinds.consert.compose import compose
+from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     Bound,
@@ -122,15 +122,20 @@ def test_checks_never_raise_and_what_is_left_can_be_used(consert):
         return
     static_checks(checked)
     compose([("a", checked), ("b", checked)])
-    (model,) = KIND.read_file(Source("m.yml", to_yaml(checked).encode()), ()).models
+    (model,) = FUNCTIONS.read_file(Source("m.yml", to_yaml(checked).encode()), ()).models
     assert model.data == checked
-    for use in (KIND.inputs, KIND.outline, KIND.counts, KIND.export):
+    for use in (
+        FUNCTIONS.inputs,
+        FUNCTIONS.outline,
+        FUNCTIONS.counts,
+        FUNCTIONS.export,
+    ):
         use(model)
-    KIND.runtime_model(model)
+    FUNCTIONS.runtime_model(model)
 
 
 def test_order_of_lists_changes_nothing_but_the_order():
-    (model,) = KIND.read_file(Source("m.yml", ROVER.encode()), ()).models
+    (model,) = FUNCTIONS.read_file(Source("m.yml", ROVER.encode()), ()).models
     lists = [f.name for f in dataclasses.fields(ConSert) if f.name not in ("name", "place")]
     for seed in range(20):
         shuffle = random.Random(seed)
@@ -174,7 +179,7 @@ def test_mutations_of_an_example_never_raise(data):
         ]
         new = data.draw(st.sampled_from(words) | st.text(max_size=3))
         text = text[:at] + new + text[at + length :]
-    reading = KIND.read_file(
+    reading = FUNCTIONS.read_file(
         Source("m.yml", text.encode("utf-8", "surrogatepass")), ("StandStill",)
     )
     assert reading.models or has_errors(reading.problems)
@@ -194,7 +199,7 @@ def test_mutations_of_lines_never_raise(data):
             lines[at], lines[other] = lines[other], lines[at]
         else:
             lines[at] = "  " + lines[at]
-    reading = KIND.read_file(Source("m.yml", "".join(lines).encode()), ())
+    reading = FUNCTIONS.read_file(Source("m.yml", "".join(lines).encode()), ())
     assert reading.models or has_errors(reading.problems)
 
 
@@ -246,8 +251,8 @@ def test_a_ladder_of_shared_gates_is_linear():
     assert checked == consert
     assert not has_errors(problems)
     static_checks(consert)
-    model = KIND.read_file(Source("m.yml", to_yaml(consert).encode()), ()).models[0]
-    assert len(KIND.outline(model)) < 3_000
+    model = FUNCTIONS.read_file(Source("m.yml", to_yaml(consert).encode()), ()).models[0]
+    assert len(FUNCTIONS.outline(model)) < 3_000
 
 
 def test_thousands_of_wrong_edges_are_reported_in_time():

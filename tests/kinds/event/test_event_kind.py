@@ -7,9 +7,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.model_file import parse_model
+from eddi_runtime.documents import ModelError
+from eddi_runtime.model_file import check_document, digest_of, parse_model
 from eddi_runtime.monitor import build
 
 from eddi_scaffold.packages.assembly import monitors_of
@@ -182,3 +184,24 @@ def test_a_list_is_an_input_of_a_monitor(tmp_path: Path) -> None:
     assert made.status == 0, made.err
     (text,) = [file.read_text() for file in (tmp_path / "out").rglob("scanner/EDDIInput.py")]
     assert "= scan.ranges" in text
+
+
+def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) -> None:
+    (tmp_path / "scanner.events").write_text(SCAN)
+    config = tmp_path / "eddi_config.yml"
+    config.write_text(SCAN_CONFIG)
+    (made,), _ = monitors_of(None, [config])
+    monitor = build(parse_model(made.model_json))
+    (name,) = [spec.attribute for spec in monitor.inputs]
+
+    def said(values: object, second: int) -> tuple[object, object]:
+        (row,) = monitor.execute_step(SimpleNamespace(**{name: values}), second * 10**9)
+        return row["active"], monitor.accepted()
+
+    assert said([1.0, 2.0, None], 0) == (True, ("free: COVERAGE 0.5",))
+    assert said([0.1, 0.2, 0.3], 1) == (False, ())
+    damaged = json.loads(made.model_json)
+    damaged["model"]["accepts"] = {"free": 3}
+    damaged["sha256"] = digest_of(damaged)
+    with pytest.raises(ModelError, match="'accepts' of 'free' is not a list of texts"):
+        build(check_document(damaged))

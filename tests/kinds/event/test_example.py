@@ -10,9 +10,9 @@ import pytest
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.replay.recordings import frames, read_recording
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import read_source
+from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
 
@@ -29,13 +29,10 @@ def test_no_file_has_a_problem() -> None:
 
 def test_the_guarantee_follows_the_event(monitors: list[Monitor]) -> None:
     motor, drive = monitors
-    types = {binding.model.id: binding.model.type for binding in motor.inputs}
-    recording, problems = read_recording(read_source(EXAMPLE / "recording.csv"), types)
-    assert recording is not None, problems
-    one, other = compiled(motor), compiled(drive)
+    other = compiled(drive)
     full_speed = {}
-    for frame in frames(one, recording):
-        ((_, event),) = one.message(frame.output)
+    for part, frame in played(motor, read_source(EXAMPLE / "recording.csv")):
+        ((_, event),) = part.running.message(frame.output)
         flags = other.execute_step(SimpleNamespace(MotorFit=event["active"]))
         full_speed[frame.t] = {row["id"]: row["active"] for row in flags}["FullSpeed"]
     on = [t for t in full_speed if full_speed[t]]

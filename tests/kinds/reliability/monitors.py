@@ -11,7 +11,7 @@ from eddi_runtime.model_file import ModelFile
 from eddi_runtime.reliability import ReliabilityMonitor
 
 from eddi_scaffold.kinds import Model, Options
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.problems import Problem, in_order
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.source import Source, read_source
@@ -19,8 +19,8 @@ from eddi_scaffold.source import Source, read_source
 
 def compiled(model: Model) -> ReliabilityMonitor:
     """Return the monitor of a configured model."""
-    specs = tuple(InputSpec(one.id, one.id) for one in KIND.inputs(model))
-    part = KIND.runtime_model(model)
+    specs = tuple(InputSpec(one.id, one.id) for one in FUNCTIONS.inputs(model))
+    part = FUNCTIONS.runtime_model(model)
     return ReliabilityMonitor(ModelFile("", "reliability", "m", "", {}, specs, part, {}, _none))
 
 
@@ -30,7 +30,7 @@ def _none(_: str) -> bytes:
 
 def read_text(text: str) -> tuple[Model | None, list[Problem]]:
     """Read a ``reliability_config.yml``."""
-    reading = KIND.read_file(Source("reliability_config.yml", text.encode()), ())
+    reading = FUNCTIONS.read_file(Source("reliability_config.yml", text.encode()), ())
     return (reading.models[0] if reading.models else None), list(reading.problems)
 
 
@@ -38,7 +38,7 @@ def sound(text: str) -> Model:
     """Return the configured model of a text without errors."""
     model, problems = read_text(text)
     assert model is not None, problems
-    configured, problems = KIND.configure(model, Options())
+    configured, problems = FUNCTIONS.configure(model, Options())
     assert configured is not None, problems
     return configured
 
@@ -47,8 +47,8 @@ def everything(text: str) -> list[Problem]:
     """Return all that is said about a text: read, checked, configured."""
     model, problems = read_text(text)
     if model is not None:
-        problems += KIND.check(model)
-        problems += KIND.configure(model, Options())[1]
+        problems += FUNCTIONS.check(model)
+        problems += FUNCTIONS.configure(model, Options())[1]
     return in_order(problems)
 
 
@@ -57,7 +57,7 @@ def models_of(path: Path) -> tuple[dict[str, Model], list[Problem]]:
     source = read_source(path)
     document, problems = read_document(source)
     assert document is not None
-    reading = KIND.read_eddi(document, source, ())
+    reading = FUNCTIONS.read_eddi(document, source, ())
     return {one.name: one for one in reading.models}, [*problems, *reading.problems]
 
 

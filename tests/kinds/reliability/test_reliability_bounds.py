@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from eddi_runtime.model_file import ModelError
+from eddi_runtime.documents import ModelError
 from eddi_runtime.reliability.cut_sets import (
     CutSetBounds,
     cut_sets_of_gates,
@@ -20,7 +20,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import KIND, trial
+from eddi_scaffold.kinds.reliability import trial
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 
@@ -77,10 +78,10 @@ def test_a_tree_above_its_limit_is_bounded() -> None:
     assert (unknown.valid, unknown.unknown, unknown.evidence) == (False, ("t_E",), {"go": False})
     assert unknown.p_fail_low == 1e-18 or math.isclose(unknown.p_fail_low, 1e-18)
     assert unknown.p_fail_high == happened.p_fail_high
-    readme = "\n".join(KIND.readme(model))
+    readme = "\n".join(FUNCTIONS.readme(model))
     assert "with probability from 1e-18 to 1e-17 at mission start" in readme
     assert "Minimal cut sets of `t`: 10" in readme
-    (exported,) = KIND.export(model).values()
+    (exported,) = FUNCTIONS.export(model).values()
     again, problems = read_text(exported)
     assert problems == []
     assert again is not None
@@ -95,7 +96,7 @@ def test_a_configuration_keeps_what_it_does_not_name() -> None:
     model, problems = read_text(VOTES.replace("    gates", "    repair: true\n    gates"))
     assert model is not None, problems
     change = {"models": {"t": {"events": {"A": {"p": 1e-5}}}}}
-    configured, problems = KIND.configure(model, Options(values=change))
+    configured, problems = FUNCTIONS.configure(model, Options(values=change))
     assert configured is not None, problems
     tree = configured.data.components["t"].content
     assert (tree.approximate, tree.repair, tree.node_limit) == (True, True, 5)
@@ -116,7 +117,7 @@ def test_what_r010_says_helps() -> None:
     assert problem.hint.endswith("or take bounds: `approximation: cut_sets`")
     assert not [one for one in everything(VOTES) if one.level == "error"]
     raised = sound(exact.replace("node_limit: 5", "node_limit: 10000000"))
-    assert "Minimal cut sets of `t`: 10" in "\n".join(KIND.readme(raised))
+    assert "Minimal cut sets of `t`: 10" in "\n".join(FUNCTIONS.readme(raised))
 
 
 def test_many_cut_sets_are_found_soon() -> None:
@@ -165,7 +166,7 @@ def test_a_small_file_with_an_entangled_tree_is_refused() -> None:
 
 
 def test_damaged_cut_sets_are_refused() -> None:
-    part = KIND.runtime_model(sound(VOTES))
+    part = FUNCTIONS.runtime_model(sound(VOTES))
     cases: list[tuple[Any, str]] = [
         ("x", "'cut_sets' of component 't' has the wrong type str"),
         ([0], "'cut_sets' of component 't' is no list of sets"),

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.problems import Problem, in_order
 from tests.kinds.reliability.monitors import everything, models_of
 
@@ -47,8 +47,8 @@ def of_eddi(given: str, folder: Path) -> list[Problem]:
     path.write_text(text.replace("?> <i", "?><i"), "utf-8")
     models, problems = models_of(path)
     for model in models.values():
-        problems += KIND.check(model)
-        problems += KIND.configure(model, Options())[1]
+        problems += FUNCTIONS.check(model)
+        problems += FUNCTIONS.configure(model, Options())[1]
     return in_order(problems)
 
 

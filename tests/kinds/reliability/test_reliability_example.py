@@ -11,15 +11,15 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
-from eddi_scaffold.replay.recordings import frames, read_recording
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import read_source
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import models_of, read_text
+from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
 FAILED = 7.0
@@ -33,13 +33,10 @@ def test_no_file_has_a_problem() -> None:
 def test_a_failed_rotor_takes_the_guarantee_away() -> None:
     configs = [EXAMPLE / "reliability_config.yml", EXAMPLE / "mission_config.yml"]
     drone, mission = monitors_of(EXAMPLE / "drone.xml", configs)[0]
-    types = {one.model.id: one.model.type for one in drone.inputs}
-    recording, problems = read_recording(read_source(EXAMPLE / "recording.csv"), types)
-    assert recording is not None, problems
-    one, other = compiled(drone), compiled(mission)
+    other = compiled(mission)
     going, p_fail = {}, {}
-    for frame in frames(one, recording):
-        result = frame.output
+    for part, frame in played(drone, read_source(EXAMPLE / "recording.csv")):
+        one, result = part.running, frame.output
         p_fail[frame.t] = result.p_fail
         # what the node would publish and the ConSert's node receive
         said = one.message(result)[1]["evidence"][0][1]
@@ -55,7 +52,7 @@ def test_a_failed_rotor_takes_the_guarantee_away() -> None:
 
 def test_export_reads_back_as_the_same_system() -> None:
     models, _ = models_of(EXAMPLE / "drone.xml")
-    airframe = KIND.read_file(read_source(EXAMPLE / "airframe.yml"), ()).models[0]
+    airframe = FUNCTIONS.read_file(read_source(EXAMPLE / "airframe.yml"), ()).models[0]
     for model in (*models.values(), airframe):
         text = to_yaml(model.data)
         again, problems = read_text(text)
@@ -63,7 +60,7 @@ def test_export_reads_back_as_the_same_system() -> None:
         assert again is not None
         assert again.data == model.data
         assert to_yaml(again.data) == text
-        assert KIND.export(model) == {f"{model.name}.yml": text}
+        assert FUNCTIONS.export(model) == {f"{model.name}.yml": text}
 
 
 def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
@@ -76,7 +73,7 @@ def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
     assert written is not None
     assert written.data == replace(configured.model.data, quantum=written.data.quantum)
     assert written.data.thresholds[0].id == "RtE_continue"
-    assert [one.id for one in KIND.inputs(written)] == ["rotors_ok", "MissionLoss_Link"]
+    assert [one.id for one in FUNCTIONS.inputs(written)] == ["rotors_ok", "MissionLoss_Link"]
     assert run("export", *words, "--kind", "consert", cwd=EXAMPLE).status == 2
 
 
@@ -128,13 +125,13 @@ def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: 
 
 def test_pictures_and_outlines() -> None:
     models, _ = models_of(EXAMPLE / "drone.xml")
-    assert KIND.diagram is not None
-    drawn = KIND.diagram(models["MissionLoss"])
+    assert FUNCTIONS.diagram is not None
+    drawn = FUNCTIONS.diagram(models["MissionLoss"])
     assert {node.shape for node in drawn.nodes} == {"and", "or", "ellipse", "rounded"}
     ids = {node.id for node in drawn.nodes}
     assert all(edge.source in ids and edge.target in ids for edge in drawn.edges)
-    assert "    AND NoPosition" in KIND.outline(models["MissionLoss"])
-    assert KIND.counts(models["Rotors"]) == {"models": 1, "states": 3}
+    assert "    AND NoPosition" in FUNCTIONS.outline(models["MissionLoss"])
+    assert FUNCTIONS.counts(models["Rotors"]) == {"models": 1, "states": 3}
 
 
 def test_a_tree_that_has_a_monitor_is_shown_once() -> None:

@@ -15,7 +15,7 @@ from eddi_runtime.reliability.structures import CONFIGURATIONS
 from eddi_runtime.thresholds import Evidence, Threshold
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.model import FaultTree, Law
 from eddi_scaffold.kinds.reliability.report import cut_sets
 from eddi_scaffold.kinds.reliability.trial import mean_life
@@ -158,7 +158,7 @@ def test_fault_trees() -> None:
         assert result.p_fail_low == pytest.approx(case["p_fail_low"], rel=1e-14, abs=0.0)
         assert result.p_fail_high == pytest.approx(case["p_fail_high"], rel=1e-14, abs=0.0)
         for one in case.get("minimal_cut_sets", ()):
-            assert f"- {', '.join(sorted(one))}" in KIND.readme(model)
+            assert f"- {', '.join(sorted(one))}" in FUNCTIONS.readme(model)
 
 
 def test_dynamic_gates() -> None:
@@ -191,7 +191,7 @@ def test_the_example_of_the_metamodel() -> None:
         assert warned == case["no_unit_warnings"]
         for name in ("Propulsion", "MissionLoss"):
             options = Options(values={"horizon": f"{case['t']} h"})
-            model, _ = KIND.configure(models[name], options)
+            model, _ = FUNCTIONS.configure(models[name], options)
             assert model is not None
             result = at_start(model)
             assert result.p_fail == pytest.approx(case[name]["p_fail"], rel=1e-12, abs=0.0)
@@ -236,7 +236,7 @@ def test_storm() -> None:
     assert at_start(model).p_fail == pytest.approx(tree["P(F<=100)"], rel=1e-12)
     assert mean_life(model.data) == pytest.approx(tree["MTTF"], rel=1e-9)
     for one in tree["minimal_cut_sets"]:
-        assert f"- {', '.join(sorted(one))}" in KIND.readme(model)
+        assert f"- {', '.join(sorted(one))}" in FUNCTIONS.readme(model)
 
 
 PUBLIC = {
@@ -252,7 +252,7 @@ def test_public_fault_trees(tree: str) -> None:
     case = next(one for one in oracle()["public_fault_trees"] if one["tree"] == tree)
     (model,) = models.values()
     for key, hours in (("p_fail_1h", 1.0), ("p_fail_10000h", 1e4), ("p_fail_1e8h", 1e8)):
-        configured, _ = KIND.configure(model, Options(values={"horizon": f"{hours} h"}))
+        configured, _ = FUNCTIONS.configure(model, Options(values={"horizon": f"{hours} h"}))
         assert configured is not None
         assert at_start(configured).p_fail == pytest.approx(case[key], rel=1e-12, abs=0.0)
 
@@ -289,14 +289,14 @@ def test_public_railway_models(name: str) -> None:
     cycles = [
         problem.message
         for model in models.values()
-        for problem in KIND.check(model)
+        for problem in FUNCTIONS.check(model)
         if problem.code == "R012"
     ]
     assert models
     assert bool(cycles) == (name == "etcs"), problems
     assert all(" -> " in message for message in cycles)
     for model in models.values():
-        if any(problem.code == "R012" for problem in KIND.check(model)):
+        if any(problem.code == "R012" for problem in FUNCTIONS.check(model)):
             continue
         for component in model.data.components.values():
             if isinstance(component.content, FaultTree):

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import at_start
 from tests.kinds.reliability.monitors import compiled, read_text, sound
@@ -40,9 +40,9 @@ def test_a_gap_is_longer_than_a_step_that_is_left_out(
 ) -> None:
     model, problems = read_text(MOTORS + given)
     assert model is not None, problems
-    configured, problems = KIND.configure(model, Options(frequency=frequency))
+    configured, problems = FUNCTIONS.configure(model, Options(frequency=frequency))
     assert configured is not None, problems
-    assert KIND.runtime_model(configured)["max_gap"] == expected
+    assert FUNCTIONS.runtime_model(configured)["max_gap"] == expected
     late = [str(one.message) for one in problems if one.code == "R014"]
     if expected * frequency >= 1.0:
         assert late == []

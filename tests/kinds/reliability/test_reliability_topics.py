@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.kinds.reliability import KIND
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1.answers import monitor_answers
 from eddi_scaffold.problems import EddiError
@@ -58,7 +58,7 @@ def test_a_topic_is_shown_and_exported() -> None:
         "thresholds: [{id: go, activate: 0.5, topic: /rte/go}]\n"
     )
     model = sound(text)
-    assert KIND.outline(model)[-1] == "threshold go: p_fail <= 0.5, gone above 0.5, on /rte/go"
-    (exported,) = KIND.export(model).values()
+    assert FUNCTIONS.outline(model)[-1] == "threshold go: p_fail <= 0.5, gone above 0.5, on /rte/go"
+    (exported,) = FUNCTIONS.export(model).values()
     again, problems = read_text(exported)
     assert (problems, again and again.data.thresholds) == ([], model.data.thresholds)

@@ -11,7 +11,7 @@ from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 
 LONG_NAMES = {
     "ks": "KolmogorovSmirnovDistance",

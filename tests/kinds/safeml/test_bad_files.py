@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from tests.fuzz.mutations import mutations
 from tests.kinds.safeml.monitors import joined
 

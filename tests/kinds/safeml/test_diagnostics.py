@@ -18,6 +18,7 @@ import pytest
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds.safeml import KIND
+from eddi_scaffold.kinds.safeml.functions import FUNCTIONS
 from eddi_scaffold.problems import Problem, in_order
 from eddi_scaffold.source import Source, read_source
 
@@ -79,8 +80,8 @@ def shown(problem: Problem, folder: Path) -> str:
 
 
 def problems_of(path: Path) -> list[Problem]:
-    reading = KIND.read_file(read_source(path), ())
-    return in_order([*reading.problems, *(p for m in reading.models for p in KIND.check(m))])
+    reading = FUNCTIONS.read_file(read_source(path), ())
+    return in_order([*reading.problems, *(p for m in reading.models for p in FUNCTIONS.check(m))])
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -110,8 +111,8 @@ def test_s014_a_second_input(tmp_path: Path) -> None:
     )
     config, problems = read_config(Source("c.yml", text.encode()))
     assert problems == []
-    (model,) = KIND.read_file(read_source(path), ()).models
-    configured, problems = KIND.configure(model, options_of(config))
+    (model,) = FUNCTIONS.read_file(read_source(path), ()).models
+    configured, problems = FUNCTIONS.configure(model, options_of(config))
     assert configured is None
     (problem,) = problems
     assert (problem.code, problem.place.line) == ("L014", 3)

@@ -11,9 +11,10 @@ import pytest
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.replay.recordings import frames, read_recording
-from eddi_scaffold.replay.running import changes, compiled, of_recording, picture
+from eddi_scaffold.replay.parts import compiled
+from eddi_scaffold.replay.running import changes, picture
 from eddi_scaffold.source import Source, read_source
+from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"
 FOG = 11.3
@@ -32,13 +33,10 @@ def test_no_file_has_a_problem() -> None:
 
 def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[Monitor]) -> None:
     scope, landing = monitors
-    recording, problems = read_recording(
-        read_source(EXAMPLE / "recording.csv"), {scope.inputs[0].model.id: "float[]"}
-    )
-    assert recording is not None, problems
-    one, other = compiled(scope), compiled(landing)
+    other = compiled(landing)
     verdicts, precise = {}, {}
-    for frame in frames(one, recording):
+    for part, frame in played(scope, read_source(EXAMPLE / "recording.csv")):
+        one = part.running
         result = verdicts[frame.t] = frame.output
         # what the node would publish and the ConSert's node receive
         evidence = one.status_message()[1]["in_scope"]
@@ -61,12 +59,7 @@ def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[Monito
 
 
 def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[Monitor]) -> None:
-    scope = monitors[0]
-    recording, _ = read_recording(
-        read_source(EXAMPLE / "recording.csv"), {scope.inputs[0].model.id: "float[]"}
-    )
-    assert recording is not None
-    svg = picture(scope, of_recording(recording))
+    svg = picture("Camera", played(monitors[0], read_source(EXAMPLE / "recording.csv")))
     for name in ("statistic", "threshold", "odd_violation", "omission"):
         assert f">{name}<" in svg
 
@@ -75,9 +68,8 @@ def test_run_says_why_there_is_no_verdict(monitors: list[Monitor]) -> None:
     good = "1 2 3 4 5 6"
     rows = [good, good, '""', "1 nan 3 4 5 6", "1 2 3", good, good, *[""] * 11, good]
     text = "t,frame\n" + "".join(f"{k / 10:g},{row}\n" for k, row in enumerate(rows))
-    recording, problems = read_recording(Source("r.csv", text.encode()), {"frame": "float[]"})
-    assert recording is not None, problems
-    said = [line for line in changes(monitors[0], of_recording(recording)) if "waits" in line]
+    recording = played(monitors[0], Source("r.csv", text.encode()))
+    said = [line for line in changes(recording) if "waits" in line]
     assert [(float(line.split()[0]), line.partition("waits for ")[2]) for line in said] == [
         (0.0, "frame (the window has 1 of 50 samples)"),
         (0.2, "frame (the message is empty)"),

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT
+from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT, FUNCTIONS
 from eddi_scaffold.kinds.safeml.report import detectable_shift
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.replay.running import compiled
+from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import Source, read_source
 from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
 
@@ -37,7 +37,7 @@ def model_of(folder: Path, **keys: object) -> dict[str, object]:
 def test_the_reference_travels_with_its_digest(tmp_path: Path) -> None:
     monitor, problems = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
     assert problems == []
-    files = KIND.data_files(monitor.model)
+    files = FUNCTIONS.data_files(monitor.model)
     assert files["reference.csv"] == (tmp_path / "reference.csv").read_bytes()
     assert files["safeml_config.yml"] == (tmp_path / "safeml_config.yml").read_bytes()
     document = json.loads(monitor.model_json)
@@ -150,34 +150,41 @@ def test_numbers_that_yaml_takes_for_texts(tmp_path: Path) -> None:
 
 def test_export_reads_back(tmp_path: Path) -> None:
     keys = {"n_components": 2, "max_age": 3, "calibration_stride": 4, "stride": 2}
-    (model,) = KIND.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, **keys)), ()).models
+    (model,) = FUNCTIONS.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, **keys)), ()).models
     other = tmp_path / "other"
     other.mkdir()
-    for name, text in KIND.export(model).items():
+    for name, text in FUNCTIONS.export(model).items():
         (other / name).write_text(text)
-    (again,) = KIND.read_file(read_source(other / "safeml_config.yml"), ()).models
+    (again,) = FUNCTIONS.read_file(read_source(other / "safeml_config.yml"), ()).models
     assert again.data.settings == model.data.settings
     np.testing.assert_array_equal(again.data.reference.rows, model.data.reference.rows)
 
 
 def test_what_show_prints(tmp_path: Path) -> None:
-    (model,) = KIND.read_file(read_source(lay(tmp_path, ROWS, **FIGURE)), ()).models
-    assert KIND.counts(model) == {"rows": 300, "features": 2, "window_size": 10, "components": 0}
-    lines = KIND.outline(model)
+    (model,) = FUNCTIONS.read_file(read_source(lay(tmp_path, ROWS, **FIGURE)), ()).models
+    assert FUNCTIONS.counts(model) == {
+        "rows": 300,
+        "features": 2,
+        "window_size": 10,
+        "components": 0,
+    }
+    lines = FUNCTIONS.outline(model)
     assert lines[0] == "KolmogorovSmirnovDistance of the last 10 samples"
     assert any("calibrated with 141 windows" in line for line in lines)
-    (model,) = KIND.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, n_components=9)), ()).models
-    assert KIND.outline(model)[-1] == "  no thresholds: see `check`"
+    (model,) = FUNCTIONS.read_file(
+        read_source(lay(tmp_path, ROWS, **FIGURE, n_components=9)), ()
+    ).models
+    assert FUNCTIONS.outline(model)[-1] == "  no thresholds: see `check`"
 
 
 def test_what_the_readme_says(tmp_path: Path) -> None:
     monitor, _ = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
-    text = "\n".join(KIND.readme(monitor.model))
+    text = "\n".join(FUNCTIONS.readme(monitor.model))
     assert "2 tests (features) at 0.05 each: 10 % together" in text
     assert "3,600 per hour at 10 Hz" in text
     assert "standard deviations" in text
     monitor, _ = joined(tmp_path, ROWS, **FIGURE)
-    assert "per hour" not in "\n".join(KIND.readme(monitor.model))
+    assert "per hour" not in "\n".join(FUNCTIONS.readme(monitor.model))
 
 
 @pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from ..model_file import ModelError
+from ..documents import ModelError
 
 UNOBSERVED = "unobserved"
 _KEYS = frozenset(
@@ -26,7 +26,7 @@ class Declaration:
         scaled: ``scale`` and ``offset`` are to be applied.
         scale: factor of the raw value.
         offset: is added then.
-        limits: closed interval of good raw values.
+        limits: closed interval of usable raw values.
         clamp: values outside are taken as the nearest limit, otherwise they are unobserved.
         allow_inf: infinite values fall into the outermost bin.
         hysteresis: how far beyond the near edge of the previous bin a value keeps it.

@@ -7,6 +7,7 @@ import inspect
 import textwrap
 from typing import Any, Dict, Iterator, List, Mapping, Sequence, Set, Tuple, Union
 
+from ..plain_values import one_line
 from .evidence import EvidenceError, outcomes_finding
 from .model import Network
 
@@ -114,7 +115,7 @@ class Methods:
         try:
             hooks.update_dra_data(data)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            reason = f"update_dra_data raised {_one_line(problem)}"
+            reason = f"update_dra_data raised {one_line(problem)}"
             answer.problems.update((node, reason) for node, _ in self._names)
             return answer
         for node, name in self._names:
@@ -133,20 +134,12 @@ class Methods:
         except EvidenceError as problem:
             return f"{name}: {problem}"
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            return f"{name} raised {_one_line(problem)}"
+            return f"{name} raised {one_line(problem)}"
         if found is not None:
             answer.findings[node] = found
         elif not self._virtual and any(outcomes.values()):
             return f"{name}: evidence_mode d7.2 drops its outcomes"
         return ""
-
-
-def _one_line(problem: Exception) -> str:
-    try:
-        text = " ".join(str(problem).split())[:200]
-    except Exception:  # noqa: BLE001 - an exception may fail to print itself
-        text = ""
-    return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
 
 
 def _source(hooks: Any, name: str) -> ast.Module:

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
-from ..model_file import ModelError, ModelFile, take
+from ..documents import ModelError, take
+from ..model_file import ModelFile
 from .graph import Shape
 from .thresholds import StateThreshold, read_thresholds
 

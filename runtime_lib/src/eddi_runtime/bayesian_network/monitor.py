@@ -18,9 +18,10 @@ from typing import (
 )
 
 from ..clock import step_time
-from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile
-from ..monitor import Tree
+from ..documents import ModelError
+from ..inputs import InputSpec, accepted
+from ..model_file import ModelFile
+from ..monitor import Standing, Tree
 from . import outputs as out
 from .claims import ERROR, UNKNOWN, Claim, Claims
 from .engine import Posteriors
@@ -31,6 +32,7 @@ from .methods import Answer, Methods
 from .model import read_model_part
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
 from .sources import make_sources
+from .standings import standings
 from .width import TooWideError
 
 Output = List[BayesianNetworkOutput]
@@ -93,6 +95,7 @@ class BayesianNetworkMonitor(Monitor):
         except (TooWideError, ImportError) as problem:
             raise ModelError(model_file.path, str(problem)) from None
         self._good: Optional[Tuple[Posteriors, Set[int]]] = None
+        self._source: object = None
         self._output_faults: Tuple[str, ...] = ()
         self._prepare()
 
@@ -111,6 +114,7 @@ class BayesianNetworkMonitor(Monitor):
             One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
             list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
         """
+        self._source = eddi_input
         now: float = 0
         if self._timed:
             time = step_time(t_ns)
@@ -196,6 +200,20 @@ class BayesianNetworkMonitor(Monitor):
         found.update((one.id, one.active) for one in self.claims())
         return found
 
+    def decided(self, output: Output) -> Dict[str, Union[bool, float, str, None]]:
+        """Return each threshold, the most probable state of each node, and the status.
+
+        The state is None for what was not given, the first of equally probable ones.
+        """
+        found: Dict[str, Union[bool, float, str, None]] = {
+            title: None for node, title, _ in self._titles if node not in self._judged_only
+        }
+        for one in output:
+            for given in one.output_nodes:
+                found[given.title] = max(given.outcomes, key=lambda two: two.value).name
+        found.update((one.id, one.active) for one in self.claims())
+        return {**found, "status": self.status_name()}
+
     def message(self, output: Any) -> Union[Tree, List[Tree], None]:
         """Return an output as a ``BayesianNetworkOutput`` tree; None when there is no posterior."""
         tree, self._output_faults = out.output_message(output)
@@ -246,9 +264,19 @@ class BayesianNetworkMonitor(Monitor):
         """Return what is said beside the posteriors, as ``json`` can write it."""
         return out.evidence_json(self.facts(), self.claims()) if self._claims is not None else {}
 
+    def standings(self) -> List[Standing]:
+        """Return every threshold after the last step; raw posteriors claim nothing."""
+        return standings(self.claims(), self.facts()) if self._claims is not None else []
+
+    def accepted(self) -> Tuple[str, ...]:
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
+        return self.facts().accepted
+
     def facts(self) -> Facts:
         """Return which inputs were known in the last step, and what was accepted for others."""
         facts, last = self._knowledge.facts(self._last), self._last
+        if limitless := accepted(self.inputs, self._source):
+            facts = facts._replace(accepted=(*facts.accepted, *limitless))
         if not last.inconsistent or self._model.on_inconsistent == "silent":
             return facts
         key = f"on_inconsistent: {self._model.on_inconsistent}"
@@ -272,7 +300,7 @@ class BayesianNetworkMonitor(Monitor):
             self._prepare()
         return found
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> thresholds that are not active; see ``Monitor``.
 
         A node that is not observed keeps no posterior from being given.
@@ -285,7 +313,7 @@ class BayesianNetworkMonitor(Monitor):
             found = dict.fromkeys(self.facts().unknown_inputs, lost)
         if inactive := tuple(one.id for one in rows if not one.active):
             fed = {source.spec.id for source in self._sources}
-            found.update((name, inactive) for name in not_good if name in fed)
+            found.update((name, inactive) for name in not_known if name in fed)
         return found
 
     def faults(self) -> Dict[str, str]:
@@ -306,7 +334,7 @@ class BayesianNetworkMonitor(Monitor):
             source.reader.reset()
         if self._claims is not None:
             self._claims.reset()
-        self._good, self._output_faults = None, ()
+        self._good, self._output_faults, self._source = None, (), None
         self._last = Step(self._missing)
 
     def _grow(self, flagged: Iterable[int], findings: Iterable[int]) -> bool:

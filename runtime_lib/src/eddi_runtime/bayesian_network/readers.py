@@ -51,7 +51,7 @@ class Reader(Protocol):
         """Return the key by which a value counted as what was read of it; empty for none."""
 
     def fault(self, raw: object) -> Optional[str]:
-        """Return what is wrong with a value; None for a good or a missing one."""
+        """Return what is wrong with a value; None for a usable or a missing one."""
 
     def reset(self) -> None:
         """Forget former values."""
@@ -229,7 +229,7 @@ class Discretiser:
 
 
 def _plain_bins(one: Declaration) -> Optional[Callable[[float], int]]:
-    """Return the short way for good values of a declaration without memory and sentinels."""
+    """Return the short way for usual values of a declaration without memory and sentinels."""
     edges, order, scale, offset = one.edges, one.order, one.scale, one.offset
     if edges is None or one.special[float] or one.hysteresis or one.policy == "hold":
         return None

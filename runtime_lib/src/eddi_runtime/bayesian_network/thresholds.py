@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, List, NamedTuple, Sequence, Tuple
 
-from ..model_file import ModelError, take
+from ..documents import ModelError, take
 from ..thresholds import Threshold
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Any, Deque, Mapping, Optional, Protocol, Sequence, Tuple
 
-from ..model_file import ModelError, take
+from ..documents import ModelError, take
 from .values import FALSE, TRUE, UNKNOWN
 
 _MAX_SAMPLES = 100_000

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, FrozenSet, List, NamedTuple, Sequence, Set, Tuple
 
-from ..model_file import ModelError
+from ..documents import ModelError
 from .model import ConSertData
 from .values import FALSE, TRUE
 

@@ -25,13 +25,30 @@ def output_message(output: Any, published: Sequence[str]) -> Tuple[Tree, Tuple[s
     return ("ConSertOutput", {"guarantees": guarantees}), tuple(faults)
 
 
-def status_message(model_id: str, digest: str, rows: Sequence[Tuple[str, int, List[str]]]) -> Tree:
-    """Return the ``ConSertStatus`` tree; a row is (guarantee id, truth value, missing inputs)."""
+def status_message(
+    model_id: str,
+    digest: str,
+    rows: Sequence[Tuple[str, int, List[str]]],
+    accepted: Sequence[str],
+) -> Tree:
+    """Return the ``ConSertStatus`` tree.
+
+    Args:
+        model_id: of the model.
+        digest: of the model.
+        rows: (guarantee id, truth value, missing inputs) of each guarantee.
+        accepted: acceptances in use.
+    """
     guarantees = [
         ("GuaranteeStatus", {"id": name, "verdict": verdict, "missing": missing})
         for name, verdict, missing in rows
     ]
-    fields = {"model_id": model_id, "model_digest": digest, "guarantees": guarantees}
+    fields = {
+        "model_id": model_id,
+        "model_digest": digest,
+        "guarantees": guarantees,
+        "accepted": list(accepted),
+    }
     return "ConSertStatus", fields
 
 

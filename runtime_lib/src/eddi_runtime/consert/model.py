@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
+from ..documents import ModelError, take
 from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile, take
+from ..model_file import ModelFile
 from .values import BinaryLeaf, CategoricalLeaf, Interval, Leaf, NumericLeaf, nearest_double
 
 _BOUND = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf")

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Union,
+    overload,
+)
 
-from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile
-from ..monitor import Tree
+from ..documents import ModelError
+from ..inputs import InputSpec, accepted
+from ..model_file import ModelFile
+from ..monitor import Standing, Tree
 from . import compile as compiler
 from .explain import Explanation, Reason, Sets
-from .filters import make_filter
+from .filters import Majority, make_filter
 from .graph import build_graph
 from .messages import output_message, status_message
 from .model import read_consert
-from .values import FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, describe, judge
+from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, describe, judge
 
 Rows = List[Dict[str, object]]
+Groups = List[Tuple[str, ...]]
+"""Minimal sets of inputs that would activate a guarantee, by size, then by ids."""
 
 
 def build(
@@ -82,7 +98,7 @@ class ConSertMonitor:
         )
         self._rows = compiler.compile_rows(self.published_ids)
         self._output_faults: Tuple[str, ...] = ()
-        self._missing: Tuple[Sequence[int], Dict[int, List[str]]] = ((), {})
+        self._groups: Tuple[Sequence[int], Dict[int, Groups]] = ((), {})
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
         """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
@@ -189,17 +205,41 @@ class ConSertMonitor:
                 found[self.inputs[k].id] = self._reason(k, value, why)
         return found
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def standings(self) -> Tuple[Standing, ...]:
+        """Return every guarantee after the last step, and for an inactive one what it lacks.
+
+        What is not known comes before what is known to be FALSE: where a guarantee is UNKNOWN,
+        there is a set of inputs that are not known and would activate it.
+        """
+        leaf_values = tuple(self._leaf_values())
+        values = self._graph.evaluate(leaf_values)
+        groups, reasons = self._missing_groups(leaf_values), self.reasons()
+        false = {spec.id for spec, value in zip(self.inputs, leaf_values) if value == FALSE}
+        return tuple(
+            _standing(name, active=values[k] == TRUE, groups=groups[k], false=false, why=reasons)
+            for name, k in zip(self.guarantee_ids, self._graph.guarantees)
+        )
+
+    def accepted(self) -> Tuple[str, ...]:
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
+        found = accepted(self.inputs, self._record.source)
+        if not isinstance(self._filter, Majority):
+            return found
+        rows = zip(self.inputs, self._filter.values, self._judgements())
+        held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
+        return (*found, *(f"{name}: filter: majority" for name in held))
+
+    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> inactive guarantees that depend on it, for inputs not known now.
 
         Not known: missing, stale, NaN, or a value of a wrong type. An input that is well known to
         be FALSE is not listed: nothing is wrong with it.
 
         Args:
-            not_good: inputs that count as not known even when they hold FALSE, such as one that
+            not_known: inputs that count as not known even when they hold FALSE, such as one that
                 still has its default because no message has come.
         """
-        named = set(not_good)
+        named = set(not_known)
         unknown = {
             k
             for k, (value, _) in enumerate(self._judgements())
@@ -225,6 +265,10 @@ class ConSertMonitor:
         """Return input id -> in how many steps its value had a wrong type, since the start."""
         return {spec.id: n for spec, n in zip(self.inputs, self._record.fault_counts)}
 
+    def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+        """Return the same: there is nothing but verdicts."""
+        return self.series(output)
+
     def message(self, output: Any) -> Tree:
         """Return an output as a ``ConSertOutput`` tree; never raises.
 
@@ -241,14 +285,13 @@ class ConSertMonitor:
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
         leaf_values = tuple(self._leaf_values())
-        if self._missing[0] != leaf_values:  # the sets cost more than a step: only on a change
-            self._missing = leaf_values, self._smallest_missing(leaf_values)
+        groups = self._missing_groups(leaf_values)
         values = self._graph.evaluate(leaf_values)
         rows = [
-            (name, values[k], self._missing[1][k])
+            (name, values[k], list(groups[k][0]) if groups[k] else [])
             for name, k in zip(self.guarantee_ids, self._graph.guarantees)
         ]
-        return status_message(self.model_id, self.digest, rows)
+        return status_message(self.model_id, self.digest, rows, self.accepted())
 
     def reset(self) -> None:
         """Forget former steps: filters begin anew, inputs count as missing."""
@@ -267,13 +310,18 @@ class ConSertMonitor:
             return self._filter.values
         return [value for value, _ in self._judgements()]
 
-    def _smallest_missing(self, leaf_values: Sequence[int]) -> Dict[int, List[str]]:
-        sets = Sets(self._graph, leaf_values)
-        found: Dict[int, List[str]] = {}
-        for k in self._graph.guarantees:
-            groups = [] if sets.values[k] == TRUE else sets.missing(k)[0]
-            found[k] = list(groups[0]) if groups else []
-        return found
+    def _missing_groups(self, leaf_values: Sequence[int]) -> Dict[int, Groups]:
+        """Return the sets of each guarantee; they cost more than a step: only on a change."""
+        if self._groups[0] != leaf_values or not self._groups[1]:
+            sets = Sets(self._graph, leaf_values)
+            self._groups = (
+                leaf_values,
+                {
+                    k: [] if sets.values[k] == TRUE else sets.missing(k)[0]
+                    for k in self._graph.guarantees
+                },
+            )
+        return self._groups[1]
 
     def _reason(self, leaf: int, value: int, why: str) -> Reason:
         raw = self._record.raw[leaf]
@@ -284,6 +332,18 @@ class ConSertMonitor:
             if state is not None:
                 return state
         return Reason(why, describe(self._data.leaves[leaf], raw, why))
+
+
+def _standing(
+    name: str, *, active: bool, groups: Groups, false: Set[str], why: Mapping[str, Reason]
+) -> Standing:
+    if active:
+        return Standing("guarantee", name, active=True)
+    if not groups:
+        return Standing("guarantee", name, active=False, reason="nothing can activate it")
+    group = next((one for one in groups if false.isdisjoint(one)), groups[0])
+    lacks = tuple((one, why[one].text) for one in group)
+    return Standing("guarantee", name, active=False, lacks=lacks)
 
 
 def _state(source: object, input_id: str) -> Optional[Reason]:

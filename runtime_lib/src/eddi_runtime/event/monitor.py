@@ -6,17 +6,19 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from ..clock import step_time
-from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile, take
-from ..monitor import Tree
+from ..documents import ModelError, take
+from ..expressions.engine import Engine, fault, stamp_at
+from ..expressions.form import BOOL, read_form, used_variables
+from ..expressions.sampling import Sampling
+from ..inputs import InputSpec, accepted
+from ..model_file import ModelFile, texts
+from ..monitor import Standing, Tree
 from ..plain_values import plain
-from .engine import Engine, fault, stamp_at
-from .form import BOOL, read_form, used_variables
 from .messages import output_messages
-from .sampling import Sampling
 
 Rows = List[Dict[str, Any]]
 _VERDICTS = (False, None, True)
+_REASONS = ("the condition is FALSE", "the condition is not decided yet")
 
 
 def build(
@@ -58,6 +60,7 @@ class EventMonitor:
         self._sources = _sources(self._sampling, self.inputs)
         self._stamped = any(variable.stamped for variable in form.variables)
         self._outputs = [(output.id, output.hazard) for output in form.outputs]
+        self._accepts = _accepts(model_file)
         self._needs = {
             output.id: {self._sources[one].id for k in used for one in self._sampling.uses[k]}
             for output, used in zip(form.outputs, used_variables(form))
@@ -68,6 +71,7 @@ class EventMonitor:
         self._unknown: Tuple[Union[float, int], ...] = tuple(1 for _ in self._outputs)
         self._verdicts = self._unknown
         self._raw: List[Any] = []
+        self._source: object = None
         self._forget()
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
@@ -85,6 +89,7 @@ class EventMonitor:
             A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
             ``verdict`` is True, False, or None for UNKNOWN.
         """
+        self._source = eddi_input
         t = step_time(t_ns)
         raw = self._raw = [_read(eddi_input, spec) for spec in self._sources]
         before, now = self._verdicts, self._unknown
@@ -111,6 +116,10 @@ class EventMonitor:
         """Return event id -> verdict, None for UNKNOWN."""
         return {str(row["id"]): row["verdict"] for row in output}
 
+    def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+        """Return the same: there is nothing but verdicts."""
+        return self.series(output)
+
     def message(self, output: Any) -> List[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
         trees, self._output_faults = output_messages(output)
@@ -124,13 +133,44 @@ class EventMonitor:
         """Return None: the outputs say all there is to say."""
         return None
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
+    def standings(self) -> List[Standing]:
+        """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
+        waits: Dict[str, List[Tuple[str, str]]] = {name: [] for name, _ in self._outputs}
+        for one, events in self.blocked().items():
+            for name in events:
+                waits[name].append((one, "not known"))
+        return [
+            Standing(
+                "event",
+                name,
+                value == 2 or (hazard and value == 1),
+                tuple(waits[name]),
+                "" if value == 2 or waits[name] else _REASONS[int(value)],
+            )
+            for (name, hazard), value in zip(self._outputs, self._verdicts)
+        ]
+
+    def accepted(self) -> Tuple[str, ...]:
+        """Return ``input: key`` for each acceptance that was in use in the last step.
+
+        What the text of an event accepts is in use while the event claims something: an EVIDENCE
+        that is TRUE, a HAZARD that is FALSE.
+        """
+        claims = (
+            name
+            for (name, hazard), value in zip(self._outputs, self._verdicts)
+            if value == (0 if hazard else 2)
+        )
+        found = (f"{name}: {word}" for name in claims for word in self._accepts.get(name, ()))
+        return (*accepted(self.inputs, self._source), *found)
+
+    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
         """Return input id -> events that are UNKNOWN and depend on it, for inputs not known now.
 
         Args:
-            not_good: inputs that count as not known whatever they hold.
+            not_known: inputs that count as not known whatever they hold.
         """
-        unknown = set(not_good)
+        unknown = set(not_known)
         unknown.update(
             spec.id
             for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
@@ -172,6 +212,15 @@ class EventMonitor:
     def _forget(self) -> None:
         self._verdicts = self._unknown
         self._raw = [None] * len(self._sources)
+        self._source = None
+
+
+def _accepts(model_file: ModelFile) -> Dict[str, Tuple[str, ...]]:
+    """Return event -> the words by which its text accepts silence."""
+    given = model_file.model.get("accepts", {})
+    if not isinstance(given, dict):
+        raise ModelError("", "'accepts' of the model is no object")
+    return {name: texts(words, f"'accepts' of {name!r}") for name, words in given.items()}
 
 
 def _sources(sampling: Sampling, inputs: Tuple[InputSpec, ...]) -> List[InputSpec]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
-from ..model_file import ModelError, take
+from ..documents import ModelError, take
 from ..thresholds import Threshold
 from . import values as rules
 from .arrhenius import Arrhenius

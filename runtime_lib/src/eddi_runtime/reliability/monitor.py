@@ -6,9 +6,10 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from ..clock import NO_TIME, step_time
-from ..inputs import InputSpec
-from ..model_file import ModelError, ModelFile
-from ..monitor import Tree
+from ..documents import ModelError
+from ..inputs import InputSpec, accepted
+from ..model_file import ModelFile
+from ..monitor import Standing, Tree
 from ..thresholds import Evidence
 from . import result as out
 from .chain import Horizons
@@ -22,6 +23,7 @@ from .values import Rule, Taken, take
 
 _HOUR_NS = 3.6e12
 _NAN = float("nan")
+_UNKNOWN_INPUTS = "unknown inputs"
 _ROUNDED = 1.0 + 1e-9
 
 
@@ -77,6 +79,7 @@ class ReliabilityMonitor:
 
     def reset(self) -> None:
         """Return to the start of the mission."""
+        self._source: object = None
         self._start: Optional[int] = None
         self._last = 0
         self._quanta = 0
@@ -113,6 +116,7 @@ class ReliabilityMonitor:
             t_ns: time of the step in nanoseconds; None: the machine's monotonic clock. What is no
                 whole number is no time: the step is not valid.
         """
+        self._source = eddi_input
         now = step_time(t_ns)
         values = self._values(eddi_input)
         beyond = self._limit_mission(values) if self._plan.moving else ""
@@ -151,7 +155,7 @@ class ReliabilityMonitor:
             moment.horizon,
             evidence,
             unknown,
-            reason or ("unknown inputs" if unknown else ""),
+            reason or (_UNKNOWN_INPUTS if unknown else ""),
             contributions,
         )
         return self._result
@@ -252,6 +256,10 @@ class ReliabilityMonitor:
         """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
         return out.series(output)
 
+    def decided(self, output: ReliabilityResult) -> Dict[str, out.Value]:
+        """Return valid and each evidence."""
+        return {"valid": output.valid, **output.evidence}
+
     def message(self, output: Any) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
@@ -269,16 +277,43 @@ class ReliabilityMonitor:
         """Return None: the output says all there is to say."""
         return None
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def standings(self) -> List[Standing]:
+        """Return every threshold after the last step."""
+        return [
+            Standing("threshold", one.id, one.active, *(((), "") if one.active else self._why(one)))
+            for one in self._evidence
+        ]
+
+    def _why(self, one: Evidence) -> Tuple[Tuple[Tuple[str, str], ...], str]:
+        """Return why a threshold is not active: inputs that are not known, or what else."""
+        result = self._result
+        if not result.valid and not (self._plan.worst_case and not _trouble(result)):
+            lacks = [(name, self._faults.get(name) or "not known") for name in result.unknown]
+            return tuple(lacks), _trouble(result)
+        limit = one.threshold.activate
+        if not result.p_fail_high <= limit:
+            return (), f"p_fail is {result.p_fail_high:.3g}, the threshold is {limit:g}"
+        return (), "it holds, but not for long enough yet"
+
+    def accepted(self) -> Tuple[str, ...]:
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
+        return accepted(self.inputs, self._source)
+
+    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> evidence that is not given because the input is not known."""
         lost = tuple(one.threshold.id for one in self._evidence if not one.active) or ("valid",)
         uses = self._plan.uses[self._plan.top]
-        names: List[str] = [name for name in not_good if name in uses]
+        names: List[str] = [name for name in not_known if name in uses]
         return dict.fromkeys((*self._result.unknown, *names), lost)
 
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
         return dict(self._faults)
+
+
+def _trouble(result: ReliabilityResult) -> str:
+    """Return why a result is not valid, apart from unknown inputs."""
+    return "" if result.reason == _UNKNOWN_INPUTS else result.reason
 
 
 def _usual(rule: Rule, factor: object) -> Tuple[Any, float, float]:

@@ -7,9 +7,9 @@ from typing import Any, Callable
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from ..report import Report
 from .conversion import stamp
 from .logs import LOG
-from .report import Report
 from .schedule import Waker
 
 PERIOD_S = 1.0

@@ -1,15 +1,62 @@
 """Facts about the steps of one monitor: logged when they change, kept for the diagnostics."""
 
 import time
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from ..report import (
+    FRESH,
+    INVALID,
+    LATCHED,
+    NEVER,
+    OK,
+    WAITING,
+    InputFact,
+    MonitorFact,
+    NodeFact,
+    Report,
+    SourceFact,
+    level_of,
+    report,
+)
 from .logs import LOG
-from .report import OK, InputFact, NodeFact, Report, level_of, report
 from .subscriptions import Receipt
 
-_GOOD = ("ok", "latched")
+_KNOWN = (FRESH, LATCHED)
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
 _CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
+_REFRESH_S = 0.5  # reasons cost more than a step: no older than this, or than a change of a state
+
+
+class _Seen(NamedTuple):
+    """The last step, replaced as a whole: the diagnostics thread needs no lock.
+
+    Attributes:
+        at: monotonic seconds of its begin.
+        states: of each input: one of the states of a report, and the reason.
+        receipts: what had been received.
+        error: an exception of the step, else empty.
+    """
+
+    at: float
+    states: Tuple[Tuple[str, str], ...] = ()
+    receipts: Mapping[str, Receipt] = {}
+    error: str = ""
+
+
+class _Reasons(NamedTuple):
+    """What the monitor said when it was asked last.
+
+    Attributes:
+        at: monotonic seconds.
+        kinds: states of the inputs then.
+        blocks: input id -> what it blocks.
+        monitor: what it made of its inputs.
+    """
+
+    at: float = -_REFRESH_S
+    kinds: Optional[Tuple[str, ...]] = None
+    blocks: Mapping[str, Sequence[str]] = {}
+    monitor: MonitorFact = MonitorFact()
 
 
 class Health:
@@ -18,25 +65,27 @@ class Health:
     The loop replaces whole values and never changes one in place, so no lock is needed.
 
     Args:
-        monitor: the runtime monitor (``inputs``, ``faults()``, ``blocked()``).
+        monitor: the runtime monitor (``inputs``, ``faults()``, ``blocked()``, ``standings()``).
         eddi_input: the generated EDDIInput (``states``).
         period: seconds between two steps.
+        startup_grace: seconds from the first step in which inputs may wait for their first message.
     """
 
-    def __init__(self, monitor: Any, eddi_input: Any, period: float) -> None:
+    def __init__(
+        self, monitor: Any, eddi_input: Any, period: float, startup_grace: float = 0.0
+    ) -> None:
         self._monitor = monitor
         self._eddi_input = eddi_input
         self._period = period
+        self._grace = startup_grace
         self._inputs: Tuple[Any, ...] = tuple(monitor.inputs)
-        self._states: Tuple[Tuple[str, str], ...] = ()
-        self._kinds: Tuple[str, ...] = ()
-        self._blocks: Mapping[str, Sequence[str]] = {}
-        self._blocks_wanted = True
+        self._seen = _Seen(time.monotonic())
+        self._reasons = _Reasons()
         self._errors: Dict[str, int] = {}
         self._logged: Dict[str, Tuple[str, float]] = {}
         self._level = OK
-        self._error = ""
         self._steps = 0
+        self._first_step: Optional[float] = None
         self._last_step = time.monotonic()
         self._longest = 0.0
         self._reported_overruns = 0
@@ -49,22 +98,29 @@ class Health:
             error: exception of the step, else empty.
             duration: seconds.
         """
+        now = time.monotonic()
+        if self._first_step is None:
+            self._first_step = now
         self._steps += 1
-        self._last_step = time.monotonic()
+        self._last_step = now
         self._longest = max(self._longest, duration)
-        states = self._input_states(receipts)
+        states = self._input_states(receipts, waiting=now - self._first_step < self._grace)
         for spec, (state, reason) in zip(self._inputs, states):
-            if state == "invalid":
+            if state == INVALID:
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
-            self._log_input(spec.id, reason if state == "invalid" else "")
+            self._log_input(spec.id, reason if state == INVALID else "")
         kinds = tuple(state for state, _ in states)
-        if self._blocks_wanted or kinds != self._kinds:
-            self._blocks_wanted = False
-            bad = [s.id for s, kind in zip(self._inputs, kinds) if kind not in _GOOD]
-            self._blocks = dict(self._monitor.blocked(bad))
-        self._states, self._kinds, self._error = states, kinds, error
-        before, self._level = self._level, level_of(kinds, error)
+        if kinds != self._reasons.kinds or now - self._reasons.at >= _REFRESH_S:
+            self._reasons = self._ask(now, kinds)
+        self._seen = _Seen(now - duration, states, receipts, error)
+        before = self._level
+        self._level = level_of(kinds, error, self._reasons.monitor.accepted)
         return self._level != before
+
+    def _ask(self, now: float, kinds: Tuple[str, ...]) -> _Reasons:
+        unknown = [spec.id for spec, kind in zip(self._inputs, kinds) if kind not in _KNOWN]
+        fact = MonitorFact(tuple(self._monitor.standings()), tuple(self._monitor.accepted()))
+        return _Reasons(now, kinds, dict(self._monitor.blocked(unknown)), fact)
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
@@ -84,16 +140,20 @@ class Health:
             state = self._eddi_input.states.get(name)
             self.log_error(about, reason, getattr(state, "detail", ""))
 
-    def _input_states(self, receipts: Mapping[str, Receipt]) -> Tuple[Tuple[str, str], ...]:
+    def _input_states(
+        self, receipts: Mapping[str, Receipt], *, waiting: bool
+    ) -> Tuple[Tuple[str, str], ...]:
         faults = self._monitor.faults()
         found: List[Tuple[str, str]] = []
         for spec in self._inputs:
             known = self._eddi_input.states.get(spec.id)
-            state, reason = ("missing", "") if known is None else (known.state, known.reason)
-            if spec.id in faults and state in ("ok", "invalid"):
-                state, reason = "invalid", faults[spec.id] if state == "ok" else reason
-            elif state == "ok" and _latched(spec, receipts):
-                state = "latched"
+            state, reason = (NEVER, "") if known is None else (known.state, known.reason)
+            if spec.id in faults and state in (FRESH, INVALID):
+                state, reason = INVALID, faults[spec.id] if state == FRESH else reason
+            elif state == FRESH and _latched(spec, receipts):
+                state = LATCHED
+            elif state == NEVER and waiting:
+                state = WAITING
             found.append((state, reason))
         return tuple(found)
 
@@ -106,12 +166,27 @@ class Health:
         master: str,
         wrong_types: Sequence[str],
         periodic: bool,
+        topics: Mapping[str, str],
     ) -> Report:
-        """Return the present report; called by the diagnostics thread."""
+        """Return the present report; called by the diagnostics thread.
+
+        Args:
+            identity: pairs that never change.
+            receipts: what has been received.
+            overruns: steps that were left out so far.
+            master: state of the watchdog.
+            wrong_types: topics whose publisher sends another type, as sentences.
+            periodic: it is not a report because of a new level.
+            topics: id of a source -> full name of its topic.
+        """
         now = time.monotonic()
-        states = self._states
+        seen, reasons = self._seen, self._reasons
         facts = [
-            self._fact(spec, state, receipts, now) for spec, state in zip(self._inputs, states)
+            self._fact(spec, state, receipts, now)._replace(
+                blocks=tuple(reasons.blocks.get(spec.id, ())) if state[0] != FRESH else (),
+                sources=_sources(spec, seen, topics),
+            )
+            for spec, state in zip(self._inputs, seen.states)
         ]
         silent = now - self._last_step
         node = NodeFact(
@@ -119,15 +194,14 @@ class Health:
             overruns=overruns,
             recent_overruns=overruns - self._reported_overruns,
             longest_step=self._longest,
-            error=self._error,
+            error=seen.error,
             master=master,
             wrong_types=tuple(wrong_types),
             silent_for=silent if silent > max(1.0, 3 * self._period) else None,
         )
         if periodic:
             self._reported_overruns = overruns
-            self._blocks_wanted = True
-        return report(identity, facts, node)
+        return report(identity, facts, reasons.monitor, node)
 
     def _fact(
         self, spec: Any, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
@@ -141,9 +215,14 @@ class Health:
             age=max(now - receipt.at for receipt in here) if here else None,
             received=min((receipt.received for receipt in here), default=0) if whole else 0,
             errors=self._errors.get(spec.id, 0),
-            blocks=tuple(self._blocks.get(spec.id, ())) if state[0] != "ok" else (),
-            no_limit=spec.max_age == "none",
+            limit=spec.max_age,
         )
+
+
+def _sources(spec: Any, seen: _Seen, topics: Mapping[str, str]) -> Tuple[SourceFact, ...]:
+    """Return the topics of an input, with the ages that they had in the step."""
+    ages = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
+    return tuple(SourceFact(topics.get(name, name), ages.get(name)) for name in spec.requires)
 
 
 def _latched(spec: Any, receipts: Mapping[str, Receipt]) -> bool:
@@ -180,12 +259,6 @@ class Changes:
         self._lines += 1
         if self._lines <= _CHANGES_PER_S:
             LOG.info("%s is now %s", name, "active" if active else "inactive")
-
-
-def one_line(error: BaseException) -> str:
-    """Return type and text of an exception as one line."""
-    text = " ".join(str(error).split())[:300]
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
 def activity(output: object) -> Dict[str, bool]:

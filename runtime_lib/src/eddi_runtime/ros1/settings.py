@@ -4,6 +4,7 @@ import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Tuple
 
 ON_MASTER_LOSS = ("reregister", "exit")
+STARTUP_GRACE_S = 10.0
 
 
 class Settings(NamedTuple):
@@ -16,6 +17,7 @@ class Settings(NamedTuple):
         watchdog_period: seconds between two looks at the master, 0 for none.
         on_master_loss: ``reregister`` or ``exit`` when a new master does not know the node.
         queue_size: messages that wait for a slow subscriber of the outputs.
+        startup_grace: seconds from the start in which an input may wait for its first message.
     """
 
     frequency: float
@@ -24,6 +26,7 @@ class Settings(NamedTuple):
     watchdog_period: float = 2.0
     on_master_loss: str = "reregister"
     queue_size: int = 1
+    startup_grace: float = STARTUP_GRACE_S
 
 
 def _number(value: object) -> Optional[float]:
@@ -32,17 +35,20 @@ def _number(value: object) -> Optional[float]:
     return None
 
 
-def settings(given: Mapping[str, Any], frequency: float) -> Tuple[Settings, List[str]]:
+def settings(
+    given: Mapping[str, Any], frequency: float, startup_grace: float = STARTUP_GRACE_S
+) -> Tuple[Settings, List[str]]:
     """Return the settings and what is wrong with the given private parameters.
 
     Args:
         given: private parameters by name; others than ours are left alone.
         frequency: steps per second of the generated node.
+        startup_grace: of the generated node.
     """
     wrong: List[str] = []
 
-    def check(name: str, expected: str, value: Any, good: bool) -> None:
-        if not good:
+    def check(name: str, expected: str, value: Any, fits: bool) -> None:
+        if not fits:
             wrong.append(f"parameter ~{name}: {expected} expected, got {value!r}")
 
     rate = given.get("frequency", frequency)
@@ -60,6 +66,9 @@ def settings(given: Mapping[str, Any], frequency: float) -> Tuple[Settings, List
     size = given.get("queue_size", 1)
     whole = isinstance(size, int) and not isinstance(size, bool)
     check("queue_size", "a whole number >= 1", size, whole and size >= 1)
-    if wrong or hertz is None or seconds is None:
+    grace = given.get("startup_grace", startup_grace)
+    wait = _number(grace)
+    check("startup_grace", "seconds >= 0", grace, wait is not None and wait >= 0.0)
+    if wrong or hertz is None or seconds is None or wait is None:
         return Settings(frequency), wrong
-    return Settings(hertz, model, diagnostics, seconds, loss, size), wrong
+    return Settings(hertz, model, diagnostics, seconds, loss, size, wait), wrong

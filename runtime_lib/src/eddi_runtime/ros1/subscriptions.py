@@ -138,6 +138,10 @@ class Subscriptions:
         with self._lock:
             return {name: slot.dropped for name, slot in self._slots.items() if slot.dropped}
 
+    def topics(self) -> Dict[str, str]:
+        """Return input id -> resolved topic of every subscription."""
+        return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
+
     def expected_types(self) -> Dict[str, Tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
         return {

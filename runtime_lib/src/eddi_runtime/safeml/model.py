@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 from typing import Any, NamedTuple, Optional, Union
 
-from ..model_file import ModelError, ModelFile, take
+from ..documents import ModelError, take
+from ..model_file import ModelFile
 from .arrays import NAMES, Array
 from .design import DesignSpec
 from .limits import METRICS

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from ..clock import NO_TIME, step_time
-from ..inputs import InputSpec, Messages
-from ..model_file import ModelError, ModelFile
-from ..monitor import Tree
+from ..documents import ModelError
+from ..inputs import InputSpec, Messages, accepted
+from ..model_file import ModelFile
+from ..monitor import Standing, Tree
 from . import limits, result
 from .arrays import Array, backend
 from .comparison import Comparison
@@ -82,6 +83,7 @@ class SafeMLMonitor:
         self._violation = self._judged = False
         self._statistics: Optional[Array] = None
         self._fault, self._timeless = "", False
+        self._source: object = None
         self._last = self._omitted(FILLING)
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> SafeMLResult:
@@ -94,6 +96,7 @@ class SafeMLMonitor:
             t_ns: time in nanoseconds, only for ``max_age``; what is no whole number is no time, and
                 the step is omitted then.
         """
+        self._source = eddi_input
         time = step_time(t_ns)
         self._timeless = time is None and self._model.max_age is not None
         if self._timeless:
@@ -229,6 +232,10 @@ class SafeMLMonitor:
         """Return statistic, threshold, verdict and omission."""
         return result.series(output)
 
+    def decided(self, output: SafeMLResult) -> Mapping[str, Union[bool, float, str, None]]:
+        """Return verdict and omission."""
+        return {"odd_violation": output.odd_violation, "omission": output.omission}
+
     def message(self, output: Any) -> Tree:
         """Return a result as a ``SafeMLOutput`` tree; never raises.
 
@@ -250,12 +257,24 @@ class SafeMLMonitor:
             self._window.filled,
             self._model.window_size,
             held=self._last.omission and self._model.hold and self._judged,
+            acceptances=self.accepted(),
         )
 
-    def blocked(self, not_good: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def standings(self) -> List[Standing]:
+        """Return whether the window is in scope after the last step."""
+        if self._last.omission:
+            return [Standing("", "in_scope", False, ((self.inputs[0].id, self.omission()[1]),))]
+        reason = "the samples differ from the reference" if self._last.odd_violation else ""
+        return [Standing("", "in_scope", not reason, (), reason)]
+
+    def accepted(self) -> Tuple[str, ...]:
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
+        return accepted(self.inputs, self._source)
+
+    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return the input and what is not known because of it, while there is no verdict."""
         name = self.inputs[0].id
-        return {name: ("odd_violation",)} if self._last.omission or name in set(not_good) else {}
+        return {name: ("odd_violation",)} if self._last.omission or name in set(not_known) else {}
 
     def faults(self) -> Dict[str, str]:
         """Return what was wrong with a message of the last step."""

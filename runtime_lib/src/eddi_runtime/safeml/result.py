@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, NamedTuple, Tuple, Union
+from typing import Any, Dict, List, NamedTuple, Sequence, Tuple, Union
 
 from ..monitor import Tree
 
@@ -112,7 +112,13 @@ def output_message(result: Any, significance_level: float) -> Tuple[Tree, List[s
 
 
 def status_message(
-    result: SafeMLResult, metric: str, filled: int, window_size: int, *, held: bool
+    result: SafeMLResult,
+    metric: str,
+    filled: int,
+    window_size: int,
+    *,
+    held: bool,
+    acceptances: Sequence[str],
 ) -> Tree:
     """Return the facts behind a result as a ``SafeMLStatus`` tree without header.
 
@@ -122,6 +128,7 @@ def status_message(
         filled: samples in the window.
         window_size: samples in a full one.
         held: ``odd_violation`` is the verdict of a former step.
+        acceptances: in use, as ``input: key``.
     """
     fields = {
         "omission": result.omission,
@@ -139,5 +146,6 @@ def status_message(
         "window_size": window_size,
         "reason": result.reason,
         "in_scope": not result.omission and not result.odd_violation,
+        "acceptances": list(acceptances),
     }
     return "SafeMLStatus", fields

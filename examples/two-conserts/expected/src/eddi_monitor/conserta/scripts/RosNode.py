@@ -20,6 +20,7 @@ class RosNode(MonitorNode):
     NAME = 'conserta'
     FREQUENCY = 10.0
     MODE = 'rate'
+    STARTUP_GRACE = 10.0
     INPUTS = (
         Input('consertb', 'consertb/guarantees', eddi_messages.msg.ConSertOutput),
         Input('RtE_E0', '/rte/e0a', Bool),

@@ -20,6 +20,7 @@ class RosNode(MonitorNode):
     NAME = 'consertb'
     FREQUENCY = 10.0
     MODE = 'rate'
+    STARTUP_GRACE = 10.0
     INPUTS = (
         Input('RtE_E0', '/rte/e0b', Bool),
     )

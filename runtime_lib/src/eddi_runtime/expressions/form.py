@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from ..model_file import ModelError, take
+from ..documents import ModelError, take
 from .reduction import Reduction
 
 VERSION = 1

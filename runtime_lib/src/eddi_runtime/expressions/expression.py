@@ -9,8 +9,8 @@ import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..access import Step, follow, gather
-from ..inputs import one_line
-from ..model_file import ModelError, take
+from ..documents import ModelError, take
+from ..plain_values import one_line
 from .engine import Engine, build_engine, stamp_at
 from .form import BOOL
 from .sampling import Sampling

@@ -1,0 +1,103 @@
+"""Age limits that nobody wrote, where the period of the publisher is known: 2.5 of its periods.
+
+A message of a monitor that has died counts by its age alone, so every input on a topic of a monitor
+needs a limit. For the topics of sensors nobody here knows the period.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import Input
+from eddi_scaffold.deployments.wiring.bounds import limit_of
+from eddi_scaffold.deployments.wiring.check import members_of
+from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, deployment
+from eddi_scaffold.deployments.wiring.support import Participant, published
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.problems import Problem, info
+
+_PERIODS = 2.5
+
+
+def with_default_ages(
+    monitors: Sequence[Monitor], others: Sequence[Participant] = ()
+) -> list[tuple[ConfigFile, list[Problem]] | None]:
+    """Return the configuration of each monitor with the limits that it lacks, if it lacks any.
+
+    Args:
+        monitors: those that run together.
+        others: those that run beside them.
+
+    Returns:
+        For each monitor ``None``, or its new configuration, and what is to be told of it (K053).
+    """
+    if not any(_lacks_some(one) for one in monitors):
+        return [None] * len(monitors)
+    together = deployment(members_of(monitors), others)
+    members = {id(member.monitor): member for member in together.members}
+    periods = dict(_periods(together))
+    return [_completed(members[id(one)], periods) if _lacks_some(one) else None for one in monitors]
+
+
+def _lacks_some(monitor: Monitor) -> bool:
+    return monitor.config is not None and any(
+        binding.max_age is None and binding.requires for binding in monitor.inputs
+    )
+
+
+def _completed(
+    member: Member, periods: Mapping[str, Mapping[str, float]]
+) -> tuple[ConfigFile, list[Problem]] | None:
+    ages = dict(_ages(member, periods))
+    if not ages:
+        return None
+    config = member.config.config
+    entries = [
+        entry.model_copy(update={"max_age": ages[entry.id]}) if entry.id in ages else entry
+        for entry in config.EDDIInputs
+    ]
+    told = [
+        _told(entry, member.config, index)
+        for index, entry in enumerate(entries)
+        if entry.id in ages
+    ]
+    return replace(member.config, config=config.model_copy(update={"EDDIInputs": entries})), told
+
+
+def _told(entry: Input, config: ConfigFile, index: int) -> Problem:
+    message = (
+        f"input {entry.id!r} has no max_age: it is unknown after {entry.max_age:g} s, "
+        f"{_PERIODS} periods of the monitor that publishes it"
+    )
+    return info("K053", message, config.place("EDDIInputs", index))
+
+
+def _ages(
+    member: Member, periods: Mapping[str, Mapping[str, float]]
+) -> Iterator[tuple[str, float]]:
+    """Yield each input that has no limit at all and reads monitors only, with its limit."""
+    participant = member.participant
+    specs = {spec["id"]: spec for spec in participant.document["inputs"]}
+    for entry in member.config.config.EDDIInputs:
+        spec = specs.get(entry.id)
+        if spec is None or spec["max_age"] is not None:
+            continue
+        found = [
+            [period for of, period in periods.get(topic, {}).items() if of != participant.name]
+            for topic in participant.topics(entry.id)
+        ]
+        if found and all(found) and math.isinf(limit_of(participant, entry.id)):
+            yield entry.id, _PERIODS * max(max(one) for one in found)
+
+
+def _periods(together: Deployment) -> Iterator[tuple[str, dict[str, float]]]:
+    """Yield each topic of a monitor, with the periods of those that publish it, by their names."""
+    for topic, found in together.publishers.items():
+        yield topic, {one.member.name: 1 / one.member.participant.frequency for one in found}
+    for other in together.others:
+        for topic, _ in published(other):
+            if topic not in together.publishers:
+                yield topic, {other.name: 1 / other.frequency}

@@ -1,0 +1,84 @@
+"""What is done with ConSerts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from eddi_scaffold.kinds import Functions, Reading, with_status
+from eddi_scaffold.kinds.consert.check.model import check_consert
+from eddi_scaffold.kinds.consert.check.static import static_checks
+from eddi_scaffold.kinds.consert.claims import MEANINGS, support, unfulfilled
+from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
+from eddi_scaffold.kinds.consert.eddi.reading import read_eddi
+from eddi_scaffold.kinds.consert.inputs import inputs
+from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
+from eddi_scaffold.kinds.consert.options import accepted, configure, lag, settings
+from eddi_scaffold.kinds.consert.outline import counts, outline
+from eddi_scaffold.kinds.consert.picture import diagram
+from eddi_scaffold.kinds.consert.runtime_model import runtime_model
+from eddi_scaffold.kinds.consert.yaml.reading import read_draft
+from eddi_scaffold.kinds.consert.yaml.writing import to_yaml
+from eddi_scaffold.problems import Problem, has_errors, in_order
+from eddi_scaffold.readers.document import EddiDocument
+from eddi_scaffold.source import Source
+
+
+def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> Reading:
+    conserts, problems = read_eddi(document, source, marks)
+    return _reading(conserts, problems, source, ())
+
+
+def _read_file(source: Source, marks: Sequence[str]) -> Reading:
+    draft, problems = read_draft(source)
+    reading = _reading(() if draft is None else (draft,), problems, source, marks)
+    if has_errors(problems):  # the draft was only good for finding more
+        return Reading((), reading.problems)
+    return reading
+
+
+def _reading(
+    conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
+) -> Reading:
+    marked, found = (conserts, []) if not marks else mark_defaults(conserts, marks, source.name)
+    models: list[ConSertModel] = []
+    all_problems = [*problems, *(found if conserts else ())]
+    for consert in marked:
+        checked, more = check_consert(consert)
+        all_problems += more
+        if checked is not None:
+            models.append(ConSertModel(NAME, checked.name, checked, source, checked.place))
+    return Reading(tuple(models), tuple(in_order(all_problems)))
+
+
+def _check(model: ConSertModel) -> Sequence[Problem]:
+    return static_checks(model.data)
+
+
+def _export(model: ConSertModel) -> Mapping[str, str]:
+    safe = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or NAME
+    return {f"{safe}.yml": to_yaml(model.data)}
+
+
+FUNCTIONS = Functions(
+    read_eddi=_read_eddi,
+    read_file=_read_file,
+    check=_check,
+    counts=lambda model: counts(model.data),
+    outline=lambda model: outline(model.data),
+    export=_export,
+    inputs=lambda model: inputs(model.data),
+    runtime_model=lambda model: runtime_model(model.data),
+    beside=with_status("ConSertStatus"),
+    configure=configure,
+    settings=settings,
+    diagram=lambda model: diagram(model.data),
+    ids=lambda model: {"guarantees": [one.id for one in model.data.guarantees]},
+    meanings=lambda _document, _part: MEANINGS,
+    accepted=accepted,
+    lag=lag,
+    support=support,
+    unfulfilled=lambda provider, output, user, item: unfulfilled(
+        provider.data, output, user.data, item
+    ),
+)

@@ -1,0 +1,211 @@
+"""A generated package made ready to be played, with the lines that people wrote in it.
+
+Loading one **executes its code**, as its node does: only for a folder that a person names for it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eddi_runtime.plain_values import one_line
+
+from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.message_types import python_type
+from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.identifiers import is_package_name
+from eddi_scaffold.kinds import Model, ModelInput, kinds
+from eddi_scaffold.monitors.binding import InputBinding, Monitor, fits
+from eddi_scaffold.packages.handwritten import written
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.replay.message_trees import Message, blank, definitions
+from eddi_scaffold.replay.node import Frame, Node, Received
+from eddi_scaffold.source import Source
+
+if TYPE_CHECKING:
+    from eddi_runtime import Monitor as RuntimeMonitor
+
+_INPUT = "input:"
+
+
+@dataclass(frozen=True)
+class Packaged:
+    """A package whose code has been loaded.
+
+    Attributes:
+        monitor: as far as the package remembers it.
+        by_hand: ids of the inputs that hand-written lines make of their messages.
+        new: makes an ``EDDIMonitor`` and an ``EDDIInput``.
+    """
+
+    monitor: Monitor
+    by_hand: frozenset[str]
+    new: Callable[[], tuple[Any, Any]]
+
+    def from_messages(self) -> tuple[RuntimeMonitor, Node]:
+        """Return its monitor, and a node that is given messages."""
+        eddi_monitor, eddi_input = self.new()
+        return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
+
+    def from_values(self) -> tuple[RuntimeMonitor, Node]:
+        """Return its monitor, and a node whose inputs are given values.
+
+        Hand-written lines get a message with the value where one has room for nothing else.
+        """
+        eddi_monitor, eddi_input = self.new()
+        updates = [
+            (one.model, self._process(one, eddi_input), [one.model.id])
+            for one in self.monitor.inputs
+        ]
+
+        def processing(values: Mapping[str, Any]) -> None:
+            for model, process, requires in updates:
+                update = eddi_input.update_each if model.every_message else eddi_input.update
+                update(model.id, process, values, requires)
+
+        eddi_input.processing = processing
+        return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
+
+    def without_lines(self) -> list[Problem]:
+        """Warn of hand-written lines that a CSV file cannot reach (I021)."""
+        left = [
+            one.model.id
+            for one in self.monitor.inputs
+            if one.model.id in self.by_hand and _message_for(one) is None
+        ]
+        if not left:
+            return []
+        message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
+        return [warning("I021", f"{message}: they are not used", hint="use --bag")]
+
+    def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
+        name = binding.attribute
+        message_for = _message_for(binding)
+        if binding.model.id not in self.by_hand or message_for is None:
+            return lambda value: setattr(eddi_input, name, value)
+        process = getattr(eddi_input, f"process_{name}")
+        return lambda value: process(message_for(value))
+
+
+class _Node(Node):
+    """A node of hand-written code, which may print: data are ours alone."""
+
+    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
+        with redirect_stdout(sys.stderr):
+            return super().step(t, messages, clock)
+
+
+def _node(eddi_monitor: Any, eddi_input: Any) -> Node:
+    takes_time = "t_ns" in inspect.signature(eddi_monitor.execute_step).parameters
+    step = eddi_monitor.execute_step if takes_time else None  # a package of an older version
+    return _Node(eddi_input, eddi_monitor.monitor, step)
+
+
+def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
+    """Return what makes the one message of a value, ``None`` where that cannot be done."""
+    if len(binding.requires) != 1:
+        return None
+    of = binding.requires[0].type
+    if not of:  # a plain package: the value itself
+        return lambda value: value
+    fields = definitions().get(of, {})
+    if len(fields) != 1:
+        return None
+    ((field, type_),) = fields.items()
+    if not fits(python_type(type_), binding.model.type):
+        return None
+    return lambda value: Message(**{**vars(blank(of)), field: value})
+
+
+def load(folder: Path) -> Packaged:
+    """Load the code of a package.
+
+    Raises:
+        EddiError: it is no package of a monitor, or its code cannot be loaded (I020).
+    """
+    place = Place(str(folder))
+    answers = read_answers(folder) or {}
+    try:
+        name = answers["package"]
+        config = from_json(answers["config_json"], str(folder)) if answers["config_json"] else None
+        by_hand = frozenset(
+            id_.removeprefix(_INPUT) for id_ in written(folder) if id_.startswith(_INPUT)
+        )
+        monitor = _remembered(folder, answers, config, by_hand)
+    except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
+        hint = f"name a folder with EDDIMonitor.py below it; {ANSWERS_FILE} must be whole"
+        message = "this is no package of a monitor"
+        raise EddiError(error("I020", message, place, hint)) from None
+    if not isinstance(name, str) or not is_package_name(name):
+        raise EddiError(error("I020", f"{name!r} cannot be the name of a package", place))
+    try:
+        new = _loaded(folder.resolve(), name, ros=answers["template"] == "ros1_monitor")
+        new()
+    except Exception as problem:  # noqa: BLE001 - whatever hand-written code raises
+        message = f"its code cannot be loaded: {one_line(problem)}"
+        raise EddiError(error("I020", message, place)) from None
+    return Packaged(monitor, by_hand, new)
+
+
+def _loaded(folder: Path, name: str, *, ros: bool) -> Callable[[], tuple[Any, Any]]:
+    """Import the package as its node or a program would, and leave no file behind."""
+    package, model = (name, folder / "config") if ros else (folder.name, folder)
+    with _importing(folder / "src" if ros else folder.parent, package):
+        monitor_class = importlib.import_module(f"{package}.EDDIMonitor").EDDIMonitor
+        input_class = importlib.import_module(f"{package}.EDDIInput").EDDIInput
+    return lambda: (monitor_class(str(model / "model.json")), input_class())
+
+
+@contextmanager
+def _importing(place: Path, package: str) -> Iterator[None]:
+    for loaded in [key for key in sys.modules if key.partition(".")[0] == package]:
+        del sys.modules[loaded]
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    sys.path.insert(0, str(place))
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        sys.path.remove(str(place))
+        sys.dont_write_bytecode = before
+
+
+def _remembered(
+    folder: Path, answers: Mapping[str, Any], config: ConfigFile | None, by_hand: frozenset[str]
+) -> Monitor:
+    """Return a monitor as its package remembers it: without the elements of its model."""
+    document = json.loads(answers["model_json"])
+    types = {one["attribute"]: one["type"] for one in answers["inputs"]}
+    sources = {} if config is None else {one.id: one for one in config.config.SimulatorOutputs}
+    place = Place(str(folder))
+    kind = kinds()[answers["kind"]]
+    model = Model(kind.name, document["id"], None, Source(str(folder / ANSWERS_FILE), b""), place)
+    inputs = [
+        _binding(one, types[one["attribute"]], sources, by_hand) for one in document["inputs"]
+    ]
+    return Monitor(answers["package"], model, kind, config, tuple(inputs), answers["model_json"])
+
+
+def _binding(
+    document: Mapping[str, Any],
+    type_: Any,
+    sources: Mapping[str, SimulatorOutput],
+    by_hand: frozenset[str],
+) -> InputBinding:
+    own = SimulatorOutput.model_construct(id=document["id"], type="", topic="", max_age=None)
+    return InputBinding(
+        ModelInput(document["id"], type_, every_message=document.get("every_message", False)),
+        document["attribute"],
+        tuple(sources[name] for name in document["requires"]) if sources else (own,),
+        expression=None if document["id"] in by_hand else "",
+        max_age=document["max_age"],
+        computed=None if document["id"] in by_hand else document.get("expression"),
+    )

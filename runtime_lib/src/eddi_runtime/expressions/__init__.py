@@ -1,0 +1,1 @@
+"""Conditions over messages and time: what inputs and the kind ``event`` evaluate."""

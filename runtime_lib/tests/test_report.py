@@ -1,0 +1,125 @@
+"""What the diagnostics say: levels and words from facts, without any transport."""
+
+import pytest
+from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.monitor import Standing
+from eddi_runtime.report import (
+    ERROR,
+    OK,
+    STALE,
+    WARN,
+    InputFact,
+    MonitorFact,
+    NodeFact,
+    SourceFact,
+    because,
+    level_of,
+    report,
+    standing_text,
+)
+
+CALM = NodeFact(5, 0, 0, 0.001, "", "ok", ())
+NONE = MonitorFact()
+KNOWN = InputFact("K", "ok", age=0.1, received=3, limit="none")
+A, B, C = SourceFact("/a", 0.1), SourceFact("/b", 1.25), SourceFact("/c", None)
+
+
+def said(*inputs, monitor=NONE, node=CALM):
+    return report({"model_digest": "d"}, inputs, monitor, node)
+
+
+def test_nothing_to_say():
+    found = said(KNOWN)
+    assert (found.level, found.message) == (OK, "all inputs are up to date")
+    values = dict(found.values)
+    assert (values["K"], values["K.max_age"], values["K.age_s"]) == ("ok", "no limit", "0.100")
+    assert "K.reason" not in values
+
+
+def test_the_worst_finding_comes_first():
+    waiting = InputFact("M", "waiting", blocks=("G1", "G2"), sources=(C,))
+    late = InputFact("S", "stale", age=2.0, limit=0.5, sources=(B,))
+    node = CALM._replace(recent_overruns=1, master="lost")
+    found = said(waiting, late, KNOWN, node=node)
+    assert found.level == STALE
+    assert found.message == (
+        "S stale: /b is late, 1.25 s old, the limit is 0.5 s; "
+        "M waiting: waiting for first message of /c (blocks G1, G2); "
+        "1 steps left out; ROS master lost"
+    )
+    assert dict(found.values)["S.age_s"] == "2.000"
+    broken = InputFact("B", "invalid", "why")
+    assert said(waiting, late, broken).level == ERROR
+    assert said(KNOWN, node=CALM._replace(silent_for=4.0))[:2] == (ERROR, "no step for 4.0 s")
+
+
+@pytest.mark.parametrize(
+    ("state", "sources", "limit", "words"),
+    [
+        ("waiting", (A, C), 1.0, "waiting for first message of /c"),
+        ("missing", (C, A), 1.0, "never received since start: /c"),
+        ("missing", (C, C._replace(topic="/d")), None, "never received since start: /c, /d"),
+        ("stale", (A, B), 1.0, "/b is late, 1.25 s old, the limit is 1 s"),
+        (
+            "missing",
+            (B, C),
+            1.0,
+            "never received since start: /c, /b is late, 1.25 s old, the limit is 1 s",
+        ),
+        (
+            "stale",
+            (A, SourceFact("/b", UNKNOWN_AGE)),
+            1.0,
+            "/b was latched, its age is not known",
+        ),
+        ("stale", (A,), 1.0, "as it was told"),  # a message has come since the step
+        ("latched", (A,), None, "age unknown"),
+        ("invalid", (B,), 1.0, "as it was told"),
+    ],
+)
+def test_an_input_names_the_topics_that_are_to_blame(state, sources, limit, words):
+    assert because(InputFact("I", state, "as it was told", limit=limit, sources=sources)) == words
+
+
+def test_an_input_that_never_came_is_an_error_only_after_the_grace():
+    waiting, never = (InputFact("I", one, sources=(C,)) for one in ("waiting", "missing"))
+    assert said(waiting).level == WARN == level_of(["ok", "waiting"], "")
+    assert said(never).level == ERROR == level_of(["ok", "missing"], "")
+    assert said(never).message == "I missing: never received since start: /c"
+    assert level_of(["stale"], "") == STALE
+
+
+def test_every_guarantee_is_listed_and_an_inactive_one_with_its_reason():
+    late = InputFact("S", "stale", limit=1.0, sources=(A, B))
+    lacks = (("S", "no value"), ("K", "the value is False"))
+    rows = (
+        Standing("guarantee", "G1", active=False, lacks=lacks),
+        Standing("guarantee", "G2", active=True),
+        Standing("guarantee", "G3", active=False, reason="nothing can activate it"),
+        Standing("", "in_scope", active=False, lacks=(("X", "no value"),)),
+    )
+    values = dict(said(late, KNOWN, monitor=MonitorFact(rows)).values)
+    assert values["guarantee.G1"] == (
+        "inactive: S: /b is late, 1.25 s old, the limit is 1 s; K: the value is False"
+    )
+    assert values["guarantee.G2"] == "active"
+    assert values["guarantee.G3"] == "inactive: nothing can activate it"
+    assert values["in_scope"] == "inactive: X: no value"
+
+
+def test_a_long_reason_stays_one_line():
+    many = tuple((f"I{k}", "no value") for k in range(7))
+    text = standing_text(Standing("guarantee", "G", active=False, lacks=many), {})
+    assert text.endswith("I4: no value; and 2 more inputs")
+
+
+def test_an_acceptance_in_use_is_a_warning():
+    found = said(KNOWN, monitor=MonitorFact(accepted=("K: max_age: none",)))
+    assert (found.level, found.message) == (WARN, "accepted: K: max_age: none")
+    assert dict(found.values)["accepted.0"] == "K: max_age: none"
+    assert level_of(["ok"], "", ["K: max_age: none"]) == WARN
+
+
+def test_an_input_that_is_called_like_a_value_of_another_hides_nothing():
+    found = said(KNOWN, InputFact("K.age_s", "ok"))
+    assert [key for key, _ in found.values].count("K.age_s") == 2

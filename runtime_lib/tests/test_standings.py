@@ -1,0 +1,97 @@
+"""Every guarantee, active or not, with what it lacks; and which acceptances are in use."""
+
+import pytest
+from eddi_runtime import EDDIInputBase
+from eddi_runtime.documents import ModelError
+from eddi_runtime.inputs import InputSpec, accepted
+from eddi_runtime.model_file import check_document
+
+from runtime_lib.tests.documents import GOOD, document, give, monitor, nested, signed
+
+
+def test_a_guarantee_that_is_active_lacks_nothing():
+    made = nested()
+    made.execute_step(give(**GOOD))
+    (one,) = made.standings()
+    assert one == ("guarantee", "G", True, (), "")
+
+
+def test_what_is_not_known_comes_before_what_is_false():
+    made = monitor(["a", "z"], gates=["or1|"], guarantees=["G"], edges=["a>or1", "z>or1", "or1>G"])
+    made.execute_step(give(a=False, z=None))
+    assert made.standings()[0].lacks == (("z", "no value"),)
+    made.execute_step(give(a=False, z=False))
+    assert made.standings()[0].lacks == (("a", "the value is False"),)
+
+
+def test_only_the_inputs_to_blame_are_named():
+    made = monitor(["e", "f"], guarantees=["G", "H"], edges=["e>G", "f>G", "f>H"])
+    made.execute_step(give(e=None, f=True))
+    first, second = made.standings()
+    assert (first.active, [name for name, _ in first.lacks]) == (False, ["e"])
+    assert (second.active, second.lacks) == (True, ())
+
+
+class Input(EDDIInputBase):
+    def __init__(self, specs):
+        super().__init__()
+        self.e = None
+        self.bind(specs)
+
+    def process_e(self, message):
+        self.e = message
+
+    def give(self, message, age=0.0):
+        self.begin_step({"e": age})
+        self.update("e", self.process_e, {} if message is None else {"e": message}, ["e"])
+        return self
+
+
+def test_an_input_without_limit_is_an_acceptance_as_long_as_it_has_a_value():
+    made = monitor(
+        ["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"max_age": "none", "requires": ["e"]}}
+    )
+    told = Input(made.inputs)
+    made.execute_step(told.give(None))
+    assert made.accepted() == ()
+    made.execute_step(told.give(True, age=1e6))
+    assert made.accepted() == ("e: max_age: none",)
+    assert made.status_message()[1]["accepted"] == ["e: max_age: none"]
+    made.execute_step(give(e=True))  # nobody watches the messages
+    assert made.accepted() == ()
+
+
+def test_an_unsafe_default_is_in_use_until_the_first_message():
+    specs = (InputSpec("e", "e", ("e",), accepts=("allow_unsafe_default: true", "KNOWN")),)
+    told = Input(specs)
+    told.e = True
+    assert accepted(specs, told.give(None)) == ("e: allow_unsafe_default: true",)
+    assert accepted(specs, told.give(True)) == ("e: KNOWN",)
+    assert accepted(specs, told.give(None)) == ()
+
+
+def test_a_majority_is_in_use_while_it_outvotes_the_present_sample():
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"], filter={"kind": "majority", "window": 3})
+    for value, active, used in (
+        (True, True, ()),
+        (True, True, ()),
+        (None, True, ("e: filter: majority",)),
+        (None, False, ()),
+    ):
+        rows = made.execute_step(give(e=value))
+        assert (rows[0]["active"], made.accepted()) == (active, used)
+
+
+class Hostile:
+    def __getattr__(self, name):
+        raise RuntimeError(name)
+
+
+def test_a_hostile_object_accepts_nothing():
+    assert accepted((InputSpec("e", "e", max_age="none"),), Hostile()) == ()
+
+
+def test_a_damaged_list_of_acceptances_is_refused():
+    damaged = document(["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"accepts": [1]}})
+    with pytest.raises(ModelError, match="'accepts' of input 'e' is not a list of texts"):
+        check_document(signed({k: v for k, v in damaged.items() if k != "sha256"}))

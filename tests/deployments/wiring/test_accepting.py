@@ -1,0 +1,124 @@
+"""What is accepted in place of a known value: shown before, said by the monitor while in use."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from eddi_runtime import EDDIInputBase
+from eddi_runtime.consert import build
+from eddi_runtime.model_file import parse_model
+
+from eddi_scaffold.packages.assembly import monitors_of
+from tests.cli.command import run
+from tests.deployments.wiring.test_wiring import CONSERT
+
+CONFIG = """\
+Model: {{id: Base, type: ConSert{more}}}
+SimulatorOutputs: [{{id: s, type: std_msgs.Bool, topic: /fine{source}}}]
+EDDIInputs: [{{id: E, type: bool{input}}}]
+EDDIOutputs: [{{id: out, topic: out}}]
+"""
+LIMITLESS = ", requires: [s], field: data, max_age: none"
+KNOWN = ', expression: "KNOWN(s.data) AND s.data", max_age: 1.0'
+UNSAFE = ", requires: [s], field: data, max_age: 1.0, default: true, allow_unsafe_default: true"
+
+
+def written(folder: Path, entry: str, more: str = "", source: str = "") -> Path:
+    (folder / "base.yml").write_text(CONSERT.format(), "utf-8")
+    config = folder / "base_config.yml"
+    config.write_text(CONFIG.format(input=entry, more=more, source=source), "utf-8")
+    return config
+
+
+@pytest.mark.parametrize(
+    ("entry", "keys"),
+    [
+        (", requires: [s], field: data, max_age: 1.0", None),
+        (LIMITLESS, None),  # the limit itself says it
+        (KNOWN, ["KNOWN"]),
+        (UNSAFE, ["allow_unsafe_default: true"]),
+    ],
+)
+def test_the_monitor_is_told_what_it_cannot_see(
+    entry: str, keys: list[str] | None, tmp_path: Path
+) -> None:
+    (monitor,), _ = monitors_of(
+        None, [written(tmp_path, entry, ", parameters: [{model: base.yml}]")]
+    )
+    (spec,) = json.loads(monitor.model_json)["inputs"]
+    assert spec.get("accepts") == keys
+
+
+class Message:
+    data = True
+
+
+def test_a_default_is_in_use_until_the_first_message(tmp_path: Path) -> None:
+    config = written(tmp_path, UNSAFE, ", parameters: [{model: base.yml}]")
+    (made,), _ = monitors_of(None, [config])
+    monitor = build(parse_model(made.model_json))
+    told = EDDIInputBase()
+    told.E = True  # type: ignore[attr-defined]  # as the generated class begins
+    told.bind(monitor.inputs)
+
+    def step(messages: dict[str, object]) -> tuple[object, object]:
+        told.begin_step({"s": 0.0})
+        told.update("E", lambda m: setattr(told, "E", m.data), messages, ["s"])
+        (row,) = monitor.execute_step(told)
+        return row["active"], monitor.status_message()[1]["accepted"]
+
+    assert step({}) == (True, ["E: allow_unsafe_default: true"])
+    assert step({"s": Message()}) == (True, [])
+    assert step({}) == (False, [])
+
+
+SAID = "input 'E' of Base, `max_age: none`: Base.G rests on the last value of /fine for ever"
+
+
+def test_show_of_a_configuration_lists_it(tmp_path: Path) -> None:
+    written(tmp_path, LIMITLESS, ", parameters: [{model: base.yml}]")
+    for words in (["base_config.yml"], ["base.yml", "-c", "base_config.yml"]):
+        shown = run("show", *words, cwd=tmp_path)
+        assert (shown.status, shown.out.splitlines()[-2:]) == (0, ["accepted:", f"  {SAID}"])
+        (row,) = json.loads(run("show", *words, "--json", cwd=tmp_path).out)["accepted"]
+        assert row == {
+            "monitor": "Base",
+            "input": "E",
+            "key": "max_age: none",
+            "accepts": "the last value",
+            "topics": ["/fine"],
+            "claims": ["Base.G"],
+            "seconds": None,
+        }
+
+
+def test_show_of_what_accepts_nothing(tmp_path: Path) -> None:
+    written(tmp_path, ", requires: [s], field: data, max_age: 1.0")
+    shown = run("show", "base.yml", "-c", "base_config.yml", cwd=tmp_path)
+    assert (shown.status, "accepted" in shown.out) == (0, False)
+    answer = json.loads(
+        run("show", "base.yml", "-c", "base_config.yml", "--json", cwd=tmp_path).out
+    )
+    assert answer["accepted"] == []
+    assert "accepted" not in json.loads(run("show", "base.yml", "--json", cwd=tmp_path).out)
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "code"),
+    [
+        (["base_config.yml"], 2, "F008"),  # it does not name its model
+        (["base.yml", "-c", "base.yml"], 2, "K003"),
+        (["base.yml", "-c", "nothere.yml"], 2, "F001"),
+        (["base.yml", "-c", "wrong.yml"], 1, "K020"),
+    ],
+)
+def test_show_of_a_configuration_that_cannot_be(
+    words: list[str], status: int, code: str, tmp_path: Path
+) -> None:
+    good = written(tmp_path, ", requires: [s], field: data, max_age: 1.0")
+    wrong = good.read_text("utf-8").replace("field: data", "field: nope")
+    (tmp_path / "wrong.yml").write_text(wrong, "utf-8")
+    shown = run("show", *words, cwd=tmp_path)
+    assert (shown.status, f"[{code}]" in shown.err) == (status, True), shown.err

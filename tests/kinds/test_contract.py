@@ -1,0 +1,161 @@
+"""What every kind promises: the same tests for each, on its worked example."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.deployments.joining import packages_of
+from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.kinds import Kind, Model, kinds
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.platforms import platforms
+from eddi_scaffold.problems import has_errors
+from eddi_scaffold.replay.parts import compiled
+from eddi_scaffold.source import Source, read_source
+from tests.checkouts import HERE
+from tests.cli.command import run
+
+EXAMPLES = {
+    "bayesian_network": ("pedestrian/pedestrian.xml", "pedestrian/eddi_config.yml"),
+    "consert": ("rover-events/Rover.yml", "rover-events/eddi_config.yml"),
+    "event": ("motor-watch/motor_watch.events", "motor-watch/motor_config.yml"),
+    "reliability": ("drone/drone.xml", "drone/reliability_config.yml"),
+    "safeml": ("safeml/safeml_config.yml", "safeml/perception_config.yml"),
+}
+"""Kind -> its example: the model, and what connects it."""
+each_kind = pytest.mark.parametrize("kind", kinds().values(), ids=list(kinds()))
+
+
+def files_of(kind: Kind[Any]) -> tuple[Path, Path]:
+    model, config = EXAMPLES[kind.name]
+    return HERE / "examples" / model, HERE / "examples" / config
+
+
+def model_of(kind: Kind[Any]) -> Model:
+    models = read_models(read_source(files_of(kind)[0])).models
+    return next(model for model in models if model.kind == kind.name)
+
+
+def monitor_of(kind: Kind[Any]) -> Monitor:
+    model, config = files_of(kind)
+    (monitor,), problems = monitors_of(model, [config])
+    assert not has_errors(problems)
+    return monitor
+
+
+def test_every_kind_has_an_example() -> None:
+    assert sorted(EXAMPLES) == list(kinds())
+
+
+def test_descriptions_are_cheap() -> None:
+    """To list the kinds, nobody waits for numpy, lxml or the runtime."""
+    program = (
+        "import sys; from eddi_scaffold.kinds import kinds; kinds(); "
+        "print(sorted({'numpy', 'lxml', 'yaml', 'eddi_runtime'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n"
+
+
+@each_kind
+def test_it_recognises_its_own_files(kind: Kind[Any]) -> None:
+    for name, text in kind.functions.export(model_of(kind)).items():
+        if Path(name).suffix == ".csv":
+            continue
+        exported = Source(name, text.encode())
+        assert [one.name for one in kinds().values() if one.sniff(exported)] == [kind.name]
+
+
+@each_kind
+def test_it_checks_and_shows_its_example(kind: Kind[Any]) -> None:
+    (model, *_) = (
+        m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
+    )
+    assert not has_errors(kind.functions.check(model))
+    assert kind.functions.outline(model)
+    assert all(isinstance(number, int) for number in kind.functions.counts(model).values())
+
+
+@each_kind
+def test_what_it_exports_it_reads_back(kind: Kind[Any], tmp_path: Path) -> None:
+    (model, *_) = (
+        m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
+    )
+    exported = kind.functions.export(model)
+    for name, text in exported.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    for name in exported:
+        if Path(name).suffix == ".csv":
+            continue
+        (again,) = read_models(read_source(tmp_path / name)).models
+        assert again.kind == kind.name
+        assert kind.functions.counts(again) == kind.functions.counts(model)
+        assert kind.functions.export(again)[name] == (tmp_path / name).read_text("utf-8")
+
+
+@each_kind
+@pytest.mark.parametrize("platform", platforms().values(), ids=list(platforms()))
+def test_every_platform_has_a_package_for_it(kind: Kind[Any], platform: Any) -> None:
+    monitor = monitor_of(kind)
+    (package,), problems = packages_of([monitor], platform, None)
+    assert not has_errors(problems)
+    assert package.folder == monitor.package
+    json.dumps(package.answers)  # answers are plain data
+
+
+@each_kind
+def test_its_package_is_python(kind: Kind[Any], tmp_path: Path) -> None:
+    model, config = files_of(kind)
+    words = ("-m", model, "-c", config)
+    done = run("generate", "--platform", "plain", *words, "-o", "out", cwd=tmp_path)
+    assert done.status == 0, done.err
+    (package,) = (tmp_path / "out").iterdir()
+    compiled_package = [sys.executable, "-m", "compileall", "-q", str(package)]
+    assert subprocess.run(compiled_package, check=False).returncode == 0
+    readme = (package / "README.md").read_text("utf-8")
+    assert kind.title in readme
+
+
+@each_kind
+def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Any]) -> None:
+    running = compiled(monitor_of(kind))
+    unknown = SimpleNamespace(**{spec.attribute: None for spec in running.inputs})
+    for second in range(3):
+        output = running.execute_step(unknown, second * 10**9)
+        claimed = {name for name, value in running.series(output).items() if value is True}
+        assert claimed <= {"omission"}  # SafeML: there is no verdict
+        json.dumps(running.as_json(output))
+    running.reset()
+    assert set(running.blocked()) <= {spec.id for spec in running.inputs}
+
+
+@each_kind
+def test_it_says_what_its_messages_mean(kind: Kind[Any]) -> None:
+    monitor = monitor_of(kind)
+    document = json.loads(monitor.model_json)
+    assert kind.output_message in kind.messages
+    for message in kind.functions.meanings(document["model"], None):
+        assert message in kind.messages
+    inputs = {binding.model.id for binding in monitor.inputs}
+    for rests_on in kind.functions.support(document).values():
+        assert rests_on <= inputs
+    for message in kind.functions.beside(monitor.model).values():
+        assert message in kind.messages
+
+
+@each_kind
+def test_its_picture_is_drawn(kind: Kind[Any]) -> None:
+    if kind.functions.diagram is None:
+        pytest.skip("the kind has no picture")
+    assert drawn(kind.functions.diagram(monitor_of(kind).model)).startswith("<svg")
