@@ -10,7 +10,6 @@ import copy
 import tempfile
 import warnings
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,7 @@ from hypothesis import strategies as st
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
 from tests.cli.command import ROOT, files_below, template
+from tests.fuzz.readers import without_cross_check
 from tests.fuzz.test_names_are_no_code import FEW, check_texts, shapes
 from tests.hostile_texts import HOSTILE
 
@@ -74,7 +74,7 @@ def sound(which: str) -> dict[str, Answers]:
     configs = [model.parent / config] if config else []
     monitors, problems = monitors_of(model, configs)
     # no cross-check: it loads another library for seconds, whenever tests are collected
-    monitors = [replace(one, kind=replace(one.kind, cross_check=None)) for one in monitors]
+    monitors = [without_cross_check(one) for one in monitors]
     platform = platforms()["plain" if which == "plain" else "ros1"]
     with tempfile.TemporaryDirectory() as folder:
         packages = assemble(monitors, platform, Path(folder, "src", "x"), problems).packages

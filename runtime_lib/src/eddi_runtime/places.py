@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Iterable, List
 
+__all__ = ["NoModelFileError", "find_model"]
+
 _MODEL = Path("config", "model.json")
 
 

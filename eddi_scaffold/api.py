@@ -1,0 +1,131 @@
+"""Use eddi-scaffold from a program: what the commands do, without their words and exit statuses.
+
+Every function raises ``EddiError`` where its command would exit with 2; ``EddiError.problems`` has
+codes, places and hints. What this module exports is public and changes only with a major version.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.deployments.checking import check_files
+from eddi_scaffold.kinds import Model, Reading
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import Outcome, bring
+from eddi_scaffold.packages.rendering import own_template
+from eddi_scaffold.packages.workspace import root_below
+from eddi_scaffold.platforms import chosen
+from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.replay.parts import of_values, rhythm
+from eddi_scaffold.replay.playing import play
+from eddi_scaffold.replay.recordings import read_recording, tape_of
+from eddi_scaffold.replay.running import steps
+from eddi_scaffold.source import read_source
+
+__all__ = [
+    "EddiError",
+    "Model",
+    "Outcome",
+    "Place",
+    "Problem",
+    "Reading",
+    "check",
+    "generate",
+    "load",
+    "run",
+]
+
+
+def load(path: Path) -> Reading:
+    """Read every model of a file: EDDI XML, or a model file of a kind.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The models, every problem of the file, and what else is in it.
+
+    Raises:
+        EddiError: the file cannot be opened (F001).
+    """
+    return read_models(read_source(path))
+
+
+def check(files: Sequence[Path], platform: str | None = None) -> list[Problem]:
+    """Check models and configurations, each by itself and as monitors together.
+
+    Args:
+        files: models and configurations, in any order.
+        platform: ``ros1`` or ``plain``; by default models with configurations are checked for
+            ROS 1, others by themselves.
+
+    Returns:
+        Every problem; the files are sound when no ``Problem.level`` is ``error``.
+
+    Raises:
+        EddiError: there is no such platform (G008).
+    """
+    return check_files(files, platform=platform)
+
+
+def generate(
+    folder: Path,
+    model: Path | None = None,
+    configs: Sequence[Path] = (),
+    platform: str = "ros1",
+    *,
+    dry_run: bool = False,
+) -> Outcome:
+    """Generate packages, or bring those that are there up to date; hand-written lines stay.
+
+    Args:
+        folder: the catkin workspace, or the folder of the packages on the platform ``plain``.
+        model: the model file; ``None`` where the configurations name theirs.
+        configs: one ``eddi_config.yml`` for each monitor.
+        platform: ``ros1`` or ``plain``.
+        dry_run: change nothing; ``Outcome.diff()`` shows what would change.
+
+    Returns:
+        What was changed, and what a person should look at.
+
+    Raises:
+        EddiError: an input cannot be used, or a package could not be written; nothing was changed.
+    """
+    if model is None and not configs:
+        raise EddiError(error("G015", "a model or a configuration that names one is needed"))
+    target = chosen(platform)
+    root = root_below(folder, target.root)
+    monitors, problems = monitors_of(model, configs)
+    packages = assemble(monitors, target, root, problems).packages
+    return bring(root, packages, own_template(), dry_run=dry_run)
+
+
+def run(
+    recording: Path, model: Path | None = None, config: Path | None = None
+) -> Iterator[dict[str, Any]]:
+    """Run one monitor on recorded inputs, with the steps of its node; hand-written code is not run.
+
+    Args:
+        recording: CSV with a column ``t`` in seconds and one column for each input.
+        model: the model file; ``None`` where the configuration names it.
+        config: how the model is connected; without one, no ages are checked and each row is a step.
+
+    Yields:
+        Time in seconds and outputs of each step, as ``run --json`` prints them.
+
+    Raises:
+        EddiError: an input cannot be used, or the files hold several models (G005).
+    """
+    monitors, _ = monitors_of(model, [config] if config is not None else [])
+    if len(monitors) != 1:
+        names = ", ".join(monitor.model.name for monitor in monitors)
+        raise EddiError(error("G005", f"there are several models: {names}"))
+    (monitor,) = monitors
+    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
+    recorded, problems = read_recording(read_source(recording), types)
+    if recorded is None:
+        raise EddiError(*problems)
+    yield from steps(play([of_values(monitor, rhythm(monitor))], tape_of(recorded)))

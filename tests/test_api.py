@@ -1,0 +1,91 @@
+"""The public surface: what programs and generated packages may import, and that it works."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import shutil
+from pathlib import Path
+
+import eddi_runtime
+import pytest
+
+from eddi_scaffold import api
+from tests.checkouts import HERE
+
+EXAMPLE = HERE / "examples" / "two-conserts"
+MODEL, CONFIG = EXAMPLE / "two_conserts.xml", EXAMPLE / "consert_a_config.yml"
+NODE = ("Input", "MonitorNode", "Output")
+IMPORT = re.compile(r"^\s*from (eddi_runtime[\w.]*) import ([\w, ]+)", re.MULTILINE)
+
+
+def test_what_is_public() -> None:
+    """A change here is a change of the interface: the CHANGELOG must have it."""
+    assert sorted(api.__all__) == [
+        *("EddiError", "Model", "Outcome", "Place", "Problem", "Reading"),
+        *("check", "generate", "load", "run"),
+    ]
+    assert sorted(eddi_runtime.__all__) == [
+        *("EDDIInputBase", "InputSpec", "InputState", "ModelError", "Monitor", "__version__"),
+        *("by_id", "by_key", "by_name", "joined", "load"),
+    ]
+    assert all(hasattr(api, name) for name in api.__all__)
+    assert all(hasattr(eddi_runtime, name) for name in eddi_runtime.__all__)
+
+
+def test_templates_import_what_is_public() -> None:
+    found = {
+        (module, name.strip())
+        for path in (HERE / "copier_templates").rglob("*.jinja")
+        for module, names in IMPORT.findall(path.read_text("utf-8"))
+        for name in names.split(",")
+    }
+    assert ("eddi_runtime.places", "find_model") in found
+    for module, name in found - {("eddi_runtime.ros1", name) for name in NODE}:
+        assert name in importlib.import_module(module).__all__
+    text = (HERE / "runtime_lib/src/eddi_runtime/ros1/__init__.py").read_text("utf-8")
+    assert all(f'"{name}"' in text for name in NODE)  # only ROS can import it
+
+
+def test_both_packages_are_typed() -> None:
+    for package in (HERE / "eddi_scaffold", HERE / "runtime_lib" / "src" / "eddi_runtime"):
+        assert (package / "py.typed").is_file()
+
+
+def test_load_and_check() -> None:
+    reading = api.load(MODEL)
+    assert [model.name for model in reading.models] == ["ConSertA", "ConSertB"]
+    assert not [problem for problem in api.check([MODEL, CONFIG]) if problem.level == "error"]
+    with pytest.raises(api.EddiError) as refused:
+        api.load(EXAMPLE / "nothing.xml")
+    assert [problem.code for problem in refused.value.problems] == ["F001"]
+
+
+def test_generate_and_run(tmp_path: Path) -> None:
+    outcome = api.generate(tmp_path, MODEL, [CONFIG], "plain", dry_run=True)
+    assert not any(tmp_path.iterdir())
+    outcome = api.generate(tmp_path, MODEL, [CONFIG], "plain")
+    assert (tmp_path / "conserta" / "EDDIInput.py").read_bytes()
+    assert "conserta/EDDIInput.py" in outcome.changes
+    again = api.generate(tmp_path, MODEL, [CONFIG], "plain")
+    assert (dict(again.changes), again.attention) == ({}, False)
+    rows = list(api.run(EXAMPLE / "recording.csv", MODEL, CONFIG))
+    assert rows[0]["t"] == 0.0
+    assert {"t", "outputs"} <= set(rows[0])
+
+
+def test_run_needs_one_model(tmp_path: Path) -> None:
+    shutil.copy(EXAMPLE / "recording.csv", tmp_path)
+    with pytest.raises(api.EddiError) as refused:
+        list(api.run(tmp_path / "recording.csv", MODEL))
+    assert [problem.code for problem in refused.value.problems] == ["G005"]
+
+
+def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (HERE / "docs" / "api.md").read_text("utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    shutil.copytree(EXAMPLE, tmp_path / "demo")
+    (tmp_path / "demo" / "monitors").mkdir()
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "docs/api.md", "exec"), {})
+    assert (tmp_path / "demo" / "monitors" / "conserta" / "README.md").is_file()
