@@ -66,7 +66,7 @@ def check(files: Sequence[Path], platform: str | None = None) -> list[Problem]:
         Every problem; the files are sound when no ``Problem.level`` is ``error``.
 
     Raises:
-        EddiError: there is no such platform (G017).
+        EddiError: there is no such platform (G008).
     """
     return check_files(files, platform=platform)
 

@@ -71,6 +71,18 @@ class EddiError(Exception):
         self.problems = problems
 
 
+class HintedError(ValueError):
+    """A value is wrong; who knows the code and the place makes a problem of it.
+
+    Attributes:
+        hint: what to do, or ``None``; ``str`` gives the message without it.
+    """
+
+    def __init__(self, message: str, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
 def error(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
     """Return an error."""
     return Problem("error", code, message, place, hint)

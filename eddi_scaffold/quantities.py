@@ -6,6 +6,7 @@ import math
 import re
 from typing import NamedTuple
 
+from eddi_scaffold.problems import HintedError
 from eddi_scaffold.units import factor
 
 _NUMBER = re.compile(
@@ -20,16 +21,8 @@ RATE_UNITS = ("1/h", "1/s", "1/min", "1/day", "1/week", "1/month", "1/year", "FI
 DURATION_UNITS = ("ns", "us", "ms", "s", "min", "h", "day", "week", "month", "year")
 
 
-class QuantityError(ValueError):
-    """A text is no quantity; the message says why.
-
-    Attributes:
-        hint: what to write.
-    """
-
-    def __init__(self, message: str, hint: str | None = None) -> None:
-        super().__init__(message)
-        self.hint = hint
+class QuantityError(HintedError):
+    """A text is no quantity; the message says why, the hint what to write."""
 
 
 class UnitError(QuantityError):

@@ -16,6 +16,7 @@ from eddi_scaffold.cli import (
     diagram,
     event,
     example,
+    explain,
     export,
     generate,
     parse_rossystem,
@@ -74,6 +75,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "export": export.export,
     "answers": answers.answers,
     "event": event.event,
+    "explain": explain.explain,
 }
 for _name, _command in _COMMANDS.items():
     app.command(_name)(with_global_options(_command))

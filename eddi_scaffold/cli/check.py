@@ -36,7 +36,7 @@ def check(
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """
     from eddi_scaffold.cli.console import console, count_line
-    from eddi_scaffold.deployments.checking import BY_HAND, check_files
+    from eddi_scaffold.deployments.checking import BY_HAND, ByHand, check_files
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
     from eddi_scaffold.robot.robot_models import check_robots
@@ -51,10 +51,9 @@ def check(
     else:
         console.problems(problems, summary=False)
         shown = [problem for problem in problems if console.shows(problem)]
-        by_hand = [one.message for one in problems if one.message.startswith(BY_HAND)]
+        by_hand = [one.of for one in problems if isinstance(one, ByHand)]
         if by_hand and not console.verbose:
-            inputs = ", ".join(message.removeprefix(BY_HAND) for message in by_hand)
-            console.say(f"{BY_HAND}{inputs}")
+            console.say(f"{BY_HAND}{', '.join(by_hand)}")
         names = ", ".join(str(file) for file in files)
         more = f" (-v shows {count_line(problems)})" if problems and not shown else ""
         console.say(f"{count_line(shown) or 'no problems'} in {names}{more}")

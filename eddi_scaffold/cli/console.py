@@ -70,7 +70,7 @@ class Console:
         """Print problems in order, with source lines, carets, hints and a closing count."""
         shown = [p for p in in_order(problems) if self.shows(p)]
         for problem in with_source_lines(shown):
-            _write(sys.stderr, self._problem(problem))
+            _write(sys.stderr, self.text(problem))
         if shown and summary:
             self.say(count_line(shown))
 
@@ -80,7 +80,8 @@ class Console:
             return True
         return not self.quiet and (problem.level == "warning" or self.verbose)
 
-    def _problem(self, problem: Problem) -> str:
+    def text(self, problem: Problem) -> str:
+        """Return the lines of one problem."""
         place = problem.place
         where = ":".join(str(part) for part in (place.file, place.line, place.col) if part)
         level = self._painted(problem.level, f"{problem.level}:")

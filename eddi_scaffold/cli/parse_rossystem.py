@@ -145,6 +145,8 @@ def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str
 
 def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
+    from eddi_scaffold.config.block import KEPT_ENTRY
+
     failed = any(problem.level == "error" for problem in parsed.problems)
     if failed and not parsed.outputs.topics:
         changed = "written" if parsed.before is None else "changed"
@@ -159,6 +161,6 @@ def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
         done = f"{config}: SimulatorOutputs is rewritten"
     if failed:
         done += " with what resolved"
-    kept = sum(1 for problem in parsed.problems if problem.code == "kept-entry")
+    kept = sum(1 for problem in parsed.problems if problem.code == KEPT_ENTRY)
     stays = "1 entry of before stays" if kept == 1 else f"{kept} entries of before stay"
     return f"{done}; {stays}" if kept else done

@@ -16,6 +16,7 @@ from eddi_scaffold.positioned_yaml.spans import Span, comments, spans
 from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error, warning
 from eddi_scaffold.source import Source
 
+KEPT_ENTRY = "M026"
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
@@ -176,17 +177,17 @@ def _notes(
         place = Place(document.name, one.line, 1)
         what = f"{one.id!r} ({one.topic}) {absent.why}"
         if one not in kept:
-            problems.append(warning("dropped-entry", f"{what}; it is dropped", place))
+            problems.append(warning("M027", f"{what}; it is dropped", place))
         elif absent.stays:
-            problems.append(warning("kept-entry", f"{what}; it stays as it is", place))
+            problems.append(warning(KEPT_ENTRY, f"{what}; it stays as it is", place))
         else:
             message = f"{what}; it stays, because an input needs it"
-            problems.append(warning("kept-entry", message, place))
+            problems.append(warning(KEPT_ENTRY, message, place))
     if document.comments:
         lines = ", ".join(str(line) for line in document.comments)
         message = f"comments inside of SimulatorOutputs are not kept (line {lines})"
         place = Place(document.name, document.comments[0], 1)
-        problems.append(warning("lost-comment", message, place))
+        problems.append(warning("M028", message, place))
     return problems
 
 
@@ -197,7 +198,7 @@ def _unmet(document: Document, ids: Sequence[str]) -> Iterable[Problem]:
         if name not in known:
             message = f"an input requires {name!r}, which is no simulator output"
             place = Place(document.name, line, 1)
-            yield warning("unmet-requires", message, place, near.hint(name))
+            yield warning("M025", message, place, near.hint(name))
 
 
 def _lines(entry: Entry, old: OldEntry | None) -> list[str]:

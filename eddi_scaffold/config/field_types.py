@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from eddi_scaffold.config.fields import Attribute, Beside, ByKey, FieldPath, Index, Step
+from eddi_scaffold.config.fields import (
+    Attribute,
+    Beside,
+    ByKey,
+    FieldPath,
+    FieldPathError,
+    Index,
+    Step,
+)
 from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
 from eddi_scaffold.config.message_types.documented import Documented, documented
 from eddi_scaffold.problems import did_you_mean
@@ -43,7 +51,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
         fields_of: message type -> its fields, ``None`` when they are not known.
 
     Raises:
-        ValueError: the path leads nowhere; the message says where it ends and lists the fields.
+        FieldPathError: the path leads nowhere; it says where it ends and lists the fields.
     """
     taken: list[Step] = []
     of, parent = message, message
@@ -57,7 +65,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
             continue
         inner = element(of)
         if inner is None:
-            raise ValueError(f"{of} is no list")
+            raise FieldPathError(f"{of} is no list")
         if isinstance(step, ByKey):
             found = _keyed(step, inner, parent, taken[-1], fields_of)
             # The list of numbers and the name in it are one step.
@@ -84,13 +92,13 @@ def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documen
 def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:
     """Return the fields of a message that has this one, ``None`` when they are not known."""
     if element(of) is not None:
-        message = f"{of} is a list; one element of it is [0]"
-        raise ValueError(f"{message}, or [key] where the elements have names")
+        hint = "one element of it is [0], or [key] where the elements have names"
+        raise FieldPathError(f"{of} is a list", hint)
     if is_primitive(of):
-        raise ValueError(f"a {of} has no field {name!r}: the path ends before")
+        raise FieldPathError(f"a {of} has no field {name!r}: the path ends before")
     known = fields_of(of)
     if known is not None and name not in known:
-        raise ValueError(f"{of} has no field {name!r}; {_listed(name, known)}")
+        raise FieldPathError(f"{of} has no field {name!r}", _listed(name, known))
     return known
 
 
@@ -108,7 +116,8 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         if _type_of(key, inner, fields_of) == "string":
             return replace(step, field=key)
     message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
-    raise ValueError(f'{message}; say the field, [field="{step.wanted}"], of: {", ".join(known)}')
+    hint = f'say the field, [field="{step.wanted}"], of: {", ".join(known)}'
+    raise FieldPathError(message, hint)
 
 
 def _with_key_of(step: ByKey, inner: str, fields_of: FieldsOf) -> ByKey:
@@ -117,13 +126,17 @@ def _with_key_of(step: ByKey, inner: str, fields_of: FieldsOf) -> ByKey:
     of = _type_of(step.field, inner, fields_of)
     if of is None:
         known = fields_of(inner) or {}
-        raise ValueError(f"{inner} has no field {step.field!r}; {_listed(step.field, known)}")
+        raise FieldPathError(f"{inner} has no field {step.field!r}", _listed(step.field, known))
     if of == "string":
         return replace(step, wanted=str(step.wanted))
     if not of.startswith(_INTEGERS) or of.endswith("]"):
-        raise ValueError(f"{step.field!r} of {inner} is a {of}: a key is a text or a whole number")
+        raise FieldPathError(
+            f"{step.field!r} of {inner} is a {of}: a key is a text or a whole number"
+        )
     if type(step.wanted) is str:
-        raise ValueError(f"{step.field!r} of {inner} is a {of}, {step.wanted!r} is no whole number")
+        raise FieldPathError(
+            f"{step.field!r} of {inner} is a {of}, {step.wanted!r} is no whole number"
+        )
     return step
 
 
@@ -133,7 +146,7 @@ def _beside(step: ByKey, parent: str, before: Attribute, fields_of: FieldsOf) ->
     if step.field is None and len(names) == 1 and names[0] != before.name:
         return Beside(str(step.wanted), before.name, names[0])
     message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) beside {before.name!r}"
-    raise ValueError(f"{message}; one element is [0]; its fields: {', '.join(known)}")
+    raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
 
 
 def _type_of(path: str, message: str, fields_of: FieldsOf) -> str | None:

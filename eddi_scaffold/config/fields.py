@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.identifiers import is_identifier, key_text
+from eddi_scaffold.problems import HintedError
 
 _STEP = re.compile(
     r"""\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)
@@ -73,6 +74,10 @@ class Every:
     part: tuple[int, int] | None = None
 
 
+class FieldPathError(HintedError):
+    """A text is no field path, or the path leads nowhere in its message."""
+
+
 Step = Attribute | Index | ByKey | Beside | Every
 FieldPath = tuple[Step, ...]
 PlainStep = str | int | list[str | int]
@@ -87,7 +92,7 @@ def parse_field(text: str, *, lists: bool = False) -> FieldPath:
         lists: ``[*]`` and ``[2..5]`` may stand in it.
 
     Raises:
-        ValueError: the text is no field path; the message says where and what is expected.
+        FieldPathError: the text is no field path; the message says where and what is expected.
     """
     steps: list[Step] = []
     position = 0
@@ -96,22 +101,22 @@ def parse_field(text: str, *, lists: bool = False) -> FieldPath:
         dotted = text[position] == "."
         if match is None or (match["name"] is not None and dotted != bool(steps)):
             expected = "a field name, `.name`, `[index]` or `[key]`"
-            raise ValueError(f"column {position + 1} of {text!r}: {expected} is expected")
+            raise FieldPathError(f"column {position + 1} of {text!r}: {expected} is expected")
         name = match["name"]
         if name is None:
             if not steps:
-                raise ValueError(f"{text!r}: a path begins with a field name")
+                raise FieldPathError(f"{text!r}: a path begins with a field name")
             steps.append(_element(match))
             if isinstance(steps[-1], Every) and not lists:
                 hint = "reduce it in `expression:`, for example MIN(scan.ranges[*])"
-                raise ValueError(f"{text!r} is a list, `field:` takes one value; {hint}")
+                raise FieldPathError(f"{text!r} is a list, `field:` takes one value", hint)
         elif not is_identifier(name):
-            raise ValueError(f"{text!r}: {name!r} cannot be the name of a field")
+            raise FieldPathError(f"{text!r}: {name!r} cannot be the name of a field")
         else:
             steps.append(Attribute(name))
         position = match.end()
     if not steps:
-        raise ValueError("the path is empty")
+        raise FieldPathError("the path is empty")
     return tuple(steps)
 
 

@@ -20,6 +20,7 @@ from pydantic import (
 
 from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds import InputType
+from eddi_scaffold.problems import HintedError
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
 INPUT_TYPES: dict[str, InputType] = {
@@ -70,9 +71,9 @@ def _frequency(value: object) -> object:
         raise ValueError("a number of steps per second is expected")  # noqa: TRY004 - pydantic collects ValueErrors
     low, high = _FREQUENCIES
     if not low <= value <= high:  # never true of not-a-number
-        raise ValueError(
-            f"{low:f} to {high:.0f} steps per second are expected; "
-            "10 is usual, and `mode: on_change` steps at once when a message comes"
+        raise HintedError(
+            f"{low:f} to {high:.0f} steps per second are expected",
+            "10 is usual, and `mode: on_change` steps at once when a message comes",
         )
     return float(value)
 

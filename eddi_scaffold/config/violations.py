@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from eddi_scaffold.config.file import KEY
 from eddi_scaffold.config.schema import known_keys
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.problems import HintedError, Place, Problem, did_you_mean, error
 
 _TEXTS = {
     "bool_type": "true or false is expected",
@@ -45,12 +45,14 @@ def violations(
                 hint = "put the expression in quotes: inside { } a comma ends it"
             yield error("K004", f"unknown key {key!r}", places.get((*path, KEY), place), hint)
         else:
-            own = _TEXTS.get(found["type"]) or found["msg"].removeprefix("Value error, ")
+            raised = found.get("ctx", {}).get("error")  # by our own checks
+            own, hint = _TEXTS.get(found["type"]) or str(raised or found["msg"]), None
             if len(found["loc"]) > len(path):  # one of several types that would do
                 own = "true, false, a number or a text is expected"
-            text, _, hint = own.replace("Input should be", "must be").partition("; ")
-            message = f"{_named_path(path) or 'the file'}: {text}"
-            yield error("K005", message, place, hint or None)
+            elif isinstance(raised, HintedError):
+                hint = raised.hint
+            own = own.replace("Input should be", "must be")  # of pydantic, for a literal
+            yield error("K005", f"{_named_path(path) or 'the file'}: {own}", place, hint)
 
 
 def _named_path(path: Sequence[str | int]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -21,14 +21,24 @@ from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.monitors.choosing import without_model
 from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
 from eddi_scaffold.platforms import Platform, chosen
-from eddi_scaffold.problems import EddiError, Problem, has_errors, info
+from eddi_scaffold.problems import EddiError, Problem, has_errors
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
 
 BY_HAND = "to be written by hand: "
-"""How the message about an input begins that hand-written code must give (K050)."""
 _OF_CONFIGS = "ros1"
 """The platform that a configuration is for, unless another one is named."""
+
+
+@dataclass(frozen=True)
+class ByHand(Problem):
+    """An input that only hand-written code can make of its messages (K050).
+
+    Attributes:
+        of: the input and its monitor, for people.
+    """
+
+    of: str = ""
 
 
 def check_files(
@@ -148,7 +158,7 @@ def _by_hand(monitors: Iterable[Monitor]) -> Iterable[Problem]:
         index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
         for binding in monitor.inputs:
             if binding.requires and not binding.is_given:
-                message = f"{BY_HAND}{binding.model.id} (input of {monitor.model.name})"
+                of = f"{binding.model.id} (input of {monitor.model.name})"
                 place = monitor.config.place("EDDIInputs", index[binding.model.id])
                 hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
-                yield info("K050", message, place, hint)
+                yield ByHand("info", "K050", f"{BY_HAND}{of}", place, hint, of=of)

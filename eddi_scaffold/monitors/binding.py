@@ -413,8 +413,8 @@ class _Binder:
         """Return the expression that takes a field from a message."""
         try:
             path = fields.parse_field(field)
-        except ValueError as problem:
-            self._error("K019", str(problem), "field")
+        except fields.FieldPathError as problem:
+            self._error("K019", str(problem), "field", problem.hint)
             return None
         return fields.expression(argument, self._checked(path, message))
 
@@ -422,9 +422,8 @@ class _Binder:
         """Check a path with what is known of the message, also by the ROS of this machine."""
         try:
             found = resolve(path, message, self._fields_of)
-        except ValueError as problem:
-            text, _, hint = str(problem).partition("; ")
-            self._error("K020", text, "field", hint or None)
+        except fields.FieldPathError as problem:
+            self._error("K020", str(problem), "field", problem.hint)
             return path
         self._check_end(found.type, message)
         said = documented_at(found.path, message, self._fields_of)

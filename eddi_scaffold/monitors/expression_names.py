@@ -12,6 +12,7 @@ from eddi_scaffold.config.fields import (
     ByKey,
     Every,
     FieldPath,
+    FieldPathError,
     PlainStep,
     parse_field,
     plain_step,
@@ -126,9 +127,8 @@ class Names:
         try:
             path = path_behind(name)
             found = self._resolved[name] = resolve(path, source.type, self._fields_of)
-        except ValueError as problem:
-            text, _, hint = str(problem).partition("; ")
-            self.problems.append(error("K020", text, locate(at), hint or None))
+        except FieldPathError as problem:
+            self.problems.append(error("K020", str(problem), locate(at), problem.hint))
             return None
         return found
 
@@ -161,7 +161,7 @@ def path_behind(name: str) -> FieldPath:
     """Return the path behind the first word of a name.
 
     Raises:
-        ValueError: it is no path.
+        FieldPathError: it is no path.
     """
     rest = name[len(head_of(name)) :].removeprefix(".")
     return parse_field(rest, lists=True) if rest else ()

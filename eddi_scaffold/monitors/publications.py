@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from eddi_scaffold.config.field_types import Resolved, resolve
-from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, parse_field
+from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, FieldPathError, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import FieldsOf, known_messages
 from eddi_scaffold.config.schema import Output
@@ -62,8 +62,8 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
             path = parse_field(output.field)
             of = _holder(path, messages, known)
             end = _value_at(path, messages[of], known)
-        except ValueError as problem:
-            problems.append(error("K034", str(problem), places("field")))
+        except FieldPathError as problem:
+            problems.append(error("K034", str(problem), places("field"), problem.hint))
             continue
         found.append(
             Publication(output, _std_msgs(end), places("topic"), messages[of], end.path, of)
@@ -108,11 +108,11 @@ def _value_at(path: FieldPath, message: str, known: FieldsOf) -> Resolved:
     """Return a path with its keys; a single value is at its end.
 
     Raises:
-        ValueError: the message has no such field, or the path ends too early or too late.
+        FieldPathError: the message has no such field, or the path ends too early or too late.
     """
     found = resolve(path, message, known.get)
     if found.type not in _OF_STD_MSGS:
-        raise ValueError(f"the path ends at {found.type}, not at a single value")
+        raise FieldPathError(f"the path ends at {found.type}, not at a single value")
     return found
 
 

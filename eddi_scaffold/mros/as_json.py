@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.mros.errors import MrosSyntaxError
+from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 from eddi_scaffold.mros.model import Artifact, Component, Field, Model, Notice, Package, System
 
 Json = Any
@@ -40,9 +40,9 @@ def model_json(model: Model) -> dict[str, Json]:
 def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
     """Return why a file cannot be read, without the problem itself."""
     dialect = {"dialect": failed.dialect} if failed.dialect else {}
-    if failed.code == "foreign-format":
+    if failed.code == FOREIGN_FORMAT:
         return {"result": "refuse", **dialect, "why": failed.format}
-    if failed.code == "empty-file":
+    if failed.code == EMPTY_FILE:
         return {"result": "refuse", **dialect, "why": "empty"}
     found = {"result": "error", **dialect, "line": failed.line, "col": failed.col}
     return {**found, "msg": failed.message}

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.mros.model import Interface, Kind, Model, Node, Notice, System
+from eddi_scaffold.mros.model import MISSPELT_KEY, Interface, Kind, Model, Node, Notice, System
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 WORDS: dict[Kind, str] = {
@@ -198,5 +198,5 @@ class Definitions:
 def noticed(notices: tuple[Notice, ...], file: str) -> Iterator[Problem]:
     """Return the notices of a readable file as problems."""
     for notice in notices:
-        level = error if notice.code == "misspelt-key" else warning
+        level = error if notice.code == MISSPELT_KEY else warning
         yield level(notice.code, notice.message, Place(file, notice.line, notice.col))

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.mros.definitions import ModelFile, Models, SystemFile, noticed
-from eddi_scaffold.mros.errors import MrosSyntaxError
+from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
@@ -42,7 +42,7 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[SystemFile, lis
             "files"
         )
         hint = "open it with Eclipse tools of 2019 and save it, so that it holds its components"
-        raise EddiError(error("foreign-format", message, Place(name, 1, 1), hint))
+        raise EddiError(error(FOREIGN_FORMAT, message, Place(name, 1, 1), hint))
     return SystemFile(name, system), list(noticed(system.notices, name))
 
 
@@ -91,7 +91,7 @@ def named(path: Path, folder: Path | None) -> str:
 def problem_of(failed: MrosSyntaxError) -> Problem:
     """Return an error of the readers as a problem; nothing but comments is a warning."""
     place = Place(failed.file, failed.line, failed.col)
-    if failed.code == "empty-file":
+    if failed.code == EMPTY_FILE:
         return warning(failed.code, failed.message, place)
     return Problem("error", failed.code, failed.message, place, excerpt=failed.source_line)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Final, Literal
 
-Code = Literal["syntax", "foreign-format", "empty-file"]
+Code = Literal["M001", "M002", "M003"]
+SYNTAX: Final = "M001"
+EMPTY_FILE: Final = "M002"
+FOREIGN_FORMAT: Final = "M003"
 
 
 class MrosSyntaxError(ValueError):
@@ -16,7 +19,7 @@ class MrosSyntaxError(ValueError):
         col: character in the line, counted from 1.
         message: what is wrong, and what was expected.
         source_line: text of the line.
-        code: ``syntax``, ``foreign-format`` (another language of the family) or ``empty-file``.
+        code: ``SYNTAX``, ``FOREIGN_FORMAT`` (another language of the family) or ``EMPTY_FILE``.
         format: of a foreign format, ``xmi`` or ``rossdl``; else ``""``.
         dialect: ``brace`` or ``indent`` where that was known already.
     """
@@ -28,7 +31,7 @@ class MrosSyntaxError(ValueError):
         col: int,
         message: str,
         source_line: str = "",
-        code: Code = "syntax",
+        code: Code = SYNTAX,
         format: str = "",  # noqa: A002 - the word of the field
     ) -> None:
         super().__init__(f"{file}:{line}:{col}: {message}")

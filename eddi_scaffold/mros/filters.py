@@ -76,7 +76,7 @@ def unmatched(
         for glob in globs:
             if not matches(names, glob):
                 message = f"no {what} matches {option} {glob!r}"
-                yield error("unmatched-filter", message, hint=_there_are(glob, names))
+                yield error("M022", message, hint=_there_are(glob, names))
 
 
 def _there_are(glob: str, names: Collection[str]) -> str | None:

@@ -61,11 +61,11 @@ def give_ids(
         before = by_id.get(name)
         if before is not None and before.topic != topic and before.topic not in current:
             message = f"the id {name!r} was that of {before.topic} and is now that of {topic}"
-            problems.append(warning("moved-id", message, before.place))
+            problems.append(warning("M020", message, before.place))
     changed = [entry for entry in old if entry.topic in found and found[entry.topic] != entry.id]
     for entry in changed:
         message = f"the id {entry.id!r} of {entry.topic} becomes {found[entry.topic]!r}"
-        problems.append(warning("changed-id", message, entry.place))
+        problems.append(warning("M021", message, entry.place))
     return [kept.get(one.topic) or found[one.topic] for one in wishes], problems
 
 

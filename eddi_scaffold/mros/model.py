@@ -7,7 +7,7 @@ written (``pkg.Type``, ``pkg/msg/Type``).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 Dialect = Literal["brace", "indent"]
 Kind = Literal[
@@ -15,13 +15,16 @@ Kind = Literal[
 ]
 
 
+MISSPELT_KEY: Final = "M006"
+
+
 @dataclass(frozen=True, slots=True)
 class Notice:
     """Something in a readable file that a person should know.
 
     Attributes:
-        code: ``surplus-brace`` or ``unknown-key`` (warnings), ``misspelt-key`` (an error: what
-            stands below the key is not read).
+        code: ``M004`` (a surplus brace), ``M005`` (an unknown key), or
+            ``MISSPELT_KEY`` (an error: what stands below the key is not read).
     """
 
     code: str

@@ -55,16 +55,16 @@ class Naming:
         found = topic_name(given, one.namespace, one.component.name)
         if found.is_empty:
             message = f"nothing is left of the name {given!r}: it is left out"
-            return None, [warning("empty-topic", message, one.place)]
+            return None, [warning("M015", message, one.place)]
         problems = []
         if found.glued:
             message = (
                 f"{given!r} begins with its namespace without a '/' between: read as {found.text}"
             )
-            problems.append(warning("glued-namespace", message, one.place))
+            problems.append(warning("M016", message, one.place))
         if found.illegal:
             message = f"{found.text} is not a legal ROS name (it holds {found.illegal})"
-            problems.append(warning("illegal-name", message, one.place))
+            problems.append(warning("M017", message, one.place))
         return found.text, problems
 
     def _connect(self, systems: Sequence[SystemFile], resolved: Sequence[Resolved]) -> None:
@@ -99,7 +99,7 @@ class Naming:
                 if known[label] > 1:
                     message = f"the label {label!r} stands {known[label]} times: the first counts"
                     place = Place(file, connection.line, connection.col)
-                    self.problems.append(warning("duplicate-label", message, place))
+                    self.problems.append(warning("M018", message, place))
 
 
 def _labels(systems: Sequence[SystemFile], kinds: tuple[Kind, ...]) -> Counter[str]:

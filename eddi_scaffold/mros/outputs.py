@@ -11,8 +11,8 @@ from eddi_scaffold.mros.filters import Criterion, Filters
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids
 from eddi_scaffold.mros.model import Kind
 from eddi_scaffold.mros.naming import Naming
-from eddi_scaffold.mros.resolving import Resolved, resolve
-from eddi_scaffold.mros.subsystems import flattened
+from eddi_scaffold.mros.resolving import NO_NODE_MODEL, Resolved, resolve
+from eddi_scaffold.mros.subsystems import SUBSYSTEM_MISSING, flattened
 from eddi_scaffold.mros.topics import Topic, TopicKind
 from eddi_scaffold.problems import Problem, error, in_order, warning
 
@@ -156,7 +156,7 @@ class _Collected:
         """Add the topics of an action server of ROS 1 (actionlib)."""
         if one.definition.of.file.endswith(".ros2"):
             message = f"the topics of the ROS 2 action {one.name!r} cannot be listened to by ROS 1"
-            self.problems.append(warning("ros2-action", message, one.place))
+            self.problems.append(warning("M019", message, one.place))
             return
         topic = self.naming.topic(one)
         if topic is None:
@@ -186,14 +186,14 @@ class _Collected:
                 f"({provider}); the first counts"
             )
             level = warning if kind == "subscribed" else error
-            self.problems.append(level("type-conflict", message, one.place))
+            self.problems.append(level("M014", message, one.place))
         if known.kind == kind and provider not in known.components:
             known.components.append(provider)
 
 
 def _loses_topics(problem: Problem) -> bool:
     """Tell whether a system may have topics that are not found because of a problem."""
-    return problem.level == "error" or problem.code in ("no-node-model", "subsystem-missing")
+    return problem.level == "error" or problem.code in (NO_NODE_MODEL, SUBSYSTEM_MISSING)
 
 
 def _with_ids(

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from eddi_scaffold.mros.brace import models as brace_models
 from eddi_scaffold.mros.brace import system as brace_system
-from eddi_scaffold.mros.errors import MrosSyntaxError
+from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 from eddi_scaffold.mros.indent import models as indent_models
 from eddi_scaffold.mros.indent import system as indent_system
 from eddi_scaffold.mros.model import Dialect, Model, System
@@ -30,8 +30,8 @@ def read_rossystem(source: str | bytes, file: str = "<text>") -> System:
         file: its name, for messages only.
 
     Raises:
-        MrosSyntaxError: it cannot be read (``syntax``), holds nothing (``empty-file``), or is in
-            a format of the family that is not read (``foreign-format``: XMI, rossdl).
+        MrosSyntaxError: it cannot be read (``SYNTAX``), holds nothing (``EMPTY_FILE``), or is in
+            a format of the family that is not read (``FOREIGN_FORMAT``: XMI, rossdl).
     """
     text = _text(source, file)
     dialect = _dialect(text)
@@ -68,9 +68,9 @@ def _dialect(text: Text) -> Dialect:
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
     if start == len(text.text):
-        raise text.error(0, "the file holds nothing but blanks and comments", "empty-file")
+        raise text.error(0, "the file holds nothing but blanks and comments", EMPTY_FILE)
     if text.text.startswith("<", start):
-        raise text.error(0, _XMI, "foreign-format", "xmi")
+        raise text.error(0, _XMI, FOREIGN_FORMAT, "xmi")
     return "brace" if _BRACE.match(text.text, start) else "indent"
 
 

@@ -10,6 +10,8 @@ from eddi_scaffold.mros.model import Component, Dialect, Kind, SystemInterface
 from eddi_scaffold.mros.types import type_of
 from eddi_scaffold.problems import Place, Problem, error, warning
 
+NO_NODE_MODEL = "M007"
+
 
 @dataclass(frozen=True)
 class Resolved:
@@ -110,7 +112,7 @@ class _Join:
                 f"the node {self.component.from_node!r} has several models with different "
                 f"interfaces ({files}): the first one counts"
             )
-            self.problems.append(warning("ambiguous-model", message, self.here))
+            self.problems.append(warning("M008", message, self.here))
         for interface in model.node.interfaces:
             if (interface.kind, interface.name) not in renamed and interface.kind in self.kinds:
                 self._take(None, None, [Definition(model, interface)], self.here)
@@ -130,10 +132,10 @@ class _Join:
         hint = self.definitions.hint_for_node(named or "")
         if self.component.interfaces:
             message += ": only the interfaces that are listed count"
-            self.problems.append(warning("no-node-model", message, self.here, hint))
+            self.problems.append(warning(NO_NODE_MODEL, message, self.here, hint))
         else:
             message += ", and it lists no interfaces"
-            self.problems.append(error("no-node-model", message, self.here, hint))
+            self.problems.append(error(NO_NODE_MODEL, message, self.here, hint))
         return ()
 
     def listed(self, models: Sequence[NodeModel]) -> set[tuple[Kind, str]]:
@@ -160,7 +162,7 @@ class _Join:
         if reference is None:
             message = f"the reference {interface.ref!r} is too short"
             hint = "expected package.artifact.node.interface, or artifact::interface"
-            self.problems.append(error("short-reference", message, place, hint))
+            self.problems.append(error("M009", message, place, hint))
             return
         found = self.definitions.find(reference, interface.kind)
         own = {(model.package, model.node.name) for model in models}
@@ -168,12 +170,12 @@ class _Join:
         found = nearer or found
         if not found:
             message, other = self.definitions.reason(reference, interface.kind)
-            self.problems.append(error("unresolved-reference", message, place, other))
+            self.problems.append(error("M010", message, place, other))
             return
         if self._are_different(found):
             types = ", ".join(dict.fromkeys(one.interface.type for one in found))
             several = f"{interface.ref!r} is defined with several types ({types}): the first counts"
-            self.problems.append(warning("ambiguous-type", several, place))
+            self.problems.append(warning("M012", several, place))
         self._take(interface.name, interface.ns, found, place)
 
     @staticmethod
@@ -183,7 +185,7 @@ class _Join:
 
     def _unresolved_name(self, name: str, place: Place) -> None:
         message = f"{name!r} holds a '?': its extractor did not know the name; it is left out"
-        self.problems.append(warning("unresolved-name", message, place))
+        self.problems.append(warning("M011", message, place))
 
     def _take(
         self, label: str | None, ns: str | None, found: Sequence[Definition], place: Place
@@ -198,7 +200,7 @@ class _Join:
             message = f"{interface.type!r} of {interface.name!r} is no type"
             there = Place(first.of.file, interface.type_line, interface.type_col)
             hint = "expected package/Type, such as std_msgs/Bool"
-            self.problems.append(error("bad-type", message, there, hint))
+            self.problems.append(error("M013", message, there, hint))
             return
         self.found.append(
             Resolved(

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from eddi_scaffold.mros.definitions import SystemFile, noticed
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
+SUBSYSTEM_MISSING = "M024"
+
 
 @dataclass
 class Flat:
@@ -37,11 +39,11 @@ def _add(system: SystemFile, known: dict[str, SystemFile], path: tuple[str, ...]
         if part.name in path:
             circle = " -> ".join((*path[path.index(part.name) :], part.name))
             message = f"the system {part.name!r} is part of itself: {circle}"
-            to.problems.append(error("subsystem-cycle", message, place))
+            to.problems.append(error("M023", message, place))
         elif part.name not in known:
             message = f"there is no system {part.name!r} in the directory of models"
             hint = did_you_mean(part.name, known)
-            to.problems.append(warning("subsystem-missing", message, place, hint))
+            to.problems.append(warning(SUBSYSTEM_MISSING, message, place, hint))
         elif known[part.name] not in to.systems:
             found = known[part.name]
             to.problems += noticed(found.system.notices, found.file)

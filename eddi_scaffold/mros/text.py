@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Iterable
 from functools import cached_property
 
-from eddi_scaffold.mros.errors import Code, MrosSyntaxError
+from eddi_scaffold.mros.errors import SYNTAX, Code, MrosSyntaxError
 
 
 class Text:
@@ -46,7 +46,7 @@ class Text:
         self,
         offset: int,
         message: str,
-        code: Code = "syntax",
+        code: Code = SYNTAX,
         format: str = "",  # noqa: A002 - the word of the field
     ) -> MrosSyntaxError:
         """Return the error at a character."""

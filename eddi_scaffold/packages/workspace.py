@@ -27,13 +27,13 @@ def root_below(place: Path, name: str) -> Path:
         name: the folder in it.
 
     Raises:
-        EddiError: a link in it leads out of it (F004).
+        EddiError: a link in it leads out of it (F011).
     """
     root = place / name
     if not stays(place, root):
         message = f"it leads out of the workspace {place}"
         hint = "make it a folder, or name the workspace that it leads to"
-        raise EddiError(error("F004", message, Place(str(root)), hint))
+        raise EddiError(error("F011", message, Place(str(root)), hint))
     return root
 
 

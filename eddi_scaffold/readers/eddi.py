@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import BinaryIO
 
-from eddi_scaffold.problems import Place, Problem, error, warning
+from eddi_scaffold.problems import Problem, warning
 from eddi_scaffold.readers.classes import unknown_classes
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.spelling import (
@@ -19,9 +19,7 @@ from eddi_scaffold.readers.spelling import (
 )
 from eddi_scaffold.readers.xmi import (
     DEFAULT_LIMITS,
-    Element,
     Limits,
-    feature_of,
     load,
 )
 from eddi_scaffold.readers.xml_text import HEAD_BYTES, looks_like_xml
@@ -54,18 +52,6 @@ def read_stream(
         return None, problems
     document = EddiDocument(tree, name, limits)
     return document, [*problems, *_root_misprints(document), *unknown_classes(document)]
-
-
-def nothing_found(document: EddiDocument, wanted: str) -> Problem:
-    """Return X004: nothing of the wanted kind is there, but this is."""
-    classes = dict.fromkeys(_shown_class(document, p) for p in document.packages())
-    found = ", ".join(list(classes)[:12])
-    place = document.place(document.roots[0]) if document.roots else Place(document.name)
-    return error("X004", f"no {wanted} in this file; it has {found or 'no objects'}", place)
-
-
-def _shown_class(document: EddiDocument, element: Element) -> str:
-    return document.class_of(element).printed or feature_of(element)
 
 
 def _root_misprints(document: EddiDocument) -> list[Problem]:

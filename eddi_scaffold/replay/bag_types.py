@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from eddi_scaffold.config.field_types import resolve
-from eddi_scaffold.config.fields import FieldPath, parse_field, path_text
+from eddi_scaffold.config.fields import FieldPath, FieldPathError, parse_field, path_text
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import TIMES, Fields, FieldsOf
 from eddi_scaffold.config.schema import SimulatorOutput
@@ -59,9 +59,8 @@ def check_fields(monitor: Monitor, known: FieldsOf, there: Collection[str]) -> I
             shown = f"{source.type} in the bag"
             try:
                 of = resolve(path, source.type, known.get).type
-            except ValueError as problem:
-                text, _, hint = str(problem).partition("; ")
-                yield error("I017", f"{shown}: {text}", place, hint or None)
+            except FieldPathError as problem:
+                yield error("I017", f"{shown}: {problem}", place, problem.hint)
                 continue
             if is_value and of is not None and not fits(of, binding.model.type):
                 message = f"{shown}: {path_text(path)!r} is a {of}"

@@ -216,7 +216,7 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     wrong = list(unmatched(filters, topics, components))
     some = filters.topics or filters.components
     if some and not wrong and outputs.is_complete and not outputs.topics:
-        wrong = [error("unmatched-filter", f"no topic is left by {filters}")]
+        wrong = [error("M022", f"no topic is left by {filters}")]
     if wrong:
         found = [one for one in (*robot.problems, *outputs.problems) if one.level == "error"]
         raise EddiError(*robot.located(in_order(found)), *wrong)

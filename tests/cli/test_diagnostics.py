@@ -26,7 +26,6 @@ import pytest
 from tests.cli.command import ROOT, example, files_below, run
 
 FOLDER = Path(__file__).with_name("diagnostics")
-CODE = re.compile(r"\b[A-Z]\d{3}\b")
 
 
 @dataclass(frozen=True)
@@ -115,12 +114,3 @@ def updated(part: str, case: Case, status: int, printed: str) -> str:
         return part
     head = part.partition("\n>>> ")[0].rstrip("\n")
     return f"{head}\n>>> {status}\n{printed}\n\n"
-
-
-def test_every_code_of_the_source_is_tested() -> None:
-    sources = [*(ROOT / "eddi_scaffold").rglob("*.py")]
-    tests = [p for p in (ROOT / "tests").rglob("*") if p.suffix in {".py", ".txt"}]
-    issued = set().union(*(re.findall(r'"([A-Z]\d{3})"', p.read_text("utf-8")) for p in sources))
-    tested = set().union(*(CODE.findall(p.read_text("utf-8")) for p in tests))
-    assert issued
-    assert issued - tested == set()

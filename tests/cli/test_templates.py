@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from eddi_scaffold.packages import rendering
 from eddi_scaffold.packages.rendering import Template, own_template, render
 from eddi_scaffold.packages.unpacking import Unpacked, unpacked
 from eddi_scaffold.problems import EddiError
+from tests.diagnosed import assert_example
 
 
 def code_of(failure: pytest.ExceptionInfo[EddiError]) -> str:
@@ -22,7 +24,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the package folder of an installation with neither a checkout nor a bundle."""
     package = tmp_path / "site-packages" / "eddi_scaffold"
     package.mkdir(parents=True)
-    monkeypatch.setattr(rendering, "__file__", str(package / "rendering.py"))
+    monkeypatch.setattr(rendering, "__file__", str(package / "packages" / "rendering.py"))
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     return package
@@ -31,7 +33,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_no_templates_is_t001(installed: Path) -> None:
     with pytest.raises(EddiError) as failure:
         own_template()
-    assert code_of(failure) == "T001"
+    assert_example("T001", failure.value.problems)
 
 
 def test_the_bundle_is_put_where_a_later_update_finds_it(installed: Path, tmp_path: Path) -> None:
@@ -54,14 +56,16 @@ def test_a_bundle_that_can_be_put_nowhere_is_t002(
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "file"))
     with pytest.raises(EddiError) as failure:
         own_template().keep()
-    assert code_of(failure) == "T002"
+    (problem,) = failure.value.problems
+    said = problem.message.replace(str(tmp_path), "HERE")
+    assert_example("T002", [replace(problem, message=said)])
 
 
 def test_no_git_is_t003(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(EddiError) as failure, unpacked(tmp_path, "HEAD"):
         pass
-    assert code_of(failure) == "T003"
+    assert_example("T003", failure.value.problems)
 
 
 def test_what_git_refuses_is_t004(tmp_path: Path) -> None:
@@ -87,4 +91,4 @@ def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
     )
     with pytest.raises(EddiError) as failure:
         render({"word": "x"}, Template(str(source), None), Unpacked(source), tmp_path / "out")
-    assert code_of(failure) == "T004"
+    assert_example("T004", failure.value.problems)

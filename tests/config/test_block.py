@@ -90,7 +90,7 @@ def test_other_keys_stay_with_their_topic() -> None:
     )
     text, problems = written(old, SCAN)
     assert text == NEW + "    max_age: 0.5\n    note:\n      - x\n      - y\n"
-    assert problems == [("dropped-entry", 8)]
+    assert problems == [("M027", 8)]
 
 
 def test_an_entry_that_an_input_needs_stays() -> None:
@@ -104,7 +104,7 @@ def test_an_entry_that_an_input_needs_stays() -> None:
     text, problems = written(old + inputs, SCAN)
     kept = "  - id: other\n    type: eddi_messages.ConSertOutput\n    topic: /b\n"
     assert text == NEW + kept + inputs
-    assert problems == [("kept-entry", 2), ("unmet-requires", 9)]
+    assert problems == [("M026", 2), ("M025", 9)]
     assert written(text, SCAN)[0] == text
 
 
@@ -112,7 +112,7 @@ def test_comments_inside_are_lost_and_said() -> None:
     old = "SimulatorOutputs: # one\n  - id: a#b\n    # two\n    topic: /scan # three\n# four\n"
     text, problems = written(old, SCAN)
     assert text == NEW + "# four\n"
-    assert problems == [("lost-comment", 1)]
+    assert problems == [("M028", 1)]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eddi_scaffold.config.field_types import resolve
-from eddi_scaffold.config.fields import expression, parse_field
+from eddi_scaffold.config.fields import FieldPathError, expression, parse_field
 from eddi_scaffold.config.message_types import declared, known_messages
 from eddi_scaffold.kinds import kinds
 
@@ -133,6 +133,7 @@ def test_the_key_is_the_field_that_names_the_element(
     ],
 )
 def test_what_has_no_such_key_is_said_with_the_fields(message: str, text: str, reason: str) -> None:
-    with pytest.raises(ValueError, match=r".") as failure:
+    with pytest.raises(FieldPathError) as failure:
         taken(message, text)
-    assert str(failure.value) == reason
+    said, hint = str(failure.value), failure.value.hint
+    assert (said if hint is None else f"{said}; {hint}") == reason

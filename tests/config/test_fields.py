@@ -6,7 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config.fields import Attribute, ByKey, Index, expression, parse_field, path_text
+from eddi_scaffold.config.fields import (
+    Attribute,
+    ByKey,
+    FieldPathError,
+    Index,
+    expression,
+    parse_field,
+    path_text,
+)
 
 
 @pytest.mark.parametrize(
@@ -59,9 +67,9 @@ def test_steps() -> None:
     ],
 )
 def test_what_is_no_path(text: str, reason: str) -> None:
-    with pytest.raises(ValueError, match=r".") as failure:
+    with pytest.raises(FieldPathError) as failure:
         parse_field(text)
-    assert reason in str(failure.value)
+    assert reason in f"{failure.value} {failure.value.hint}"
 
 
 @given(
@@ -70,7 +78,7 @@ def test_what_is_no_path(text: str, reason: str) -> None:
 def test_no_text_becomes_more_than_lookups(text: str) -> None:
     try:
         code = expression("m", parse_field(text))
-    except ValueError:
+    except FieldPathError:
         return
     allowed = (ast.Attribute, ast.Subscript, ast.Call, ast.Name, ast.Constant, ast.Load)
     for node in ast.walk(ast.parse(code, mode="eval").body):

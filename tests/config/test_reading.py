@@ -15,6 +15,7 @@ from eddi_scaffold.positioned_yaml.writer import dump_plain
 from eddi_scaffold.problems import EddiError, Place
 from eddi_scaffold.source import Source
 from tests.cli.command import EXAMPLE
+from tests.diagnosed import assert_example
 
 
 def read(text: str) -> ConfigFile:
@@ -154,3 +155,6 @@ def test_a_remembered_configuration_names_no_files_any_more() -> None:
         with pytest.raises(EddiError) as refused:
             options.read("safeml_config.yml")
         assert [problem.code for problem in refused.value.problems] == ["K033"]
+    with pytest.raises(EddiError) as refused:
+        again.read("safeml_config.yml")
+    assert_example("K033", refused.value.problems)

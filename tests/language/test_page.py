@@ -10,6 +10,7 @@ import threading
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from urllib.parse import urlencode
 
 import pytest
@@ -17,6 +18,7 @@ import pytest
 from eddi_scaffold.cli.event import _read_signal
 from eddi_scaffold.language.page.server import MAX_BODY, open_server
 from eddi_scaffold.problems import EddiError
+from tests.diagnosed import assert_example
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
 
@@ -217,7 +219,9 @@ def test_it_listens_on_the_loopback_interface_only(port: int) -> None:
         assert server.server_address[0] == "127.0.0.1"
     with pytest.raises(EddiError) as caught:
         open_server(port, _read_signal)
-    assert caught.value.problems[0].code == "E024"
+    (problem,) = caught.value.problems
+    said = problem.message.replace(str(port), "8765")
+    assert_example("E024", [replace(problem, message=said)])
 
 
 def test_two_tabs_at_once(port: int) -> None:

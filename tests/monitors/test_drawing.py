@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from eddi_scaffold.monitors.drawing import pictures
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.problems import EddiError, Place
 from tests.checkouts import HERE
+from tests.diagnosed import assert_example
 
 MODEL = HERE / "examples" / "two-conserts" / "two_conserts.xml"
 
@@ -21,4 +24,5 @@ def test_a_kind_without_pictures_says_so() -> None:
     events = HERE / "examples" / "motor-watch" / "motor_watch.events"
     with pytest.raises(EddiError) as refused:
         pictures(events, None, (), single=False)
-    assert [problem.code for problem in refused.value.problems] == ["G018"]
+    (problem,) = refused.value.problems
+    assert_example("G018", [replace(problem, place=Place(events.name))])

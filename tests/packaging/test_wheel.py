@@ -78,6 +78,10 @@ def test_contents(installed: Installed) -> None:
     assert installed.wheel.stat().st_size < 1_500_000
 
 
+def test_the_codes_are_explained(installed: Installed) -> None:
+    assert "What to do: " in installed.eddi("explain", "X008")
+
+
 def test_the_bundle_holds_every_release(installed: Installed) -> None:
     bundle = installed.folder / "site" / "eddi_scaffold" / "templates.bundle"
     heads = git(installed.folder, "ls-remote", "--tags", str(bundle))

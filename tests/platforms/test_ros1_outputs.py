@@ -19,7 +19,9 @@ def answers(tmp_path: Path, field: str) -> tuple[dict, list[str]]:
     (monitor,), _ = monitors_of(EXAMPLE / "two_conserts.xml", [config])
     package, problems = monitor_answers(monitor)
     assert {p.code for p in problems} <= {"K034"}
-    return dict(package.answers), [f"{p.place.line}: {p.message}" for p in problems]
+    return dict(package.answers), [
+        f"{p.place.line}: {p.message}" + (f"; {p.hint}" if p.hint else "") for p in problems
+    ]
 
 
 def test_a_field_is_published_as_a_message_of_std_msgs(tmp_path: Path) -> None:

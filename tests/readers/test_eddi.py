@@ -8,7 +8,6 @@ import pytest
 
 from eddi_scaffold.readers.eddi import (
     EddiDocument,
-    nothing_found,
     read_document,
     read_stream,
     sniff,
@@ -139,16 +138,6 @@ def test_survey_of_the_shared_example() -> None:
     found = survey(doc)
     assert (found.elements, found.references, found.unresolved) == (50, 20, 0)
     assert [model.name for model in found.models] == ["ConSertA", "ConSertB"]
-
-
-def test_nothing_found_names_what_is_there() -> None:
-    problem = nothing_found(document(SAFETY_CASE), "ConSert")
-    assert texts([problem]) == [
-        (
-            "m.xml:2: error X004: no ConSert in this file; it has integration:DDIPackage, "
-            "failureLogic:FailureLogicPackage, assuranceCasePackages, argumentPackages"
-        )
-    ]
 
 
 def test_references_by_href_by_id_and_into_other_files() -> None:

@@ -95,14 +95,14 @@ def said(found: Parsed, code: str) -> list[str]:
 @pytest.mark.parametrize(
     ("file", "old", "new", "code", "lost"),
     [
-        ("laser.ros1", "publishers:", "publihers:", "misspelt-key", ["scan"]),
-        ("laser.ros1", "artifacts:", "artifacts", "syntax", ["scan"]),
-        ("laser.ros1", "sensor_msgs/msg/LaserScan", "LaserScan", "bad-type", ["scan"]),
-        ("robot.rossystem", '"laser.laser"', '"lasr.laser"', "no-node-model", ["scan"]),
-        ("robot.rossystem", '"arm.driver"', '"arm.drver"', "no-node-model", ["load"]),
-        ("robot.rossystem", "driver::ticks", "driver::tiks", "unresolved-reference", ["ticks"]),
-        ("robot.rossystem", "    mast", "    mst", "subsystem-missing", ["image"]),
-        ("mast.rossystem", "nodes:", "nods:", "misspelt-key", ["image"]),
+        ("laser.ros1", "publishers:", "publihers:", "M006", ["scan"]),
+        ("laser.ros1", "artifacts:", "artifacts", "M001", ["scan"]),
+        ("laser.ros1", "sensor_msgs/msg/LaserScan", "LaserScan", "M013", ["scan"]),
+        ("robot.rossystem", '"laser.laser"', '"lasr.laser"', "M007", ["scan"]),
+        ("robot.rossystem", '"arm.driver"', '"arm.drver"', "M007", ["load"]),
+        ("robot.rossystem", "driver::ticks", "driver::tiks", "M010", ["ticks"]),
+        ("robot.rossystem", "    mast", "    mst", "M024", ["image"]),
+        ("mast.rossystem", "nodes:", "nods:", "M006", ["image"]),
     ],
 )
 def test_what_did_not_resolve_this_time_stays(
@@ -116,7 +116,7 @@ def test_what_did_not_resolve_this_time_stays(
     assert {*ids(broken.after)} >= {*IDS}
     assert ids(broken.after)[-len(lost) :] == lost
     assert {topic.id for topic in broken.outputs.topics}.isdisjoint(lost)
-    kept = said(broken, "kept-entry")
+    kept = said(broken, "M026")
     assert [message.split("'")[1] for message in kept] == lost
     assert all("did not resolve this time" in message for message in kept)
     assert parsed(robot).after == broken.after
@@ -134,7 +134,7 @@ def test_the_id_of_what_did_not_resolve_goes_to_nothing_else(robot: Path) -> Non
     found = parsed(robot)
     assert ids(found.after)[:4] == ["image", "ticks", "scan_2", "scan"]
     assert "    topic: /front/scan\n" in found.after
-    assert said(found, "moved-id") == []
+    assert said(found, "M020") == []
 
 
 def test_errors_that_lose_nothing_keep_nothing(robot: Path) -> None:
@@ -143,9 +143,9 @@ def test_errors_that_lose_nothing_keep_nothing(robot: Path) -> None:
     edit(robot / "others.ros1", "image:", "/front/scan:")
     edit(robot / "robot.rossystem", "driver::ticks", "laser::scan")
     found = parsed(robot)
-    assert said(found, "type-conflict")
-    assert len(said(found, "dropped-entry")) == 2
-    assert said(found, "kept-entry") == []
+    assert said(found, "M014")
+    assert len(said(found, "M027")) == 2
+    assert said(found, "M026") == []
 
 
 def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
@@ -159,7 +159,7 @@ def test_nothing_is_written_when_nothing_resolved(robot: Path) -> None:
     (robot / "c.yml").write_text(text, "utf-8")
     found = parsed(robot)
     assert (found.is_changed, found.after) == (False, text)
-    assert said(found, "lost-comment") == []
+    assert said(found, "M028") == []
 
 
 # filters
@@ -212,7 +212,7 @@ def test_a_filter_that_keeps_nothing_is_refused(
     with pytest.raises(EddiError) as refused:
         parsed(robot, filters=filters)
     (problem,) = refused.value.problems
-    assert (problem.code, problem.message, problem.hint) == ("unmatched-filter", message, hint)
+    assert (problem.code, problem.message, problem.hint) == ("M022", message, hint)
 
 
 def test_long_lists_of_what_there_is_are_cut(robot: Path) -> None:
@@ -232,14 +232,14 @@ def test_what_a_filter_leaves_out_is_said_to_be_left_out(robot: Path) -> None:
     filters = Filters(topics=("/[jil]*",), components=("arm", "camera"), no_infrastructure=True)
     found = parsed(robot, filters=filters)
     assert ids(found.after) == ["ticks", "load", "scan"]
-    assert said(found, "dropped-entry") == [
+    assert said(found, "M027") == [
         "'image' (/image) is left out by --exclude-infrastructure; it is dropped"
     ]
-    assert said(found, "kept-entry") == [
+    assert said(found, "M026") == [
         "'scan' (/front/scan) is left out by --only; it stays, because an input needs it"
     ]
     found = parsed(robot, filters=Filters(components=("arm",)))
-    assert said(found, "kept-entry") == [
+    assert said(found, "M026") == [
         "'scan' (/front/scan) is left out by --component; it stays, because an input needs it"
     ]
 
@@ -249,10 +249,10 @@ def test_a_filter_may_wait_for_what_did_not_resolve(robot: Path) -> None:
     edit(robot / "robot.rossystem", "laser.laser", "lasr.laser")
     found = parsed(robot, filters=Filters(topics=("/front/*", "/joints")))
     assert ids(found.after) == ["ticks", "scan"]
-    assert len(said(found, "dropped-entry")) == 2
+    assert len(said(found, "M027")) == 2
     found = parsed(robot, filters=Filters(components=("front",)))
-    assert (found.is_changed, said(found, "no-node-model") != []) == (False, True)
+    assert (found.is_changed, said(found, "M007") != []) == (False, True)
     with pytest.raises(EddiError) as refused:
         parsed(robot, filters=Filters(topics=("/rear/*",)))
-    assert [p.code for p in refused.value.problems] == ["no-node-model", "unmatched-filter"]
+    assert [p.code for p in refused.value.problems] == ["M007", "M022"]
     assert refused.value.problems[0].place.file == str(robot / "robot.rossystem")

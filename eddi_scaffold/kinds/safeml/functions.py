@@ -40,7 +40,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
         reasons = "; ".join(problem.message for problem in failure.problems)
         text = f"reference_sample_file {settings.reference_sample_file!r}: {reasons}"
         hint = "it is looked for beside this file"
-        return Reading((), (error("S004", text, where, hint),))
+        return Reading((), (error("L004", text, where, hint),))
     if reference is None:
         return Reading((), tuple(in_order(found)))
     file = SafeMLFile(settings, reference)
@@ -57,7 +57,7 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
     settings = model.data.settings
     problems = [
         error(
-            "S014",
+            "L014",
             f"a SafeML monitor has one input, {item.id!r} is one more",
             item.place,
             "let the first one require several messages: their numbers are joined",

@@ -50,7 +50,7 @@ def plan(settings: Settings, reference: Reference, *, single: bool) -> Planned:
         single: samples come as float32.
 
     Returns:
-        The plan, ``None`` when a problem is an error (S006 to S008), and all problems (to S013).
+        The plan, ``None`` when a problem is an error (L006 to L008), and all problems (to L013).
     """
     return _Planner(settings, reference, single=single).planned()
 
@@ -76,7 +76,7 @@ class _Planner:
         settings, problems = self.settings, self.problems
         if not np.isfinite(self.rows).all():
             text = "the reference holds numbers that float32 cannot, in which the samples come"
-            problems.append(error("S005", text, settings.place("input_dtype")))
+            problems.append(error("L005", text, settings.place("input_dtype")))
             return None
         _, other = split(self.rows, halves=self.halves)
         constant = self._look_at_features()
@@ -104,7 +104,7 @@ class _Planner:
             )
             hint = "the reference drifts: record one whose halves are alike"
             where = settings.place("reference_sample_file")
-            problems.append(error("S007", text, where, hint))
+            problems.append(error("L007", text, where, hint))
             return None
         made = Plan(
             settings, spec, tuple(design.labels), comparison.n, level, critical, calibration,
@@ -122,12 +122,12 @@ class _Planner:
         if constant:
             text = f"{_listed('feature', constant)} never changes in the reference"
             hint = "every other value of it counts as a violation: leave it out if that is wrong"
-            self._warn("S010", text, key, hint)
+            self._warn("L010", text, key, hint)
         same = [pair for pair in _equal_columns(rows) if pair[0] not in constant]
         if same:
             pairs = ", ".join(f"{first} and {second}" for first, second in same[:_LISTED])
             text = f"features are equal in every row: {pairs}{_more(same)}"
-            self._warn("S010", text, key, "a second copy is tested again and lowers the power")
+            self._warn("L010", text, key, "a second copy is tested again and lowers the power")
         return tuple(constant)
 
     def _too_short(self, other: Rows) -> Iterable[Problem]:
@@ -140,10 +140,10 @@ class _Planner:
                 f"reference has {len(self.rows)}"
             )
             where = settings.place("calibration")
-            yield error("S008", text, where, "record more, or write `calibration: iid`")
+            yield error("L008", text, where, "record more, or write `calibration: iid`")
         elif len(self.rows) < 2 * m:
             text = f"the reference has {len(self.rows)} rows, less than two windows of {m}"
-            yield warning("S009", text, place, "record more: the tests compare like with like")
+            yield warning("L009", text, place, "record more: the tests compare like with like")
 
     def _components(self, other: Rows) -> int | None:
         """Return how many components are kept; notes what is wrong with the wish."""
@@ -151,7 +151,7 @@ class _Planner:
         if wanted is None:
             if settings.standardize:
                 text = "standardize has no effect without n_components: ranks do not change"
-                self._warn("S010", text, "standardize")
+                self._warn("L010", text, "standardize")
             return None
         rows, features = other.shape
         if wanted > min(rows, features):
@@ -159,18 +159,18 @@ class _Planner:
                 f"n_components is {wanted}, but only {min(rows, features)} are possible: the "
                 f"half of the reference for the axes has {rows} rows, and {features} features"
             )
-            self.problems.append(error("S006", text, settings.place("n_components")))
+            self.problems.append(error("L006", text, settings.place("n_components")))
             return None
         if np.abs(self.rows).max() > _LARGEST_SQUARED:
             text = "the reference holds numbers so large that their squares are none"
             where = settings.place("reference_sample_file")
-            self.problems.append(error("S005", text, where, "choose a larger unit"))
+            self.problems.append(error("L005", text, where, "choose a larger unit"))
             return None
         singular = principal_axes(other, wanted, standardize=settings.standardize).singular
         if singular[0] == 0.0:
             text = "n_components: all features are constant, there is no axis"
             where = settings.place("n_components")
-            self.problems.append(error("S006", text, where, "write `n_components: null`"))
+            self.problems.append(error("L006", text, where, "write `n_components: null`"))
             return None
         if not settings.standardize:
             self._look_at_units(other)
@@ -178,7 +178,7 @@ class _Planner:
         if kept < wanted:
             dropped = list(range(kept, wanted))
             text = f"{_listed('component', dropped)} has no variance and is dropped"
-            self._warn("S010", text, "n_components", f"write `n_components: {kept}`")
+            self._warn("L010", text, "n_components", f"write `n_components: {kept}`")
         return kept
 
     def _look_at_units(self, other: Rows) -> None:
@@ -189,7 +189,7 @@ class _Planner:
                 f"components follow the unit of feature {int(spread.argmax())}: its standard "
                 f"deviation is {largest:.3g}, the median of all {usual:.3g}"
             )
-            self._warn("S013", text, "n_components", "write `standardize: true`")
+            self._warn("L013", text, "n_components", "write `standardize: true`")
 
     def _fires(self, comparison: Comparison, level: float) -> bool:
         settings, n, m = self.settings, comparison.n, comparison.m
@@ -206,7 +206,7 @@ class _Planner:
             if least is not None
             else "no window_size works: test fewer components or raise significance_level"
         )
-        self.problems.append(error("S007", text, settings.place("window_size"), hint))
+        self.problems.append(error("L007", text, settings.place("window_size"), hint))
         return False
 
     def _calibrated(self, comparison: Comparison, series: Rows) -> Calibration:
@@ -224,11 +224,11 @@ class _Planner:
         settings = self.settings
         if made.settings.metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
             text = f"{METRIC_NAMES[settings.metric]} is verified from window_size 10 on"
-            yield warning("S009", text, settings.place("window_size"))
+            yield warning("L009", text, settings.place("window_size"))
         if settings.metric != "ks" and made.level > _HIGHEST_LEVEL:
             value = limit_quantile(settings.metric, _HIGHEST_LEVEL)
             text = f"a level of {made.level:g} per test counts as 0.5 (quantile {value:.3g})"
-            yield warning("S009", text, settings.place("significance_level"))
+            yield warning("L009", text, settings.place("significance_level"))
         yield from self._dependence(made)
         if made.calibration is None:
             return
@@ -239,13 +239,13 @@ class _Planner:
                 "samples depend strongly on each other, or the reference drifts"
             )
             hint = "the power to detect is low: take a longer window or a larger stride"
-            yield warning("S012", text, settings.place("window_size"), hint)
+            yield warning("L012", text, settings.place("window_size"), hint)
         if made.calibration.is_last:
             text = (
                 f"significance_level {settings.significance_level:g} cannot be resolved with "
                 f"{made.calibration.windows} calibration windows"
             )
-            yield warning("S012", text, settings.place("significance_level"), "record more rows")
+            yield warning("L012", text, settings.place("significance_level"), "record more rows")
 
     def _dependence(self, made: Plan) -> Iterable[Problem]:
         value, test = made.autocorrelation
@@ -259,7 +259,7 @@ class _Planner:
         hint = f"calibration needs {needed} rows in time order, there are {len(self.rows)}"
         if len(self.rows) >= needed:
             hint = "write `calibration: stream`"
-        yield warning("S011", text, self.settings.place("calibration"), hint)
+        yield warning("L011", text, self.settings.place("calibration"), hint)
 
 
 def _equal_columns(rows: Rows) -> list[tuple[int, int]]:

@@ -29,16 +29,16 @@ def read_reference(source: Source) -> tuple[Reference | None, list[Problem]]:
     """Read a reference sample.
 
     Returns:
-        The reference, ``None`` when a problem is an error (S004, S005), and all problems. Line and
+        The reference, ``None`` when a problem is an error (L004, L005), and all problems. Line and
         column of a place are the row and the column of the cell.
     """
     try:
         text = source.data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return None, [error("S004", "the reference is not UTF-8 text", Place(source.name))]
+        return None, [error("L004", "the reference is not UTF-8 text", Place(source.name))]
     lines = filled_lines(text)
     if not lines:
-        return None, [error("S004", "the reference is empty", Place(source.name), _WRITTEN)]
+        return None, [error("L004", "the reference is empty", Place(source.name), _WRITTEN)]
     reader = _Reader(source.name, lines)
     rows = reader.read()
     if has_errors(reader.problems):
@@ -47,7 +47,7 @@ def read_reference(source: Source) -> tuple[Reference | None, list[Problem]]:
     problems = _not_finite(values, [number for number, _ in lines], source.name)
     if len(values) < 2:
         place = Place(source.name, lines[0][0])
-        problems.append(error("S004", "the reference has one row only: no distribution", place))
+        problems.append(error("L004", "the reference has one row only: no distribution", place))
     return (None if problems else Reference(source, values)), problems
 
 
@@ -79,7 +79,7 @@ class _Reader:
         return rows
 
     def _error(self, text: str, row: int, column: int, hint: str | None = None) -> None:
-        self.problems.append(_at(error("S004", text, Place(self._file, row, column), hint)))
+        self.problems.append(_at(error("L004", text, Place(self._file, row, column), hint)))
 
     def _wrong_separator(self) -> bool:
         number, line = self._lines[min(1, len(self._lines) - 1)]  # the first may be a header
@@ -134,7 +134,7 @@ def _not_finite(values: Rows, numbers: list[int], file: str) -> list[Problem]:
     row, column = numbers[int(bad[0][0])], int(bad[0][1]) + 1
     text = f"{_cells(len(bad))} with no finite number, first row {row}, column {column}"
     hint = "a reference holds correct behaviour only: leave such samples out"
-    return [_at(error("S005", text, Place(file, row, column), hint))]
+    return [_at(error("L005", text, Place(file, row, column), hint))]
 
 
 def _at(problem: Problem) -> Problem:

@@ -38,14 +38,14 @@ def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:
     """Read a configuration.
 
     Returns:
-        The settings, ``None`` when a problem is an error (S001 to S003), and all problems.
+        The settings, ``None`` when a problem is an error (L001 to L003), and all problems.
     """
-    root, problems = read_map(source, "S001")
+    root, problems = read_map(source, "L001")
     if root is None:
         return None, problems
     problems += _unknown(root)
     problems += [
-        error("S001", f"the key {key!r} is missing", root.place, f"write `{key}: {_SHOWN[key]}`")
+        error("L001", f"the key {key!r} is missing", root.place, f"write `{key}: {_SHOWN[key]}`")
         for key in REQUIRED
         if root.get(key) is None
     ]
@@ -66,7 +66,7 @@ def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:
 def _unknown(root: Map) -> list[Problem]:
     return [
         error(
-            "S001",
+            "L001",
             f"unknown key {key.text!r}",
             key.place,
             did_you_mean(key.text, _KEYS) or f"known keys: {', '.join(_KEYS)}",
@@ -79,11 +79,11 @@ def _unknown(root: Map) -> list[Problem]:
 def _problem(key: str, node: Node, expected: str) -> Problem:
     if key != "distance_metric":
         text = f"{key}: {expected} is expected, not {describe(node)}"
-        return error("S002", text, node.place)
+        return error("L002", text, node.place)
     given = as_text(node)
     near = did_you_mean(given, METRICS) if given is not None else None
     text = f"{key}: {describe(node)} is no metric"
-    return error("S003", text, node.place, near or f"there are: {', '.join(METRICS)}")
+    return error("L003", text, node.place, near or f"there are: {', '.join(METRICS)}")
 
 
 def _number(node: Node) -> float:

@@ -72,7 +72,7 @@ class _ModelReader:
                 braces.accept_punct(",")
         braces.close("}", opened, *either(_PACKAGES))
         message = "this brace closes nothing: the packages ended before; what was read counts"
-        notices = [Notice("surplus-brace", message, line, col) for line, col in braces.surplus()]
+        notices = [Notice("M004", message, line, col) for line, col in braces.surplus()]
         braces.expect_end("package set")
         return Model("brace", tuple(self.packages), tuple(notices))
 

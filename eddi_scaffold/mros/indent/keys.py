@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from eddi_scaffold.mros.indent.lines import Line, Words
-from eddi_scaffold.mros.model import Notice
+from eddi_scaffold.mros.model import MISSPELT_KEY, Notice
 from eddi_scaffold.mros.text import Text
 
 
@@ -43,10 +43,10 @@ class Keys:
         near = next((known for known in wanted if edits(key.lower(), known) <= 2), None)
         if near is not None:
             message = f"unknown key '{key}': did you mean '{near}'? What is below it is not read"
-            self.notices.append(Notice("misspelt-key", message, line, col))
+            self.notices.append(Notice(MISSPELT_KEY, message, line, col))
         else:
             message = f"unknown key '{key}': what is below it is not read"
-            self.notices.append(Notice("unknown-key", message, line, col))
+            self.notices.append(Notice("M005", message, line, col))
 
 
 def edits(one: str, other: str) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT
 from eddi_scaffold.mros.indent.keys import Keys
 from eddi_scaffold.mros.indent.lines import Line, Words, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
@@ -40,11 +41,11 @@ def read_system(text: Text) -> System:
     """Read a system.
 
     Raises:
-        MrosSyntaxError: the text is not one; ``foreign-format`` when it is the YAML of rossdl.
+        MrosSyntaxError: the text is not one; ``FOREIGN_FORMAT`` when it is the YAML of rossdl.
     """
     lines = [line for line in blocks_of(text) if not line.is_mark]
     if not lines:
-        raise text.error(0, "there is nothing but comments in this file", "empty-file")
+        raise text.error(0, "there is nothing but comments in this file", EMPTY_FILE)
     first, *others = lines
     words = Words(text, first)
     name = words.key("the system name")
@@ -61,7 +62,7 @@ def _refuse_rossdl(text: Text, first: Line) -> None:
         word = line.tokens[0][1].lower() if line.tokens else ""
         if word == "systems":
             message = "this is a system in the YAML of rossdl, not a .rossystem"
-            raise text.error(0, message, "foreign-format", "rossdl")
+            raise text.error(0, message, FOREIGN_FORMAT, "rossdl")
 
 
 @dataclass

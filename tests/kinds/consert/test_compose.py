@@ -24,6 +24,7 @@ from eddi_scaffold.kinds.consert.model import (
     RequiredService,
 )
 from eddi_scaffold.kinds.consert.ranges import Span, exact, is_inside
+from tests.diagnosed import assert_example
 
 
 def numeric(*ranges, uom="s", subset="Demand", type_="Latency"):
@@ -153,7 +154,7 @@ def test_conserts_that_wait_for_each_other():
 def test_two_instances_need_two_names():
     model = user(BinaryDimension("X"))
     result = compose([("u", model), ("u", model)])
-    assert [p.code for p in result.problems] == ["C027"]
+    assert_example("C027", result.problems)
     assert result.reasons == ("2 ConSerts are called 'u'",)
     again = compose([("u", model), ("v", model)])
     assert again.unmatched_demands == ("u/D", "v/D")

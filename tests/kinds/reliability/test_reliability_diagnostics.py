@@ -33,9 +33,8 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 def reported(given: str, folder: Path) -> str:
     problems = of_eddi(given, folder) if given.startswith("<") else everything(given)
     return "".join(
-        f"{p.place.line}:{p.place.col or '-'} {p.level} {p.code} {p.message}"
-        + (f" | {p.hint}" if p.hint else "")
-        + "\n"
+        f"{Path(p.place.file).name}:{p.place.line}{f':{p.place.col}' if p.place.col else ''}: "
+        f"{p.level}: {p.message} [{p.code}]\n" + (f"  hint: {p.hint}\n" if p.hint else "")
         for p in problems
     )
 
@@ -64,4 +63,4 @@ def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
         return
     assert got == expected
     codes = re.findall(r"[RX]\d{3}(?=_)", name)
-    assert all(f" {code} " in got for code in codes)
+    assert all(f"[{code}]" in got for code in codes)

@@ -99,7 +99,7 @@ def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
 
 
 def test_every_code_has_a_case() -> None:
-    assert {name[:4] for name in CASES} == {f"S{number:03}" for number in range(1, 14)}
+    assert {name[:4] for name in CASES} == {f"L{number:03}" for number in range(1, 14)}
 
 
 def test_s014_a_second_input(tmp_path: Path) -> None:
@@ -115,7 +115,7 @@ def test_s014_a_second_input(tmp_path: Path) -> None:
     configured, problems = FUNCTIONS.configure(model, options_of(config))
     assert configured is None
     (problem,) = problems
-    assert (problem.code, problem.place.line) == ("S014", 3)
+    assert (problem.code, problem.place.line) == ("L014", 3)
 
 
 def test_the_sound_files_have_no_problem(tmp_path: Path) -> None:

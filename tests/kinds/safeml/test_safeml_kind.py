@@ -215,7 +215,7 @@ def test_a_huge_window_ends_quickly(tmp_path: Path) -> None:
     with pytest.raises(EddiError, match="a whole number of samples from 1 to 1000000"):
         joined(tmp_path, [[1.0], [2.0]], **{**FIGURE, "window_size": 2_000_000})
     _, problems = joined(tmp_path, [[1.0], [2.0]], **{**FIGURE, "window_size": 1_000_000})
-    assert {problem.code for problem in problems} == {"S009"}
+    assert {problem.code for problem in problems} == {"L009"}
 
 
 def test_the_frozen_message_has_the_md5_of_packages_in_the_field() -> None:

@@ -38,7 +38,7 @@ def read_eddi(
 
     Returns:
         The ConSerts without an error of the XML form, and all problems found. A file without
-        ConSerts gives neither; ``readers.eddi.nothing_found`` says so where one is wanted.
+        ConSerts gives neither.
     """
     findings = Findings(document)
     conserts: list[ConSert] = []
