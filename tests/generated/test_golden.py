@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.checkouts import HERE, Checkout, tree, without_origin
+from tests.kinds.examples import EXAMPLES
 
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 PLAIN = HERE / "tests" / "golden" / "plain"
@@ -64,6 +65,10 @@ def test_workspace_of_the_example(both: Path, request: pytest.FixtureRequest) ->
     compare(both, WORKSPACE, request)
 
 
-def test_plain_package(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    clone.eddi("-q", "generate", "--platform", "plain", "-o", tmp_path, "-m", MODELS / "rover.yml")
+def test_plain_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    """One package of each kind; the ConSert is without a configuration."""
+    generate = ("-q", "generate", "--platform", "plain", "-o", tmp_path)
+    clone.eddi(*generate, "-m", MODELS / "rover.yml")
+    for model, config in (files for kind, files in EXAMPLES.items() if kind != "consert"):
+        clone.eddi(*generate, "-m", HERE / "examples" / model, "-c", HERE / "examples" / config)
     compare(tmp_path, PLAIN, request)

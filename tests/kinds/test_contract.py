@@ -23,15 +23,8 @@ from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import Source, read_source
 from tests.checkouts import HERE
 from tests.cli.command import run
+from tests.kinds.examples import EXAMPLES
 
-EXAMPLES = {
-    "bayesian_network": ("pedestrian/pedestrian.xml", "pedestrian/eddi_config.yml"),
-    "consert": ("rover-events/Rover.yml", "rover-events/eddi_config.yml"),
-    "event": ("motor-watch/motor_watch.events", "motor-watch/motor_config.yml"),
-    "reliability": ("drone/drone.xml", "drone/reliability_config.yml"),
-    "safeml": ("safeml/safeml_config.yml", "safeml/perception_config.yml"),
-}
-"""Kind -> its example: the model, and what connects it."""
 each_kind = pytest.mark.parametrize("kind", kinds().values(), ids=list(kinds()))
 
 

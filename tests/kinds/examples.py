@@ -1,0 +1,12 @@
+"""The worked example of each kind."""
+
+from __future__ import annotations
+
+EXAMPLES = {
+    "bayesian_network": ("pedestrian/pedestrian.xml", "pedestrian/eddi_config.yml"),
+    "consert": ("rover-events/Rover.yml", "rover-events/eddi_config.yml"),
+    "event": ("motor-watch/motor_watch.events", "motor-watch/motor_config.yml"),
+    "reliability": ("drone/drone.xml", "drone/reliability_config.yml"),
+    "safeml": ("safeml/safeml_config.yml", "safeml/perception_config.yml"),
+}
+"""Kind -> its example: the model, and what connects it."""
