@@ -18,6 +18,7 @@ Value = Union[bool, float, str, None]
 """A named result for people and plots; None is unknown."""
 
 _FOLDER = [str(Path(__file__).parent)]
+_NO_KINDS = frozenset(["node", "transports"])
 
 
 class Monitor(Protocol):
@@ -108,7 +109,7 @@ def build(model_file: ModelFile, hooks: Any = None) -> Monitor:
 def kinds() -> Tuple[str, ...]:
     """Return the kinds of this runtime: each is a module of its own that offers ``build``."""
     found = (module.name for module in pkgutil.iter_modules(_FOLDER) if module.ispkg)
-    return tuple(sorted(name for name in found if name != "ros1"))
+    return tuple(sorted(name for name in found if name not in _NO_KINDS))
 
 
 def _builder(model_file: ModelFile) -> Callable[[ModelFile, Any], Monitor]:

@@ -1,13 +1,8 @@
-"""What a node subscribes to and what it publishes, as plain data of the generated RosNode.py."""
+"""What a node subscribes to and what it publishes, as plain data of the generated node."""
 
 from typing import Any, NamedTuple, Optional, Tuple
 
 DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
-
-
-def ros_type(message: Any) -> str:
-    """Return ``package/Name`` of a ROS message or of its class."""
-    return str(message._type)  # noqa: SLF001 - genpy's interface, in spite of its name
 
 
 class Input(NamedTuple):

@@ -1,23 +1,20 @@
 """The log of this process, written by a thread of its own so that no line can stop a monitor.
 
-Every ``rospy.log*`` asks the ROS master for a parameter before it writes (ros_comm 1.15.15, unless
-that parameter is set), and writes to a pipe that roslaunch has to read. A master or a roslaunch
-that hangs would otherwise end the loop of the monitor at its next line.
+A transport may ask others before it writes a line, or write to a pipe that somebody has to read;
+when they hang, the loop of the monitor would otherwise end at its next line.
 """
 
 import collections
 import threading
 import time
-from typing import Any, Callable, Deque, Dict, Tuple
-
-import rospy
-import rospy.impl.paramserver
+from typing import Callable, Deque, Mapping, Tuple
 
 from .schedule import Waker
 
 _KEPT = 500
-_ROSOUT_SWITCH = "/rosout_disable_topics_generation"
 _Line = Tuple[str, str, Tuple[object, ...]]
+Writers = Mapping[str, Callable[..., None]]
+"""Level (``info``, ``warn``, ``error``) -> writes a text with its values, as ``logging`` does."""
 
 
 class Log:
@@ -30,12 +27,9 @@ class Log:
         self._busy = False
         self._dropped = 0
 
-    def start(self) -> None:
-        """Begin to write; ``rospy.init_node`` has been called."""
-        # With a value in rospy's cache the log works without the master, and is faster.
-        cache: Any = rospy.impl.paramserver.get_param_server_cache()
-        cache.set(_ROSOUT_SWITCH, bool(rospy.get_param(_ROSOUT_SWITCH, default=False)))
-        threading.Thread(target=self._run, name="log", daemon=True).start()
+    def start(self, write: Writers) -> None:
+        """Begin to write; what was said before is written now."""
+        threading.Thread(target=self._run, args=[write], name="log", daemon=True).start()
 
     def info(self, text: str, *values: object) -> None:
         """Write a line for the record."""
@@ -60,12 +54,7 @@ class Log:
         self._lines.append((level, text, values))
         self._waker.wake()
 
-    def _run(self) -> None:
-        write: Dict[str, Callable[..., None]] = {
-            "info": rospy.loginfo,
-            "warn": rospy.logwarn,
-            "error": rospy.logerr,
-        }
+    def _run(self, write: Writers) -> None:
         while True:
             self._waker.wait(threading.TIMEOUT_MAX)
             self._busy = True
@@ -74,9 +63,9 @@ class Log:
                 write[level](text, *values)
             if self._dropped:
                 dropped, self._dropped = self._dropped, 0
-                rospy.logwarn("%d log lines were dropped", dropped)
+                write["warn"]("%d log lines were dropped", dropped)
             self._busy = False
 
 
 LOG = Log()
-"""One per process, as rospy's own log."""
+"""One per process."""

@@ -1,16 +1,13 @@
 """The topics of one monitor: which message, or which value of it, goes where."""
 
-from io import BytesIO
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
-
-import rospy
+from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 from ..access import follow
 from .conversion import Converter, MessageError, Trees
-from .topics import Output, ros_type
+from .topics import Output
 
 
-class _Channel(NamedTuple):
+class Channel(NamedTuple):
     """One topic.
 
     Attributes:
@@ -28,14 +25,15 @@ class _Channel(NamedTuple):
     only: Optional[str] = None
 
 
-def _channels(outputs: Iterable[Output]) -> Iterator[_Channel]:
+def channels(outputs: Iterable[Output]) -> Iterator[Channel]:
+    """Yield the topics of outputs: each its own, and that of the facts behind it."""
     for output in outputs:
-        yield _Channel(output.of, output.topic, output.type, output.field, output.only)
+        yield Channel(output.of, output.topic, output.type, output.field, output.only)
         if output.status_topic is not None:
-            yield _Channel("status", output.status_topic, output.status_type)
+            yield Channel("status", output.status_topic, output.status_type)
 
 
-def picked(message: Any, channel: _Channel) -> Any:
+def picked(message: Any, channel: Channel) -> Any:
     """Return what goes to a topic: the message, or the one value of it that is asked for.
 
     Raises:
@@ -77,56 +75,17 @@ def check_outputs(
     Raises:
         MessageError: a message is unknown, has other fields, or is not the declared one.
     """
-    for channel in _channels(outputs):
+    for channel in channels(outputs):
         built = converter.messages(beside(monitor, channel.of) if channel.of else result)
-        for one in _each(built):
+        for one in each(built):
             sent = picked(one, channel)
             if not isinstance(sent, channel.type):
-                declared, made = ros_type(channel.type), ros_type(sent)
+                declared, made = converter.type_name(channel.type), converter.type_name(sent)
                 raise MessageError(f"{channel.topic} carries {declared}, the monitor makes {made}")
 
 
-def _each(messages: Any) -> List[Any]:
+def each(messages: Any) -> List[Any]:
+    """Return what one step gives as a list."""
     if messages is None:
         return []
     return messages if isinstance(messages, list) else [messages]
-
-
-def check_serialises(message: Any) -> None:
-    """Raise what rospy would raise once somebody listens; for messages made by hand."""
-    if message is not None:
-        message.serialize(BytesIO())
-
-
-class Publications:
-    """The publishers of one monitor: latched, with a queue, so that no subscriber can block.
-
-    Args:
-        outputs: what to publish.
-        queue_size: messages that wait for a slow subscriber before old ones are dropped.
-    """
-
-    def __init__(self, outputs: Iterable[Output], queue_size: int) -> None:
-        self._publishers: Dict[str, List[Tuple[_Channel, Any]]] = {}
-        for channel in _channels(outputs):
-            publisher = rospy.Publisher(
-                channel.topic, channel.type, queue_size=queue_size, latch=True
-            )
-            self._publishers.setdefault(channel.of, []).append((channel, publisher))
-
-    @property
-    def beside(self) -> List[str]:
-        """Names of the messages that somebody was promised beside the result."""
-        return [name for name in self._publishers if name]
-
-    def publish(self, message: Any, of: str = "") -> None:
-        """Publish on every topic of the result, or of a message beside it.
-
-        Args:
-            message: a message, a list of them, or None.
-            of: name of the message, empty for the result.
-        """
-        for channel, publisher in self._publishers.get(of, ()):
-            for one in _each(message):
-                if channel.only in (None, getattr(one, "id", None)):
-                    publisher.publish(picked(one, channel))

@@ -7,10 +7,10 @@ from typing import Any, Callable
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from ...node.logs import LOG
+from ...node.report import Report
+from ...node.schedule import Waker
 from .conversion import stamp
-from .logs import LOG
-from .report import Report
-from .schedule import Waker
 
 PERIOD_S = 1.0
 _CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic

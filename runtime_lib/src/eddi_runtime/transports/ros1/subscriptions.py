@@ -3,42 +3,17 @@
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Tuple
 
 import rospy
 
-from ..inputs import UNKNOWN_AGE
-from .topics import DEFAULT_BUFFER_BYTES, Input
+from ...inputs import UNKNOWN_AGE
+from ...node.receipts import Receipt
+from ...node.topics import DEFAULT_BUFFER_BYTES, Input
 
 _MAX_PUBLISHERS = 32
 _MAX_QUEUED = 1000
 """Messages between two steps; older ones are dropped and counted."""
-
-
-class Receipt(NamedTuple):
-    """The last message of an input and what is known about it.
-
-    Attributes:
-        message: the ROS message.
-        at: monotonic seconds of receipt.
-        received: messages so far.
-        age: how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a
-            latching publisher, and no header says when it was made.
-    """
-
-    message: Any
-    at: float
-    received: int
-    age: float = 0.0
-
-    @property
-    def latched(self) -> bool:
-        """Whether it can be of any age."""
-        return self.age == UNKNOWN_AGE
-
-    def age_at(self, now: float) -> float:
-        """Return how old the message is, in seconds."""
-        return self.age + now - self.at
 
 
 class _Slot:

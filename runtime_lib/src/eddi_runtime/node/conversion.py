@@ -1,18 +1,13 @@
-"""Message trees of a monitor -> ROS messages, checked field by field before they are published.
+"""Message trees of a monitor -> messages, checked field by field before they are published.
 
-rospy turns ``None`` into ``False`` without a word, takes ``2`` for ``True``, and raises for a
-numpy scalar only once somebody listens. So every value is checked and converted here, and a
-message is always filled completely.
+A transport may turn ``None`` into ``False`` without a word, take ``2`` for ``True``, and raise for
+a numpy scalar only once somebody listens (rospy does). So every value is checked and converted
+here, and a message is always filled completely.
 """
 
 import math
 import numbers
-import time
-from typing import Any, Callable, Dict, List, Optional, Tuple, Union
-
-import rospy
-
-from .topics import ros_type
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 Convert = Callable[[object], Any]
 Trees = Union[Tuple[str, Any], List[Tuple[str, Any]], None]
@@ -23,13 +18,20 @@ _FLOATS = {"float32": 3.4028235e38, "float64": math.inf}
 _HEADERS = ("Header", "std_msgs/Header")
 
 
-def stamp() -> Any:
-    """Return the time for a header: ROS time, wall time while there is none (no /clock yet)."""
-    if rospy.rostime.is_rostime_initialized():
-        now = rospy.Time.now()
-        if now.to_nsec():
-            return now
-    return rospy.Time.from_sec(time.time())
+class MessageClasses(NamedTuple):
+    """The message classes of one package, as a transport knows them.
+
+    Attributes:
+        module: holds the classes by name (``eddi_messages.msg``).
+        fields: class -> its fields, each with its type as a ``.msg`` file spells it.
+        type_name: message or class -> ``package/Name``.
+        stamp: returns the present time for a header.
+    """
+
+    module: Any
+    fields: Callable[[Any], Iterable[Tuple[str, str]]]
+    type_name: Callable[[Any], str]
+    stamp: Callable[[], Any]
 
 
 class MessageError(TypeError):
@@ -94,11 +96,11 @@ class Converter:
     """Turns ``("Name", {field: value})`` into messages of one message package.
 
     Args:
-        messages: module that holds the message classes by name (``eddi_messages.msg``).
+        classes: those messages.
     """
 
-    def __init__(self, messages: Any) -> None:
-        self._messages = messages
+    def __init__(self, classes: MessageClasses) -> None:
+        self._classes = classes
         self._plans: Dict[str, Tuple[Any, Dict[str, Convert], Optional[str]]] = {}
 
     def message(self, tree: Tuple[str, Any]) -> Any:
@@ -120,7 +122,7 @@ class Converter:
         values = {field: convert(fields[field]) for field, convert in converts.items()}
         built = cls(**values)
         if header is not None:
-            getattr(built, header).stamp = stamp()  # rospy itself counts header.seq
+            getattr(built, header).stamp = self._classes.stamp()
         return built
 
     def messages(self, trees: Trees) -> Any:
@@ -135,13 +137,18 @@ class Converter:
             return [self.message(tree) for tree in trees]
         return self.message(trees)
 
+    def type_name(self, message: Any) -> str:
+        """Return ``package/Name`` of a message or of its class."""
+        return self._classes.type_name(message)
+
     def _plan(self, name: str) -> Tuple[Any, Dict[str, Convert], Optional[str]]:
-        cls = getattr(self._messages, name, None)
+        module = self._classes.module
+        cls = getattr(module, name, None)
         if cls is None:
-            raise MessageError(f"message {name} is not in {self._messages.__name__}")
+            raise MessageError(f"message {name} is not in {module.__name__}")
         converts: Dict[str, Convert] = {}
         header = None
-        for field, kind in zip(cls.__slots__, cls._slot_types):
+        for field, kind in self._classes.fields(cls):
             if kind in _HEADERS and field == "header":
                 header = field
             else:
@@ -178,7 +185,7 @@ class Converter:
             if not isinstance(value, tuple) or len(value) != 2:
                 raise _wrong(field, kind, value)
             built = self.message(value)
-            if ros_type(built) != kind:
+            if self.type_name(built) != kind:
                 raise _wrong(field, kind, value)
             return built
 

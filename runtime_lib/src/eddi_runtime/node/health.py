@@ -4,8 +4,8 @@ import time
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from .logs import LOG
+from .receipts import Receipt
 from .report import OK, InputFact, NodeFact, Report, level_of, report
-from .subscriptions import Receipt
 
 _GOOD = ("ok", "latched")
 _ERROR_GAP_S = 1.0  # at most one error line per second and input

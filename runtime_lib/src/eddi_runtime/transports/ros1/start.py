@@ -14,7 +14,7 @@ import rospy
 import rospy.client
 import rospy.names
 
-from ..places import NoModelFileError, find_model
+from ...places import NoModelFileError, find_model
 from .master import Peer, Refused, Unreachable, answers_as
 
 _POLL_S = 0.2

@@ -14,8 +14,8 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 import rospy.impl.registration
 
+from ...node.logs import LOG
 from .ending import MASTER_LOST, TAKEN_OVER
-from .logs import LOG
 from .master import Peer, Refused, Unreachable, answers_as
 
 OK, LOST, REREGISTERED, UNWATCHED = "ok", "lost", "re-registered", "not watched"

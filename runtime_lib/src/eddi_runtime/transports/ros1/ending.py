@@ -14,8 +14,8 @@ from typing import Callable, List
 import rospy
 import rospy.core
 
-from .logs import LOG
-from .schedule import Waker
+from ...node.logs import LOG
+from ...node.schedule import Waker
 
 GRACE_S = 1.5
 _FLUSH_S = 0.3
