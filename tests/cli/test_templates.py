@@ -22,7 +22,7 @@ def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the package folder of an installation with neither a checkout nor a bundle."""
     package = tmp_path / "site-packages" / "eddi_scaffold"
     package.mkdir(parents=True)
-    monkeypatch.setattr(rendering, "__file__", str(package / "rendering.py"))
+    monkeypatch.setattr(rendering, "__file__", str(package / "packages" / "rendering.py"))
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     return package
