@@ -25,7 +25,11 @@ def generate(
     model: OptionalModelFile = None,
     workspace: Annotated[
         Path | None,
-        typer.Option("-w", "--workspace", help="Workspace (for a platform that is built in one)."),
+        typer.Option(
+            "-w",
+            "--workspace",
+            help="Workspace, such as catkin's (for a platform that is built in one).",
+        ),
     ] = None,
     config: ConfigFiles = None,
     output: Annotated[

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER
 from eddi_scaffold.platforms import names as platform_names
 
 
@@ -73,7 +74,10 @@ PLATFORMS = " or ".join(platform_names())
 PlatformName = Annotated[str, typer.Option("--platform", help=f"{PLATFORMS}.")]
 PlatformOfPlace = Annotated[
     str | None,
-    typer.Option("--platform", help=f"{PLATFORMS}. By default, the usual one of -w and of -o."),
+    typer.Option(
+        "--platform",
+        help=f"{PLATFORMS}. By default {DEFAULT} with -w, {DEFAULT_IN_FOLDER} with -o.",
+    ),
 ]
 Name = Annotated[
     str | None, typer.Option("--name", help="Which model of the file, when it holds several.")
