@@ -17,7 +17,9 @@ from tests.checkouts import HERE, Checkout, checkout, git, run, tree, without_or
 
 TOY = Path(__file__).with_name("toy")
 TEMPLATES = ("robot", "fleet")
-ADDED = ("eddi_scaffold/platforms/amiga_500/", *(f"copier_templates/{t}/" for t in TEMPLATES))
+PLATFORM = "eddi_scaffold/platforms/amiga_500/"
+TRANSPORT = "runtime_lib/src/eddi_runtime/transports/floppy/"
+ADDED = (PLATFORM, TRANSPORT, *(f"copier_templates/{name}/" for name in TEMPLATES))
 WORKSPACE = Path("ws", "src", "eddi_monitor")
 HAND = "        self.hand = 'mine'\n"
 
@@ -27,7 +29,8 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
     """Return a checkout in which somebody added a platform."""
     made = checkout(tmp_path_factory.mktemp("toy") / "eddi-scaffold", "v0.0.1")
     skip = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(TOY / "amiga_500", made.path / ADDED[0], ignore=skip)
+    for name in (PLATFORM, TRANSPORT):
+        shutil.copytree(TOY / Path(name).name, made.path / name, ignore=skip)
     for name in TEMPLATES:
         shutil.copytree(TOY / name, made.path / "copier_templates" / name)
     link = made.path / "copier_templates" / "robot" / "eddi_runtime"
@@ -52,6 +55,10 @@ def world(clone: Checkout) -> Path:
 def generate(clone: Checkout, letter: str, platform: str) -> str:
     model = ("-m", "two_conserts.xml", "-c", f"consert_{letter}_config.yml")
     return clone.eddi("generate", "-w", "ws", *model, "--platform", platform)
+
+
+def transports(runtime: Path) -> set[str]:
+    return {path.parent.name for path in runtime.glob("transports/*/__init__.py")}
 
 
 def test_nothing_else_is_touched(clone: Checkout) -> None:
@@ -84,7 +91,8 @@ def test_it_lives_beside_ros1(clone: Checkout, world: Path) -> None:
     robot = packages / "consertb"
     assert "red screen" in (robot / "node.py").read_text("utf-8")
     assert not {"about", "questions.yml", "package.xml"} & {path.name for path in robot.iterdir()}
-    assert not (robot / "eddi_runtime" / "transports").exists()
+    assert transports(robot / "eddi_runtime") == {"floppy"}
+    assert transports(packages / "eddi_runtime" / "src" / "eddi_runtime") == {"ros1"}
     assert (packages / "all_robots" / "robots.txt").read_text("utf-8").split()[-1:] == ["consertb"]
     manifest = (packages / "eddi_monitor" / "package.xml").read_text("utf-8")
     assert "<exec_depend>conserta<" in manifest
