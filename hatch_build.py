@@ -49,7 +49,7 @@ class TemplateBundle(BuildHookInterface):  # type: ignore[type-arg]
         )
         if self.target_name == "sdist":
             build_data["force_include"][str(bundle)] = BUNDLE
-            if (root / "copier_templates/plain_monitor/eddi_runtime").is_symlink():
+            if any(path.is_symlink() for path in (root / "copier_templates").rglob("*")):
                 # hatchling follows the link first, and then takes the folder itself as known
                 build_data["force_include"][str(root / "runtime_lib")] = "runtime_lib"
         else:

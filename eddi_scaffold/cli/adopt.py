@@ -7,20 +7,25 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DryRun, Name, OptionalModelFile, in_a_folder
+from eddi_scaffold.cli.options import (
+    DryRun,
+    Name,
+    OptionalModelFile,
+    PlatformOfPlace,
+    in_a_folder,
+)
 
 
 def adopt(
     package: Annotated[Path, typer.Argument(help="Folder of the old package.")],
     workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace to put it into.")
+        Path | None, typer.Option("-w", "--workspace", help="Workspace to put it into.")
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--output", callback=in_a_folder, help="Folder to put it into, as plain Python."
-        ),
+        typer.Option("-o", "--output", callback=in_a_folder, help="Folder to put it into."),
     ] = None,
+    platform: PlatformOfPlace = None,
     model: OptionalModelFile = None,
     name: Name = None,
     dry_run: DryRun = False,
@@ -35,20 +40,16 @@ def adopt(
     from eddi_scaffold.adopting.adopt import adopt as adopted
     from eddi_scaffold.adopting.writing import bring_in
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.platforms import chosen
-    from eddi_scaffold.problems import EddiError, Place, error
+    from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, chosen
+    from eddi_scaffold.problems import EddiError, error
 
     if (workspace is None) == (output is None):
         raise EddiError(error("G006", "say where it goes: -w WORKSPACE, or -o FOLDER"))
-    target = chosen("ros1" if workspace is not None else "plain")
-    place = workspace or output
-    assert place is not None
-    if workspace is not None and not workspace.is_dir():
-        hint = f"mkdir -p {workspace}/src"
-        where = Place(str(workspace))
-        raise EddiError(error("G007", "there is no such catkin workspace", where, hint))
+    target = chosen(platform or (DEFAULT_IN_FOLDER if workspace is None else DEFAULT))
+    place = destination(target, workspace, output)
     found = adopted(package, model, name)
     result = bring_in(found, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)

@@ -8,7 +8,14 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, ModelFile, Name, in_a_folder
+from eddi_scaffold.cli.options import (
+    DefaultGuarantees,
+    ModelFile,
+    Name,
+    PlatformName,
+    in_a_folder,
+)
+from eddi_scaffold.platforms import DEFAULT
 
 
 def answers(
@@ -27,7 +34,7 @@ def answers(
     ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
-    platform: Annotated[str, typer.Option(help="ros1 or plain.")] = "ros1",
+    platform: PlatformName = DEFAULT,
     workspace: Annotated[
         Path | None,
         typer.Option(

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import DefaultGuarantees, Json, NodeModels
+from eddi_scaffold.cli.options import PLATFORMS, DefaultGuarantees, Json, NodeModels
+from eddi_scaffold.platforms import DEFAULT
 
 
 def check(
@@ -21,8 +22,8 @@ def check(
     platform: Annotated[
         str | None,
         typer.Option(
-            help="ros1 or plain: can monitors be generated for it? By default, of what has a "
-            "configuration, for ros1."
+            help=f"{PLATFORMS}: can monitors be generated for it? By default, of what has a "
+            f"configuration, for {DEFAULT}."
         ),
     ] = None,
     as_json: Json = False,

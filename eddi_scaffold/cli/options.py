@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER
+from eddi_scaffold.platforms import names as platform_names
+
 
 def in_a_folder(path: Path | None) -> Path | None:
     """Refuse, before anything is done, a place for output whose folder is not there.
@@ -67,8 +70,14 @@ ConfigFiles = Annotated[
     list[Path] | None,
     typer.Option("-c", "--config", help="eddi_config.yml; repeat it for several monitors."),
 ]
-Workspace = Annotated[
-    Path, typer.Option("-w", "--workspace", help="Catkin workspace (it holds `src`).")
+PLATFORMS = " or ".join(platform_names())
+PlatformName = Annotated[str, typer.Option("--platform", help=f"{PLATFORMS}.")]
+PlatformOfPlace = Annotated[
+    str | None,
+    typer.Option(
+        "--platform",
+        help=f"{PLATFORMS}. By default {DEFAULT} with -w, {DEFAULT_IN_FOLDER} with -o.",
+    ),
 ]
 Name = Annotated[
     str | None, typer.Option("--name", help="Which model of the file, when it holds several.")

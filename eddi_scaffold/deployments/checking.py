@@ -20,14 +20,12 @@ from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.monitors.choosing import without_model
 from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
-from eddi_scaffold.platforms import Platform, chosen
+from eddi_scaffold.platforms import DEFAULT, Platform, chosen
 from eddi_scaffold.problems import EddiError, Problem, has_errors
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
 
 BY_HAND = "to be written by hand: "
-_OF_CONFIGS = "ros1"
-"""The platform that a configuration is for, unless another one is named."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ def check_files(
         default_guarantees: the marks of ``--default-guarantee``.
         robot: what models of a robot say beside the configurations.
         platform: where monitors are to run. By default, models with configurations are checked for
-            ROS 1, others by themselves.
+            the default platform, others by themselves.
 
     Raises:
         EddiError: there is no such platform.
@@ -66,7 +64,7 @@ def check_files(
         problems += [found for config in alone for found in _alone(config, target)]
     configs = [config for config in configs if config not in alone]
     if target is None and configs:
-        target = chosen(_OF_CONFIGS)
+        target = chosen(DEFAULT)
     return problems + _together(models, configs, target, default_guarantees)
 
 

@@ -125,8 +125,8 @@ def support(
     Who maintains a shared package was said when it was first generated, and stays.
     """
     present = existing(root)
-    template = f"{platform.name}_monitor"
-    names = {name for name, answers in present.items() if answers["template"] == template}
+    own = platform.templates.monitor
+    names = {name for name, answers in present.items() if answers["template"] == own}
     packages = platform.support(sorted(names | set(monitors)), config)
     return [
         PackageAnswers(

@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.loading import checked_models, read_models
 from eddi_scaffold.packages.assembly import rejoined, stored, support, wiring_with
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
-from eddi_scaffold.platforms import PackageAnswers, Platform, platforms
+from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import read_source
 
@@ -204,7 +204,7 @@ def _check_answers(package: Path, answers: dict[str, Any]) -> None:
 
 
 def _platform(answers: dict[str, Any]) -> Platform:
-    return platforms()[str(answers["template"]).partition("_")[0]]
+    return owner_of(str(answers["template"]))
 
 
 def model_id(answers: dict[str, Any]) -> str:

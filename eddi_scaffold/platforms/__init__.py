@@ -1,7 +1,8 @@
-"""Platforms: where a monitor runs. Each is one folder that offers ``PLATFORM``.
+"""Platforms: where a monitor runs. Each is one folder here, which offers ``PLATFORM`` of its name.
 
 A platform turns monitors (model + configuration) into the answers of whole packages. Platforms know
-neither each other nor a kind; what they need of a kind comes in as values.
+neither each other nor a kind; what they need of a kind comes in as values. Which platform a package
+belongs to is asked of the platforms: their names, and those of templates, are never taken apart.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import EddiError, error
@@ -22,6 +23,42 @@ if TYPE_CHECKING:
     from eddi_scaffold.monitors.binding import Monitor
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.regions.result import Orphan
+
+DEFAULT = "ros1"
+"""The platform that is meant where none is named: configurations connect a monitor to ROS 1."""
+DEFAULT_IN_FOLDER = "plain"
+"""The same where packages go to a folder that is no workspace."""
+
+
+@dataclass(frozen=True)
+class Templates:
+    """The folders of ``copier_templates`` that belong to one platform.
+
+    Attributes:
+        monitor: of the package of one monitor.
+        support: of the packages that all monitors share.
+    """
+
+    monitor: str
+    support: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A folder that a build tool knows, with packages from several sources.
+
+    Attributes:
+        title: what people call it.
+        root: folder of all our packages in it, POSIX form; its first part is that of the sources.
+    """
+
+    title: str
+    root: str
+
+    @property
+    def sources(self) -> str:
+        """Return the folder of all sources in it."""
+        return PurePosixPath(self.root).parts[0]
 
 
 @dataclass(frozen=True)
@@ -46,33 +83,59 @@ class Platform:
     """The functions that make a platform.
 
     Attributes:
-        name: as in ``--platform``.
-        root: folder of all packages, relative to the workspace or output folder.
+        name: as in ``--platform``, the name of its folder.
+        templates: what its packages are rendered from.
+        workspace: where its packages are built together; ``None``: each goes to any folder.
         needs_config: a monitor cannot be generated without a configuration.
         monitor: answers of the package of one monitor, and problems.
         support: answers of the packages that all monitors share; gets the names of every monitor
             package of the workspace, sorted, and who maintains them.
         taken_names: folder of all packages, or ``None`` -> names that would break the platform ->
             why.
+        next_steps: workspace or folder, and monitor packages -> shell commands that build and
+            start them.
     """
 
     name: str
-    root: str
+    templates: Templates
+    workspace: Workspace | None
     needs_config: bool
     monitor: Callable[[Monitor], tuple[PackageAnswers, list[Problem]]]
     support: Callable[[Sequence[str], Config | None], list[PackageAnswers]]
     taken_names: Callable[[Path | None], Mapping[str, str]]
+    next_steps: Callable[[Path, Sequence[str]], Sequence[str]]
+
+    @property
+    def root(self) -> str:
+        """Return the folder of all packages, relative to the workspace or output folder."""
+        return self.workspace.root if self.workspace is not None else ""
+
+    def owns(self, template: str) -> bool:
+        """Tell whether a template is one of this platform's."""
+        return template == self.templates.monitor or template in self.templates.support
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of all platforms, sorted, without loading one."""
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg))
 
 
 @cache
 def platforms() -> Mapping[str, Platform]:
     """Return every platform by name."""
-    found = (
-        importlib.import_module(f"{__name__}.{module.name}").PLATFORM
-        for module in pkgutil.iter_modules(__path__)
-        if module.ispkg
-    )
-    return {platform.name: platform for platform in sorted(found, key=lambda p: p.name)}
+    return {name: importlib.import_module(f"{__name__}.{name}").PLATFORM for name in names()}
+
+
+def owner_of(template: str) -> Platform:
+    """Return the platform of a package by the template that it was rendered from.
+
+    Raises:
+        KeyError: no platform has such a template.
+    """
+    for platform in platforms().values():
+        if platform.owns(template):
+            return platform
+    raise KeyError(template)
 
 
 def chosen(name: str) -> Platform:

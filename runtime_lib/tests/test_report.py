@@ -3,7 +3,7 @@
 import pytest
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.monitor import Standing
-from eddi_runtime.report import (
+from eddi_runtime.node.report import (
     ERROR,
     OK,
     STALE,

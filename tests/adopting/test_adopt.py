@@ -113,6 +113,17 @@ def test_a_dry_run_writes_nothing(old: Path) -> None:
     assert "+        self.RtE_A_E0 = RtE_E0.data and not" in result.out
 
 
+def test_the_platform_can_be_named(old: Path) -> None:
+    result = run("adopt", "old", "--platform", "plain", "-w", "ws", cwd=old.parent)
+    assert result.status == 2
+    assert "the platform plain needs -o FOLDER [G006]" in result.err
+    result = run("adopt", "old", "--platform", "plain", "-o", "out", cwd=old.parent)
+    assert result.status == 3, result.err
+    assert "self.RtE_A_E0 = RtE_E0.data and not" in (
+        old.parent / "out" / "conserta" / "EDDIInput.py"
+    ).read_text("utf-8")
+
+
 def test_crlf_and_stripped_blanks_change_nothing(old: Path) -> None:
     script = old / "scripts" / "EDDIInput.py"
     script.write_bytes(script.read_bytes().replace(b"\n", b"\r\n"))

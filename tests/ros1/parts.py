@@ -11,10 +11,13 @@ import eddi_messages.msg
 import rospy
 import std_msgs.msg
 from eddi_runtime.inputs import UNKNOWN_AGE
-from eddi_runtime.ros1 import Input, Output, health, schedule, settings, subscriptions
-from eddi_runtime.ros1.conversion import Converter, MessageError
-from eddi_runtime.ros1.publications import check_outputs as refuse_outputs
-from eddi_runtime.ros1.publications import picked
+from eddi_runtime.node import health, schedule, settings
+from eddi_runtime.node.conversion import MessageError
+from eddi_runtime.node.outputs import check_outputs as refuse_outputs
+from eddi_runtime.node.outputs import picked
+from eddi_runtime.ros1 import Input, Output
+from eddi_runtime.transports.ros1 import subscriptions
+from eddi_runtime.transports.ros1.conversion import converter
 
 
 def refused(function, *words):
@@ -33,7 +36,7 @@ def status(**changed):
 
 
 def check_messages_are_filled_completely_and_checked():
-    convert = Converter(eddi_messages.msg)
+    convert = converter(eddi_messages.msg)
     message = convert.message(status())
     assert message.guarantees[0].missing == ["E"]
     assert message.header.stamp.to_sec() > 1e9
@@ -62,7 +65,7 @@ class Beside:
 
 
 def check_one_value_of_a_message_is_published_alone():
-    convert = Converter(eddi_messages.msg)
+    convert = converter(eddi_messages.msg)
     tree = ("ConSertOutput", {"guarantees": [("Guarantee", {"id": "G", "active": True})]})
     field = ("guarantees", ("id", "G"), "active")
     output = Output("g", "/g", std_msgs.msg.Bool, field=field)
@@ -77,7 +80,7 @@ def check_one_value_of_a_message_is_published_alone():
 
 
 def check_messages_beside_the_result_have_topics_of_their_own():
-    convert = Converter(eddi_messages.msg)
+    convert = converter(eddi_messages.msg)
     fitting, wrong = eddi_messages.msg.ConSertOutput, eddi_messages.msg.Guarantee
     row = Output("g", "/g", fitting, of="status")
     old = Output("g", "/g", fitting, "/g/status", fitting)
@@ -90,7 +93,7 @@ def check_messages_beside_the_result_have_topics_of_their_own():
 
 
 def check_a_step_gives_several_messages_or_none():
-    convert = Converter(eddi_messages.msg)
+    convert = converter(eddi_messages.msg)
     trees = [("Guarantee", {"id": name, "active": False}) for name in "AB"]
     assert [message.id for message in convert.messages(trees)] == ["A", "B"]
     assert convert.messages(None) is None
@@ -138,7 +141,7 @@ def check_the_age_of_a_latched_message():
 
 
 def check_numbers():
-    convert = Converter(std_msgs.msg)
+    convert = converter(std_msgs.msg)
     assert convert.message(("Float64", {"data": 3})).data == 3.0
     assert convert.message(("Float32", {"data": float("inf")})).data == float("inf")
     for name, value in (("Float32", 1e39), ("Float64", "1"), ("Float64", True), ("Int8", 128)):

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import sys
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import pytest
+import yaml
 
 from tests.checkouts import HERE
 
+TEMPLATES = HERE / "copier_templates"
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 PACKAGES = sorted([*WORKSPACE.iterdir(), *(HERE / "tests" / "golden" / "plain").iterdir()])
 PLATFORM = {"rospy", "rostest", "catkin_pkg", "setuptools", "eddi_messages", "std_msgs"}
@@ -55,6 +58,16 @@ def test_every_file_is_editable_or_generated(package: Path) -> None:
     own = {name for name in files(package) if not name.startswith(".eddi/")}
     assert own == generated(package) | pristine(package) | {".copier-answers.yml"}
     assert not generated(package) & pristine(package)
+
+
+@packages
+def test_copier_leaves_editable_files_alone(package: Path) -> None:
+    """What `_skip_if_exists` of its template lists, no more and no less."""
+    template = yaml.safe_load((package / ".copier-answers.yml").read_text("utf-8"))["template"]
+    own = yaml.safe_load((TEMPLATES / template / "questions.yml").read_text("utf-8"))
+    patterns = [re.sub("{%.*?%}", "", pattern) for pattern in own["_skip_if_exists"]]
+    left = {n for n in files(package) if any(PurePath("/", n).match(one) for one in patterns)}
+    assert left == pristine(package)
 
 
 @packages

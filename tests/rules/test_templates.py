@@ -15,9 +15,15 @@ from jinja2 import Environment, meta, nodes
 from tests.checkouts import HERE
 
 TEMPLATES = HERE / "copier_templates"
-SHAPES = TEMPLATES / "shapes.jinja"
-"""What the validators of the questions share; it renders nothing."""
-FILES = sorted(path for path in TEMPLATES.rglob("*.jinja") if path.is_file() and path != SHAPES)
+ABOUT = sorted(TEMPLATES.glob("*/about.jinja"))
+"""What each template says of itself."""
+NO_OUTPUT = {TEMPLATES / "shapes.jinja", *ABOUT}
+"""Values for the questions: these render nothing."""
+FILES = sorted(
+    path for path in TEMPLATES.rglob("*.jinja") if path.is_file() and path not in NO_OUTPUT
+)
+SHARED = sorted(TEMPLATES.glob("questions/*.yml"))
+OWN = sorted(TEMPLATES.glob("*/questions.yml"))
 NAMES = sorted({part for path in TEMPLATES.rglob("*") for part in path.parts if "{" in part})
 TAGS = {"for", "endfor", "if", "else", "endif", "include", "raw", "endraw"}
 FILTERS = {
@@ -49,10 +55,15 @@ ANSWERS_FILE = "{{_copier_conf.answers_file}}.jinja"
 ids = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(TEMPLATES)))
 
 
+def asked_in(path: Path) -> dict[str, dict[str, object]]:
+    data = yaml.safe_load(path.read_text("utf-8"))
+    return {name: question for name, question in data.items() if not name.startswith("_")}
+
+
 @cache
 def questions() -> frozenset[str]:
-    data = yaml.safe_load((TEMPLATES / "questions.yml").read_text("utf-8"))
-    return frozenset(data) | {"_copier_conf", "_copier_answers"}
+    names = (name for path in (*SHARED, *OWN) for name in asked_in(path))
+    return frozenset(names) | {"_copier_conf", "_copier_answers"}
 
 
 @cache
@@ -92,8 +103,8 @@ def test_only_answers_are_seen(path: Path) -> None:
 
 
 def test_what_a_file_shows_is_checked() -> None:
-    asked = yaml.safe_load((TEMPLATES / "questions.yml").read_text("utf-8"))
-    free = {name for name, question in asked.items() if not {"validator", "choices"} & {*question}}
+    asked = [item for path in (*SHARED, *OWN) for item in asked_in(path).items()]
+    free = {name for name, question in asked if not {"validator", "choices"} & {*question}}
     assert free == {"config_json", "default_guarantees"}, "only our own commands read these"
     seen = [
         meta.find_undeclared_variables(environment().parse(p.read_text("utf-8"))) for p in FILES
@@ -101,15 +112,52 @@ def test_what_a_file_shows_is_checked() -> None:
     assert not free & set().union(*seen)
 
 
+def test_copier_reads_every_file_of_questions() -> None:
+    settings = (HERE / "copier.yml").read_text("utf-8")
+    patterns = re.findall(r"^!include (\S+)$", settings, re.MULTILINE)
+    found = [path for pattern in patterns for path in HERE.glob(pattern)]
+    assert sorted(found) == sorted([*SHARED, *OWN])
+
+
+def test_a_question_stands_in_one_file() -> None:
+    """Copier would take the last one of a name, in the order of the disk."""
+    names = [name for path in (*SHARED, *OWN) for name in asked_in(path)]
+    assert len(names) == len(set(names))
+
+
+def test_only_its_own_files_name_a_template() -> None:
+    """A new platform adds files, and changes none."""
+    names = [path.parent.name for path in ABOUT]
+    for path in [*SHARED, HERE / "copier.yml", *TEMPLATES.glob("*.jinja")]:
+        assert not [name for name in names if name in path.read_text("utf-8")], path
+    for path in OWN:
+        others = {*names} - {path.parent.name}
+        text = path.read_text("utf-8")
+        assert not [name for name in others if name in text], path
+        settings = yaml.safe_load(text)
+        conditions = [question["when"] for question in asked_in(path).values()]
+        conditions += settings.get("_skip_if_exists", []) + settings.get("_exclude", [])
+        here = f"template == '{path.parent.name}'"
+        assert all(here in str(condition) for condition in conditions), path
+
+
+def test_a_template_asks_groups_that_there_are() -> None:
+    groups = {
+        group
+        for path in SHARED
+        for question in asked_in(path).values()
+        for group in re.findall(r"'(\w+)' in about.asks", str(question.get("when")))
+    }
+    asked = {path: environment().from_string(path.read_text("utf-8")).module for path in ABOUT}
+    assert groups == {group for about in asked.values() for group in about.asks}
+
+
 @ids
 def test_a_condition_is_a_flag(path: Path) -> None:
-    """A name, the end of a loop, or which template it is."""
+    """A name, or the end of a loop."""
     for node in environment().parse(path.read_text("utf-8")).find_all(nodes.If):
         test = node.test.node if isinstance(node.test, nodes.Not) else node.test
-        if isinstance(test, nodes.Compare):
-            assert test.expr == nodes.Name("template", "load")
-            assert isinstance(test.ops[0].expr, nodes.Const)
-        elif isinstance(test, nodes.Getattr):
+        if isinstance(test, nodes.Getattr):
             assert test == nodes.Getattr(nodes.Name("loop", "load"), "last", "load")
         else:
             assert isinstance(test, nodes.Name)

@@ -5,18 +5,21 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from shlex import quote
 
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import InputBinding, Monitor
-from eddi_scaffold.platforms import PackageAnswers, Platform
+from eddi_scaffold.platforms import PackageAnswers, Platform, Templates
 from eddi_scaffold.problems import Problem
+
+_TEMPLATES = Templates("plain_monitor")
 
 
 def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
-    answers = shared_answers(monitor, "plain_monitor")
+    answers = shared_answers(monitor, _TEMPLATES.monitor)
     answers["description_literal"] = toml_text(answers["description"])
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
@@ -45,11 +48,17 @@ def _taken_names(_root: Path | None) -> Mapping[str, str]:
     return {**modules, **words, **startup, "numpy": "it would hide numpy"}
 
 
+def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
+    return [f"pip install {quote(str(place / monitors[0]))}"]
+
+
 PLATFORM = Platform(
     name="plain",
-    root="",
+    templates=_TEMPLATES,
+    workspace=None,
     needs_config=False,
     monitor=_monitor,
     support=_support,
     taken_names=_taken_names,
+    next_steps=_next_steps,
 )

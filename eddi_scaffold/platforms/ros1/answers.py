@@ -15,6 +15,8 @@ from eddi_scaffold.monitors.answers import identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
 from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.platforms.ros1 import templates
+from eddi_scaffold.platforms.ros1.names import LAUNCHER, METAPACKAGE, RUNTIME
 from eddi_scaffold.platforms.ros1.outputs import publication_answers, rows
 from eddi_scaffold.problems import Problem, error
 
@@ -31,7 +33,7 @@ def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
     heard = [source.type for source in config.SimulatorOutputs if _used(monitor, source.id)]
     classes = _class_names([*heard, *(p.type for p in published if p.path)])
     classes |= {p.type: p.type.replace("/", ".msg.") for p in published if not p.path}
-    answers = shared_answers(monitor, "ros1_monitor")
+    answers = shared_answers(monitor, templates.MONITOR)
     answers["message_packages"] = sorted(
         {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     )
@@ -78,25 +80,25 @@ def support_answers(monitors: Sequence[str], config: Config | None) -> list[Pack
 
     return [
         package(
-            "ros1_messages",
+            templates.MESSAGES,
             MESSAGE_PACKAGE,
             "Messages of the EDDI runtime monitors",
             messages=messages,
             message_packages=packages_of(texts.values()),
         ),
         package(
-            "ros1_metapackage",
-            "eddi_monitor",
+            templates.METAPACKAGE,
+            METAPACKAGE,
             "All EDDI runtime monitors of this workspace",
             monitors=listed,
         ),
         package(
-            "ros1_launcher",
-            "eddi_monitor_launcher",
+            templates.LAUNCHER,
+            LAUNCHER,
             "Launch file that starts every EDDI runtime monitor of this workspace",
             monitors=listed,
         ),
-        package("ros1_runtime", "eddi_runtime", "Runtime library of the EDDI monitors"),
+        package(templates.RUNTIME, RUNTIME, "Runtime library of the EDDI monitors"),
     ]
 
 

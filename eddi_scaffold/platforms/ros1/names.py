@@ -14,10 +14,13 @@ from pathlib import Path, PurePosixPath
 import rospkg
 
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.regions.files import LINK, entries
 
 RUNTIME = "eddi_runtime"
-OWN = ("eddi_monitor", "eddi_messages", "eddi_monitor_launcher", RUNTIME)
+METAPACKAGE = "eddi_monitor"
+LAUNCHER = "eddi_monitor_launcher"
+OWN = (METAPACKAGE, MESSAGE_PACKAGE, LAUNCHER, RUNTIME)
 _IMPORTED_BY_ROSPY = (
     "catkin", "catkin_pkg", "defusedxml", "diagnostic_msgs", "genmsg", "genpy", "numpy", "rosclean",
     "rosgraph", "rosgraph_msgs", "roscpp", "roslaunch", "roslib", "roslz4", "rosmaster", "rosnode",

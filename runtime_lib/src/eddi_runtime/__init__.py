@@ -1,7 +1,7 @@
 """Runtime monitors generated from Executable Digital Dependability Identities (SESAME D7.2).
 
 ``load("config/model.json")`` compiles a model and returns its monitor; ``execute_step`` evaluates
-it once. Pure Python 3.8; only ``eddi_runtime.ros1`` knows ROS.
+it once. Pure Python 3.8; only the parts below ``eddi_runtime.transports`` know ROS.
 """
 
 from .access import by_id, by_key, by_name, joined

@@ -50,6 +50,7 @@ class Standing(NamedTuple):
 
 
 _FOLDER = [str(Path(__file__).parent)]
+_NO_KINDS = frozenset(["node", "transports"])
 
 
 class Monitor(Protocol):

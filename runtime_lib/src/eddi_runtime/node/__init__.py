@@ -1,0 +1,4 @@
+"""What the node of a monitor needs on any transport; nothing here knows one.
+
+Adapters are in ``eddi_runtime.transports``.
+"""

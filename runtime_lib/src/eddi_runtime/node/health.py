@@ -1,0 +1,272 @@
+"""Facts about the steps of one monitor: logged when they change, kept for the diagnostics."""
+
+import time
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from .logs import LOG
+from .receipts import Receipt
+from .report import (
+    FRESH,
+    INVALID,
+    LATCHED,
+    NEVER,
+    OK,
+    WAITING,
+    InputFact,
+    MonitorFact,
+    NodeFact,
+    Report,
+    SourceFact,
+    level_of,
+    report,
+)
+
+_KNOWN = (FRESH, LATCHED)
+_ERROR_GAP_S = 1.0  # at most one error line per second and input
+_CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
+_REFRESH_S = 0.5  # reasons cost more than a step: no older than this, or than a change of a state
+
+
+class _Seen(NamedTuple):
+    """The last step, replaced as a whole: the diagnostics thread needs no lock.
+
+    Attributes:
+        at: monotonic seconds of its begin.
+        states: of each input: one of the states of a report, and the reason.
+        receipts: what had been received.
+        error: an exception of the step, else empty.
+    """
+
+    at: float
+    states: Tuple[Tuple[str, str], ...] = ()
+    receipts: Mapping[str, Receipt] = {}
+    error: str = ""
+
+
+class _Reasons(NamedTuple):
+    """What the monitor said when it was asked last.
+
+    Attributes:
+        at: monotonic seconds.
+        kinds: states of the inputs then.
+        blocks: input id -> what it blocks.
+        monitor: what it made of its inputs.
+    """
+
+    at: float = -_REFRESH_S
+    kinds: Optional[Tuple[str, ...]] = None
+    blocks: Mapping[str, Sequence[str]] = {}
+    monitor: MonitorFact = MonitorFact()
+
+
+class Health:
+    """What the loop notes after each step and the diagnostics thread reads.
+
+    The loop replaces whole values and never changes one in place, so no lock is needed.
+
+    Args:
+        monitor: the runtime monitor (``inputs``, ``faults()``, ``blocked()``, ``standings()``).
+        eddi_input: the generated EDDIInput (``states``).
+        period: seconds between two steps.
+        startup_grace: seconds from the first step in which inputs may wait for their first message.
+    """
+
+    def __init__(
+        self, monitor: Any, eddi_input: Any, period: float, startup_grace: float = 0.0
+    ) -> None:
+        self._monitor = monitor
+        self._eddi_input = eddi_input
+        self._period = period
+        self._grace = startup_grace
+        self._inputs: Tuple[Any, ...] = tuple(monitor.inputs)
+        self._seen = _Seen(time.monotonic())
+        self._reasons = _Reasons()
+        self._errors: Dict[str, int] = {}
+        self._logged: Dict[str, Tuple[str, float]] = {}
+        self._level = OK
+        self._steps = 0
+        self._first_step: Optional[float] = None
+        self._last_step = time.monotonic()
+        self._longest = 0.0
+        self._reported_overruns = 0
+
+    def after_step(self, receipts: Mapping[str, Receipt], error: str, duration: float) -> bool:
+        """Note a finished step; ``True`` when the level of the inputs changed.
+
+        Args:
+            receipts: what had been received when the step began.
+            error: exception of the step, else empty.
+            duration: seconds.
+        """
+        now = time.monotonic()
+        if self._first_step is None:
+            self._first_step = now
+        self._steps += 1
+        self._last_step = now
+        self._longest = max(self._longest, duration)
+        states = self._input_states(receipts, waiting=now - self._first_step < self._grace)
+        for spec, (state, reason) in zip(self._inputs, states):
+            if state == INVALID:
+                self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
+            self._log_input(spec.id, reason if state == INVALID else "")
+        kinds = tuple(state for state, _ in states)
+        if kinds != self._reasons.kinds or now - self._reasons.at >= _REFRESH_S:
+            self._reasons = self._ask(now, kinds)
+        self._seen = _Seen(now - duration, states, receipts, error)
+        before = self._level
+        self._level = level_of(kinds, error, self._reasons.monitor.accepted)
+        return self._level != before
+
+    def _ask(self, now: float, kinds: Tuple[str, ...]) -> _Reasons:
+        unknown = [spec.id for spec, kind in zip(self._inputs, kinds) if kind not in _KNOWN]
+        fact = MonitorFact(tuple(self._monitor.standings()), tuple(self._monitor.accepted()))
+        return _Reasons(now, kinds, dict(self._monitor.blocked(unknown)), fact)
+
+    def log_error(self, about: str, reason: str, trace: str = "") -> None:
+        """Log an error once per change of its reason, throttled; an empty reason ends it."""
+        last, at = self._logged.get(about, ("", -_ERROR_GAP_S))
+        if reason == last:
+            return  # also the usual case: nothing wrong before, nothing wrong now
+        now = time.monotonic()
+        if not reason:
+            self._logged[about] = ("", at)
+        elif now - at >= _ERROR_GAP_S:
+            self._logged[about] = (reason, now)
+            LOG.error("%s: %s%s", about, reason, "\n" + trace.rstrip() if trace else "")
+
+    def _log_input(self, name: str, reason: str) -> None:
+        about = f"input {name}"
+        if reason or about in self._logged:
+            state = self._eddi_input.states.get(name)
+            self.log_error(about, reason, getattr(state, "detail", ""))
+
+    def _input_states(
+        self, receipts: Mapping[str, Receipt], *, waiting: bool
+    ) -> Tuple[Tuple[str, str], ...]:
+        faults = self._monitor.faults()
+        found: List[Tuple[str, str]] = []
+        for spec in self._inputs:
+            known = self._eddi_input.states.get(spec.id)
+            state, reason = (NEVER, "") if known is None else (known.state, known.reason)
+            if spec.id in faults and state in (FRESH, INVALID):
+                state, reason = INVALID, faults[spec.id] if state == FRESH else reason
+            elif state == FRESH and _latched(spec, receipts):
+                state = LATCHED
+            elif state == NEVER and waiting:
+                state = WAITING
+            found.append((state, reason))
+        return tuple(found)
+
+    def collect(
+        self,
+        *,
+        identity: Mapping[str, str],
+        receipts: Mapping[str, Receipt],
+        overruns: int,
+        master: str,
+        wrong_types: Sequence[str],
+        periodic: bool,
+        topics: Mapping[str, str],
+    ) -> Report:
+        """Return the present report; called by the diagnostics thread.
+
+        Args:
+            identity: pairs that never change.
+            receipts: what has been received.
+            overruns: steps that were left out so far.
+            master: state of the watchdog.
+            wrong_types: topics whose publisher sends another type, as sentences.
+            periodic: it is not a report because of a new level.
+            topics: id of a source -> full name of its topic.
+        """
+        now = time.monotonic()
+        seen, reasons = self._seen, self._reasons
+        facts = [
+            self._fact(spec, state, receipts, now)._replace(
+                blocks=tuple(reasons.blocks.get(spec.id, ())) if state[0] != FRESH else (),
+                sources=_sources(spec, seen, topics),
+            )
+            for spec, state in zip(self._inputs, seen.states)
+        ]
+        silent = now - self._last_step
+        node = NodeFact(
+            steps=self._steps,
+            overruns=overruns,
+            recent_overruns=overruns - self._reported_overruns,
+            longest_step=self._longest,
+            error=seen.error,
+            master=master,
+            wrong_types=tuple(wrong_types),
+            silent_for=silent if silent > max(1.0, 3 * self._period) else None,
+        )
+        if periodic:
+            self._reported_overruns = overruns
+        return report(identity, facts, reasons.monitor, node)
+
+    def _fact(
+        self, spec: Any, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
+    ) -> InputFact:
+        here = [receipts[name] for name in spec.requires if name in receipts]
+        whole = len(here) == len(spec.requires)
+        return InputFact(
+            id=spec.id,
+            state=state[0],
+            reason=state[1],
+            age=max(now - receipt.at for receipt in here) if here else None,
+            received=min((receipt.received for receipt in here), default=0) if whole else 0,
+            errors=self._errors.get(spec.id, 0),
+            limit=spec.max_age,
+        )
+
+
+def _sources(spec: Any, seen: _Seen, topics: Mapping[str, str]) -> Tuple[SourceFact, ...]:
+    """Return the topics of an input, with the ages that they had in the step."""
+    ages = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
+    return tuple(SourceFact(topics.get(name, name), ages.get(name)) for name in spec.requires)
+
+
+def _latched(spec: Any, receipts: Mapping[str, Receipt]) -> bool:
+    return any(name in receipts and receipts[name].latched for name in spec.requires)
+
+
+class Changes:
+    """Logs which guarantees became active or inactive, at most 20 lines per second."""
+
+    def __init__(self) -> None:
+        self._last: Optional[Dict[str, bool]] = None
+        self._output: object = None
+        self._window = -1.0
+        self._lines = 0
+
+    def note(self, output: object) -> None:
+        """Compare an output with the one before; outputs of other shapes are passed over."""
+        if output == self._output:
+            return
+        self._output = output
+        now = activity(output)
+        before, self._last = self._last, now
+        for name, active in now.items():
+            if before is not None and before.get(name, active) is not active:
+                self._say(name, active)
+
+    def _say(self, name: str, active: bool) -> None:
+        second = time.monotonic()
+        if second - self._window >= 1.0:
+            hidden = self._lines - _CHANGES_PER_S
+            self._window, self._lines = second, 0
+            if hidden > 0:
+                LOG.info("%d more changes of guarantees were not logged", hidden)
+        self._lines += 1
+        if self._lines <= _CHANGES_PER_S:
+            LOG.info("%s is now %s", name, "active" if active else "inactive")
+
+
+def activity(output: object) -> Dict[str, bool]:
+    """Return id -> active of an output that is a list of ``{"id", "active"}``, else nothing."""
+    if not isinstance(output, (list, tuple)):
+        return {}
+    return {
+        str(item["id"]): bool(item["active"])
+        for item in output
+        if isinstance(item, dict) and "id" in item and "active" in item
+    }

@@ -1,0 +1,71 @@
+"""The log of this process, written by a thread of its own so that no line can stop a monitor.
+
+A transport may ask others before it writes a line, or write to a pipe that somebody has to read;
+when they hang, the loop of the monitor would otherwise end at its next line.
+"""
+
+import collections
+import threading
+import time
+from typing import Callable, Deque, Mapping, Tuple
+
+from .schedule import Waker
+
+_KEPT = 500
+_Line = Tuple[str, str, Tuple[object, ...]]
+Writers = Mapping[str, Callable[..., None]]
+"""Level (``info``, ``warn``, ``error``) -> writes a text with its values, as ``logging`` does."""
+
+
+class Log:
+    """Keeps lines until the thread has written them; the oldest are dropped when it hangs."""
+
+    def __init__(self) -> None:
+        # Appending to a deque takes no lock, so a signal handler may log as well.
+        self._lines: Deque[_Line] = collections.deque(maxlen=_KEPT)
+        self._waker = Waker()
+        self._busy = False
+        self._dropped = 0
+
+    def start(self, write: Writers) -> None:
+        """Begin to write; what was said before is written now."""
+        threading.Thread(target=self._run, args=[write], name="log", daemon=True).start()
+
+    def info(self, text: str, *values: object) -> None:
+        """Write a line for the record."""
+        self._put("info", text, values)
+
+    def warn(self, text: str, *values: object) -> None:
+        """Write that something needs attention."""
+        self._put("warn", text, values)
+
+    def error(self, text: str, *values: object) -> None:
+        """Write that something is broken."""
+        self._put("error", text, values)
+
+    def flush(self, seconds: float) -> None:
+        """Wait until everything is written, but not longer than this."""
+        end = time.monotonic() + seconds
+        while (self._lines or self._busy) and time.monotonic() < end:
+            time.sleep(0.005)
+
+    def _put(self, level: str, text: str, values: Tuple[object, ...]) -> None:
+        self._dropped += len(self._lines) == _KEPT
+        self._lines.append((level, text, values))
+        self._waker.wake()
+
+    def _run(self, write: Writers) -> None:
+        while True:
+            self._waker.wait(threading.TIMEOUT_MAX)
+            self._busy = True
+            while self._lines:
+                level, text, values = self._lines.popleft()
+                write[level](text, *values)
+            if self._dropped:
+                dropped, self._dropped = self._dropped, 0
+                write["warn"]("%d log lines were dropped", dropped)
+            self._busy = False
+
+
+LOG = Log()
+"""One per process."""

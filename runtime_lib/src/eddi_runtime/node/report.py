@@ -1,0 +1,257 @@
+"""What the diagnostics say about one monitor: pure functions from facts to levels and words.
+
+Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" are said of when a
+message came, "satisfied" and "good" only of evidence that speaks for a guarantee.
+"""
+
+from __future__ import annotations
+
+from typing import Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+from ..inputs import UNKNOWN_AGE
+from ..monitor import Standing
+
+OK, WARN, ERROR, STALE = 0, 1, 2, 3
+"""Levels of ``diagnostic_msgs/DiagnosticStatus``."""
+
+FRESH, LATCHED, WAITING, NEVER, LATE, INVALID = (
+    "ok", "latched", "waiting", "missing", "stale", "invalid",
+)  # fmt: skip
+"""States of an input, as they are published."""
+
+_ORDER = (ERROR, STALE, WARN, OK)
+_LEVEL_OF_STATE = {
+    FRESH: OK,
+    LATCHED: WARN,
+    WAITING: WARN,
+    NEVER: ERROR,
+    LATE: STALE,
+    INVALID: ERROR,
+}
+_NAMED = 5
+"""Inputs that the line of one guarantee names."""
+
+
+class SourceFact(NamedTuple):
+    """One topic that an input is made of.
+
+    Attributes:
+        topic: with its full name.
+        age: of its last message in seconds; ``UNKNOWN_AGE``: it was latched; ``None``: none came.
+    """
+
+    topic: str
+    age: Optional[float]
+
+
+class InputFact(NamedTuple):
+    """One input at the last step.
+
+    Attributes:
+        id: of the input.
+        state: one of those above.
+        reason: what is known of it beside its sources, such as why it is invalid, else empty.
+        age: seconds since the oldest message it needs, ``None`` without one.
+        received: messages so far, of the required topic with the fewest.
+        errors: steps so far in which it was invalid.
+        blocks: ids of the guarantees that are inactive because of it.
+        limit: its ``max_age``: seconds, ``none`` (it may be of any age on purpose), or ``None``.
+        sources: the topics that it is made of.
+    """
+
+    id: str
+    state: str
+    reason: str = ""
+    age: Optional[float] = None
+    received: int = 0
+    errors: int = 0
+    blocks: Tuple[str, ...] = ()
+    limit: Union[float, str, None] = None
+    sources: Tuple[SourceFact, ...] = ()
+
+
+class MonitorFact(NamedTuple):
+    """What the monitor made of its inputs in the last step.
+
+    Attributes:
+        standings: every guarantee, threshold or event, active or not.
+        accepted: acceptances in use, as ``input: key``.
+    """
+
+    standings: Tuple[Standing, ...] = ()
+    accepted: Tuple[str, ...] = ()
+
+
+class NodeFact(NamedTuple):
+    """The node around the monitor.
+
+    Attributes:
+        steps: steps so far.
+        overruns: steps that were left out because an earlier one was late.
+        recent_overruns: the same since the last periodic report.
+        longest_step: seconds.
+        error: an exception of the last step or of the output, else empty.
+        master: state of the watchdog.
+        wrong_types: topics whose publisher sends another type, as sentences.
+        silent_for: seconds without a step when that is far too long, else ``None``.
+    """
+
+    steps: int
+    overruns: int
+    recent_overruns: int
+    longest_step: float
+    error: str
+    master: str
+    wrong_types: Tuple[str, ...]
+    silent_for: Optional[float] = None
+
+
+class Report(NamedTuple):
+    """One diagnostic status: level, short text, key and value pairs."""
+
+    level: int
+    message: str
+    values: Tuple[Tuple[str, str], ...]
+
+
+def worst(levels: Sequence[int]) -> int:
+    """Return the worst level in the order ERROR, STALE, WARN, OK."""
+    return min(levels, key=_ORDER.index, default=OK)
+
+
+def level_of(states: Sequence[str], error: str, accepted: Sequence[str] = ()) -> int:
+    """Return the level of input states, the error of a step (empty: none) and acceptances."""
+    levels = [_LEVEL_OF_STATE[state] for state in states]
+    return worst([*levels, ERROR if error else OK, WARN if accepted else OK])
+
+
+def report(
+    identity: Mapping[str, str],
+    inputs: Sequence[InputFact],
+    monitor: MonitorFact,
+    node: NodeFact,
+) -> Report:
+    """Put the facts into one status.
+
+    Args:
+        identity: pairs that never change (digest, versions).
+        inputs: every input in the order of the model.
+        monitor: what it made of them.
+        node: the rest.
+    """
+    findings = [*_of_inputs(inputs), *_of_node(node)]
+    findings += [(WARN, f"accepted: {text}") for text in monitor.accepted]
+    findings.sort(key=lambda finding: _ORDER.index(finding[0]))
+    by_id = {fact.id: fact for fact in inputs}
+    values = list(identity.items())
+    values += [_standing_value(one, by_id) for one in monitor.standings]
+    for fact in inputs:
+        values += _input_values(fact)
+    values += [(f"accepted.{k}", text) for k, text in enumerate(monitor.accepted)]
+    values += _node_values(node)
+    return Report(
+        worst([level for level, _ in findings]),
+        "; ".join(text for _, text in findings) or "all inputs are up to date",
+        tuple(values),
+    )
+
+
+def because(fact: InputFact) -> str:
+    """Say in one line why an input is not fresh, with the topics that are to blame."""
+    if fact.state == LATCHED:
+        return "age unknown"
+    if fact.state not in (WAITING, NEVER, LATE):
+        return fact.reason
+    said = []
+    absent = ", ".join(one.topic for one in fact.sources if one.age is None)
+    if absent and fact.state == WAITING:
+        said.append(f"waiting for first message of {absent}")
+    elif absent:
+        said.append(f"never received since start: {absent}")
+    said += [_late(one, fact.limit) for one in fact.sources if _is_late(one, fact.limit)]
+    return ", ".join(said) or fact.reason
+
+
+def _is_late(source: SourceFact, limit: Union[float, str, None]) -> bool:
+    if source.age is None or limit is None or isinstance(limit, str):
+        return False
+    return not source.age <= limit
+
+
+def _late(source: SourceFact, limit: Union[float, str, None]) -> str:
+    if source.age == UNKNOWN_AGE:
+        return f"{source.topic} was latched, its age is not known"
+    return f"{source.topic} is late, {source.age:.3g} s old, the limit is {limit:g} s"
+
+
+def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
+    """Return ``active``, or ``inactive`` with the reason in one line.
+
+    Args:
+        one: a guarantee, threshold or event.
+        inputs: input id -> what is known of it.
+    """
+    said = [one.reason] if one.reason else []
+    for name, why in one.lacks[:_NAMED]:
+        fact = inputs.get(name)
+        told = "" if fact is None or fact.state == FRESH else because(fact)
+        said.append(f"{name}: {told or why}")
+    if len(one.lacks) > _NAMED:
+        said.append(f"and {len(one.lacks) - _NAMED} more inputs")
+    return ": ".join(["active" if one.active else "inactive", *(["; ".join(said)] if said else ())])
+
+
+def _standing_value(one: Standing, inputs: Mapping[str, InputFact]) -> Tuple[str, str]:
+    key = f"{one.what}.{one.id}" if one.what else one.id
+    return key, standing_text(one, inputs)
+
+
+def _of_inputs(inputs: Sequence[InputFact]) -> Iterator[Tuple[int, str]]:
+    for fact in inputs:
+        if fact.state != FRESH:
+            yield _LEVEL_OF_STATE[fact.state], _sentence(fact)
+
+
+def _of_node(node: NodeFact) -> Iterator[Tuple[int, str]]:
+    yield from ((ERROR, text) for text in node.wrong_types)
+    if node.error:
+        yield ERROR, node.error
+    if node.silent_for is not None:
+        yield ERROR, f"no step for {node.silent_for:.1f} s"
+    if node.recent_overruns:
+        yield WARN, f"{node.recent_overruns} steps left out"
+    if node.master == "lost":
+        yield WARN, "ROS master lost"
+
+
+def _sentence(fact: InputFact) -> str:
+    reason = because(fact)
+    if fact.state == LATCHED:
+        text = f"{fact.id} latched, {reason}"
+    else:
+        text = f"{fact.id} {fact.state}" + (f": {reason}" if reason else "")
+    return text + (f" (blocks {', '.join(fact.blocks)})" if fact.blocks else "")
+
+
+def _input_values(fact: InputFact) -> Iterator[Tuple[str, str]]:
+    yield fact.id, fact.state
+    yield f"{fact.id}.age_s", "" if fact.age is None else f"{fact.age:.3f}"
+    yield f"{fact.id}.received", str(fact.received)
+    yield f"{fact.id}.errors", str(fact.errors)
+    if fact.limit == "none":
+        yield f"{fact.id}.max_age", "no limit"
+    if fact.blocks:
+        yield f"{fact.id}.blocks", ", ".join(fact.blocks)
+    if fact.state != FRESH and (reason := because(fact)):
+        yield f"{fact.id}.reason", reason
+
+
+def _node_values(node: NodeFact) -> List[Tuple[str, str]]:
+    values = [
+        ("steps", str(node.steps)),
+        ("overruns", str(node.overruns)),
+        ("longest_step_ms", f"{node.longest_step * 1e3:.3f}"),
+        ("master", node.master),
+    ]
+    values += [(f"wrong_type.{index}", text) for index, text in enumerate(node.wrong_types)]
+    return values + ([("error", node.error)] if node.error else [])

@@ -1,0 +1,1 @@
+"""One folder for each transport: the only parts of the runtime that import its libraries."""

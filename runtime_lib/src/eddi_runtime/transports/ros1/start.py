@@ -1,0 +1,106 @@
+"""Everything before the node registers: its name, the master, its parameters, the model file.
+
+A start that cannot work ends here, so that the ROS graph never sees a broken node.
+"""
+
+import sys
+import time
+from pathlib import Path
+from typing import Any, Dict, Optional, Sequence
+
+import rosgraph
+import rosgraph.names
+import rospy
+import rospy.client
+import rospy.names
+
+from ...places import NoModelFileError, find_model
+from .master import Peer, Refused, Unreachable, answers_as
+
+_POLL_S = 0.2
+
+
+class StartError(Exception):
+    """The node must not start; the text says why and is meant for a person."""
+
+
+def node_name(name: str) -> str:
+    """Return the full node name after ``__name``, ``__ns`` and ROS_NAMESPACE."""
+    given = rospy.names.get_mappings().get("__name", name)
+    # The same call as in rospy.init_node, which has not run yet.
+    return str(rosgraph.names.resolve_name(given, rospy.names.get_caller_id()))
+
+
+def wait_for_master(node: str) -> Peer:
+    """Return the master as soon as it answers; one line on stderr when that takes long."""
+    uri = rosgraph.get_master_uri()
+    if not str(uri).startswith(("http://", "https://")):
+        raise StartError(f"ROS_MASTER_URI is no http address: {uri}")
+    master = Peer(uri, node)
+    told = False
+    while True:
+        try:
+            master.call("getPid")
+        except Refused:  # noqa: PERF203 - waits anyway
+            return master
+        except Unreachable as error:
+            if not told:
+                told = True
+                _say(node, f"the ROS master does not answer, waiting for it ({error})")
+            time.sleep(_POLL_S)
+        else:
+            if told:
+                _say(node, "the ROS master answers")
+            return master
+
+
+def refuse_duplicate(master: Peer, node: str) -> None:
+    """Refuse to start while a living node has our name.
+
+    The master would shut the other one down, with respawn on both sides for ever in turns.
+
+    Raises:
+        StartError: with the address of the other node.
+    """
+    try:
+        uri = master.uri_of(node)
+    except Unreachable:
+        return
+    if uri is not None and answers_as(uri, node, node):
+        raise StartError(f"a node with the name {node} is running at {uri}; nothing was started")
+
+
+def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str, Any]:
+    """Return the private parameters: the master's, then those of the command line."""
+    try:
+        given = master.call("getParam", node)
+    except (Refused, Unreachable):
+        given = {}
+    parameters: Dict[str, Any] = dict(given) if isinstance(given, dict) else {}
+    try:
+        parameters.update(rospy.client.load_command_line_node_params(list(argv)))
+    except rospy.ROSInitException as error:
+        raise StartError(str(error)) from error
+    return parameters
+
+
+def model_file(given: Optional[str], script_file: str, package: str) -> Path:
+    """Return the model file: the parameter's, or the one of the script's package.
+
+    Raises:
+        StartError: with every path that was tried.
+    """
+    if given is None:
+        try:
+            return find_model(script_file, package)
+        except NoModelFileError as error:
+            raise StartError(str(error)) from error
+    if not Path(given).is_file():
+        raise StartError(f"no model file: {given}")
+    return Path(given)
+
+
+def _say(node: str, text: str) -> None:
+    # rospy's log goes nowhere before init_node.
+    sys.stderr.write(f"{node}: {text}\n")
+    sys.stderr.flush()

@@ -1,0 +1,196 @@
+"""Looks at the ROS master every few seconds, in a thread of its own.
+
+A rospy node registers once. When roscore is restarted the node stays unknown for ever and nobody
+says so. The watchdog notices it and registers the node again, or ends the process so that
+``respawn`` brings it back. It also finds a second node of the same name and publishers whose
+message type does not fit.
+"""
+
+import logging
+import threading
+import time
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import rospy
+import rospy.impl.registration
+
+from ...node.logs import LOG
+from .ending import MASTER_LOST, TAKEN_OVER
+from .master import Peer, Refused, Unreachable, answers_as
+
+OK, LOST, REREGISTERED, UNWATCHED = "ok", "lost", "re-registered", "not watched"
+_ATTEMPTS = 3
+_REFUSALS = ("md5sum", "types do not match")
+
+
+class TypeRefusals(logging.Handler):
+    """Hears when a publisher refuses our subscription because of its message type.
+
+    rospy writes that into its log file only. The connecting thread has the name of the topic.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(logging.ERROR)
+        self.heard: Dict[str, Tuple[float, str]] = {}
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep the reason of a refused connection."""
+        text = record.getMessage()
+        if text.startswith("unable to create subscriber") and any(x in text for x in _REFUSALS):
+            reason = text.partition("remote error reported: ")[2] or text
+            topic = str(record.threadName)
+            known = self.heard.get(topic)
+            self.heard[topic] = (time.monotonic(), reason)
+            if known is None or known[1] != reason:  # rospy tries again for ever
+                LOG.error("the publisher of %s refuses this node: %s", topic, reason)
+
+    def standing(self, topic: str, last_receipt: Optional[float]) -> Optional[str]:
+        """Return why the publisher of a topic refuses us, ``None`` once a message came since."""
+        known = self.heard.get(topic)
+        if known is None or (last_receipt is not None and last_receipt > known[0]):
+            return None
+        return known[1]
+
+    def install(self) -> None:
+        """Begin to listen."""
+        logging.getLogger("rospy.internal").addHandler(self)
+
+
+class Watchdog:
+    """Compares what the master knows with what this node is.
+
+    Args:
+        master_uri: address of the ROS master.
+        period: seconds between two looks.
+        reregister: register again at a new master; otherwise end the process.
+        expected: returns resolved topic -> (input id, ROS type name) of all subscriptions.
+        end: called with an exit status and a reason when the process must end.
+        changed: called whenever ``state`` or ``wrong_types`` changed.
+    """
+
+    def __init__(
+        self,
+        master_uri: str,
+        period: float,
+        *,
+        reregister: bool,
+        expected: Callable[[], Dict[str, Tuple[str, str]]],
+        end: Callable[[int, str], None],
+        changed: Callable[[], None],
+    ) -> None:
+        self.state = OK
+        self.wrong_types: Dict[str, str] = {}
+        self._node = str(rospy.get_name())
+        self._own_uri = str(rospy.get_node_uri())
+        self._master = Peer(master_uri, self._node)
+        self._period = period
+        self._reregister = reregister
+        self._expected = expected
+        self._end = end
+        self._changed = changed
+        self._failures = 0
+        self._stop = threading.Event()
+
+    def start(self) -> None:
+        """Begin to watch."""
+        threading.Thread(target=self._run, name="master watchdog", daemon=True).start()
+
+    def stop(self) -> None:
+        """Look no more; returns at once and may be called in a signal handler."""
+        # The event is only ever waited for in our own thread, so a handler cannot deadlock here.
+        self._stop.set()
+
+    def _run(self) -> None:
+        while not self._stop.wait(self._period):
+            before = (self.state, self.wrong_types)
+            try:
+                self.look()
+            except Exception as error:  # noqa: BLE001 - a watchdog that dies watches nothing
+                LOG.error("master watchdog: %s: %s", type(error).__name__, error)
+            if before != (self.state, self.wrong_types):
+                self._changed()
+
+    def look(self) -> None:
+        """Look once: is the master there, does it know this node, do the types fit?"""
+        try:
+            uri = self._master.uri_of(self._node)
+        except Unreachable as error:
+            if self.state != LOST:
+                LOG.warn("the ROS master does not answer, going on without it: %s", error)
+            self.state = LOST
+            return
+        if uri is not None and uri != self._own_uri:
+            if answers_as(uri, self._node, self._node):
+                self._end(TAKEN_OVER, f"another node has taken the name {self._node}: {uri}")
+                return
+            uri = None  # a dead registration of our name
+        publishing = _own_topics()
+        try:
+            nodes = dict(self._master.call("getSystemState")[0])
+            types = dict(self._master.call("getTopicTypes"))
+        except (Unreachable, Refused):
+            return
+        # Any single call may have made a new master know the node, but not all of its topics.
+        if uri is None or not all(self._node in nodes.get(topic, ()) for topic in publishing):
+            self._return()
+        elif self.state == LOST:
+            LOG.info("the ROS master answers again and still knows this node")
+            self.state = OK
+        self._check_types({topic: types.get(topic) for topic, names in nodes.items() if names})
+
+    def _return(self) -> None:
+        """Make a master that does not know this node know it, or end."""
+        if not self._reregister:
+            self._end(MASTER_LOST, "the ROS master does not know this node any more (restarted?)")
+            return
+        try:
+            reregister(self._master, self._node, self._own_uri)
+        except (Unreachable, Refused) as error:
+            self._failures += 1
+            LOG.error("cannot register again (%d of %d): %s", self._failures, _ATTEMPTS, error)
+            self.state = LOST
+            if self._failures >= _ATTEMPTS:
+                self._end(MASTER_LOST, f"cannot register again at the ROS master: {error}")
+            return
+        self._failures = 0
+        self.state = REREGISTERED
+        LOG.warn("the ROS master did not know this node any more: registered again")
+
+    def _check_types(self, published: Dict[str, Optional[str]]) -> None:
+        # Only topics with a publisher: the master keeps the types of all others, too.
+        wrong: Dict[str, str] = {}
+        for topic, (_, expected) in self._expected().items():
+            found = published.get(topic)
+            if found not in (None, "*", expected):
+                wrong[topic] = f"{topic}: {expected} expected, the publisher sends {found}"
+        for topic, text in wrong.items():
+            if self.wrong_types.get(topic) != text:
+                LOG.error("wrong message type on %s", text)
+        self.wrong_types = wrong
+
+
+def _own_topics() -> List[str]:
+    topics: Any = rospy.impl.registration.get_topic_manager()
+    return [topic for topic, _ in topics.get_publications()]
+
+
+def reregister(master: Peer, node: str, own_uri: str) -> None:
+    """Tell a master everything that rospy's own start told the former one.
+
+    The topic manager and the service manager are inner parts of rospy (ros_comm 1.15.15): a test
+    guards this function per version.
+
+    Raises:
+        Unreachable: the master or our own slave API did not answer.
+        Refused: the master did not accept a registration.
+    """
+    topics: Any = rospy.impl.registration.get_topic_manager()
+    services: Any = rospy.impl.registration.get_service_manager()
+    own = Peer(own_uri, node)
+    for topic, kind in topics.get_publications():
+        master.call("registerPublisher", topic, kind, own_uri)
+    for topic, kind in topics.get_subscriptions():
+        publishers: List[str] = master.call("registerSubscriber", topic, kind, own_uri)
+        own.call("publisherUpdate", topic, publishers)
+    for service, uri in services.get_services():
+        master.call("registerService", service, uri, own_uri)

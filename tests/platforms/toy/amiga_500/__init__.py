@@ -1,0 +1,47 @@
+"""A platform that exists in tests only: one node and one list of nodes, for no robot at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from eddi_scaffold.config.schema import Config
+from eddi_scaffold.monitors.answers import identity_answers, shared_answers
+from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.platforms import PackageAnswers, Platform, Templates, Workspace
+from eddi_scaffold.problems import Problem
+
+_TEMPLATES = Templates("robot", ("fleet",))
+
+
+def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
+    answers = shared_answers(monitor, _TEMPLATES.monitor) | {"colour": "red"}
+    return PackageAnswers(monitor.package, answers), []
+
+
+def _support(monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:
+    (template,) = _TEMPLATES.support
+    identity = identity_answers("all_robots", "All of them", None)
+    return [
+        PackageAnswers("all_robots", {"template": template, **identity, "monitors": [*monitors]})
+    ]
+
+
+def _taken_names(_root: Path | None) -> Mapping[str, str]:
+    return {"all_robots": "it is the list of all"}
+
+
+def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
+    return [f"cd {place}", *(f"switch on {name}" for name in monitors)]
+
+
+PLATFORM = Platform(
+    name="amiga_500",
+    templates=_TEMPLATES,
+    workspace=Workspace("box of floppy disks", "src/eddi_monitor"),
+    needs_config=True,
+    monitor=_monitor,
+    support=_support,
+    taken_names=_taken_names,
+    next_steps=_next_steps,
+)
