@@ -43,7 +43,7 @@ def test_templates_import_what_is_public() -> None:
     assert ("eddi_runtime.places", "find_model") in found
     for module, name in found - {("eddi_runtime.ros1", name) for name in NODE}:
         assert name in importlib.import_module(module).__all__
-    text = (HERE / "runtime_lib/src/eddi_runtime/ros1/__init__.py").read_text("utf-8")
+    text = (HERE / "runtime_lib/src/eddi_runtime/ros1.py").read_text("utf-8")
     assert all(f'"{name}"' in text for name in NODE)  # only ROS can import it
 
 
