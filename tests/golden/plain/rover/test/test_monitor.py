@@ -15,7 +15,7 @@ from rover.EDDIMonitor import EDDIMonitor  # noqa: E402
 
 
 class MonitorTest(unittest.TestCase):
-    """What must hold whatever the robot does."""
+    """Properties that hold regardless of the robot."""
 
     def setUp(self):
         self.eddi_monitor = EDDIMonitor()
@@ -41,10 +41,10 @@ class MonitorTest(unittest.TestCase):
         for name in self.attributes:
             self.assertTrue(hasattr(eddi_input, name), name)
 
-    def test_processing_without_messages(self):
+    def test_without_messages_the_defaults_stand(self):
         eddi_input = EDDIInput()
         eddi_input.processing({})
-        self.assertEqual(self.message_for(eddi_input), self.message_for(eddi_input))
+        self.assertEqual(self.message_for(eddi_input), self.message_for(EDDIInput()))
 
 
 if __name__ == '__main__':
