@@ -62,7 +62,7 @@ class Meaning:
 
     silent: tuple[object, ...] | None = None
     given: tuple[Given, ...] = ()
-    refused: str = "it does not tell whether anything is known"
+    refused: str = "it does not show whether anything is known"
     instead: str | None = None
 
 

@@ -41,7 +41,7 @@ def adopt(
     from eddi_scaffold.problems import EddiError, Place, error
 
     if (workspace is None) == (output is None):
-        raise EddiError(error("G006", "say where it goes: -w WORKSPACE, or -o FOLDER"))
+        raise EddiError(error("G006", "give the destination: -w WORKSPACE, or -o FOLDER"))
     target = chosen("ros1" if workspace is not None else "plain")
     place = workspace or output
     assert place is not None

@@ -59,7 +59,7 @@ def generate(
     from eddi_scaffold.robot.robot_models import beside_configs
 
     if model is None and not config:
-        raise EddiError(error("G015", "say of what: -m MODEL, or a -c that names its model"))
+        raise EddiError(error("G015", "give a model: -m MODEL, or a -c that names its model"))
     target = chosen(platform)
     place, option = (workspace, "-w WORKSPACE") if target.root else (output, "-o FOLDER")
     if place is None:

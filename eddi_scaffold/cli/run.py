@@ -167,7 +167,7 @@ def _models_and_configs(
     from eddi_scaffold.source import read_source
 
     if not files and not configs:
-        message = "say of what: run MODEL, or run CONFIG that names its model"
+        message = "give a model: run MODEL, or run CONFIG that names its model"
         raise EddiError(error("G015", message))
     if len(files) == 1 and configs:
         return list(files), list(configs)

@@ -278,7 +278,7 @@ def _refuse_anchors(name: str, root: Span, value: Span) -> None:
                 f"in line {elsewhere[anchor]}"
             )
             place = Place(name, line, 1)
-            hint = "write the value out where the alias stands"
+            hint = "replace the alias by its value"
             raise EddiError(error("K036", message, place, hint))
 
 

@@ -108,7 +108,7 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         if _type_of(key, inner, fields_of) == "string":
             return replace(step, field=key)
     message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
-    raise ValueError(f'{message}; say the field, [field="{step.wanted}"], of: {", ".join(known)}')
+    raise ValueError(f'{message}; name the field, [field="{step.wanted}"], of: {", ".join(known)}')
 
 
 def _with_key_of(step: ByKey, inner: str, fields_of: FieldsOf) -> ByKey:

@@ -211,7 +211,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                 harmless = section == "SimulatorOutputs" and entry.id not in required_ids
                 yield (warning if harmless else error)(
                     "K006",
-                    f"the id {entry.id!r} stands twice in {section}, first in line {before}",
+                    f"the id {entry.id!r} is used twice in {section}, first in line {before}",
                     file.place(section, index, "id"),
                 )
             first.setdefault(entry.id, index)

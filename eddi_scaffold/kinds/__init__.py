@@ -152,7 +152,7 @@ def _nowhere(*_: str | int) -> Place:
 
 
 def _no_files(name: str) -> Source:
-    raise EddiError(error("K033", f"{name!r} cannot be read: there is no configuration beside it"))
+    raise EddiError(error("K033", f"{name!r} cannot be read: there is no configuration next to it"))
 
 
 @dataclass(frozen=True)

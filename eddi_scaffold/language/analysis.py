@@ -161,7 +161,9 @@ def _warn(
             hint = "a hazard is what must not be: write AND in place of IMPLIES"
             findings.warning("W006", file.nodes[event.root].at, message, hint)
         if event.polarity is None and not event.anonymous:
-            message = f"the event {event.name!r} does not say what UNKNOWN means: EVIDENCE is used"
+            message = (
+                f"the event {event.name!r} does not declare what UNKNOWN means: EVIDENCE is used"
+            )
             hint = f"EVENT {event.name} (EVIDENCE): not active when UNKNOWN; (HAZARD): active"
             findings.warning("W002", event.at, message, hint)
 

@@ -94,7 +94,7 @@ class Cursor:
             self._fail(code, f"a duration such as 5s is expected, found {number.shown}", hint=hint)
         if unit.start != number.end:
             hint = f"write {number.text}{unit.text}"
-            self._fail(code, "the unit of a duration stands directly behind the number", hint=hint)
+            self._fail(code, "the unit of a duration must directly follow the number", hint=hint)
         try:
             length = nanoseconds(number.text, unit.text)
         except OverflowError:

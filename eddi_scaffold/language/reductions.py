@@ -131,7 +131,7 @@ def _one_message(names: Iterable[str], lists: list[str]) -> None:
         raise _Wrong(f"a reduction is of one message, these are two: {heads[0]} and {heads[1]}")
     if len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_place_of, lists))) > 1:
         message = f"{lists[0]} and {lists[1]} are different lists"
-        raise _Wrong(message, "only lists of numbers beside each other go together")
+        raise _Wrong(message, "only parallel lists of numbers can be combined")
 
 
 def _place_of(name: str) -> tuple[str, str, str]:

@@ -180,7 +180,7 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: Findings) -> Var
         return found
     found = replace(found, unit=_unit(declared, findings), timeout=_timeout(declared))
     if declared.timeout is None and declared.rate is None:
-        message = f"{declared.name} has no TIMEOUT: nobody notices when its source falls silent"
+        message = f"{declared.name} has no TIMEOUT: it goes unnoticed when its source falls silent"
         findings.warning("W003", declared.at, message, "add TIMEOUT 500ms, or RATE 10 Hz")
     return replace(found, range=_range(declared, found.unit, findings))
 

@@ -233,4 +233,4 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
 
 def lasts(silence: Silence) -> str:
     """Say how long it lasts."""
-    return "as its text says" if silence.seconds is None else f"for {silence.seconds:g} s"
+    return "as its text states" if silence.seconds is None else f"for {silence.seconds:g} s"

@@ -191,7 +191,7 @@ def _input_document(binding: InputBinding, entry: Input | None) -> dict[str, Jso
 def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
-        message = f"the model is a {kind.title}, the configuration says {section.type!r}"
+        message = f"the model is a {kind.title}, the configuration declares {section.type!r}"
         yield error("K010", message, config.place("Model", "type"))
     if section.id != model.name and package_name(section.id) == package_name(model.name):
         message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
@@ -493,9 +493,9 @@ class _Binder:
             return
         message = (
             f"the default {self.entry.default!r} of {item.id!r} counts as good evidence before "
-            "any message has come"
+            "any message has arrived"
         )
-        hint = "leave it out, or write `allow_unsafe_default: true` beside it"
+        hint = "leave it out, or write `allow_unsafe_default: true` next to it"
         self._error("K024", message, "default", hint)
 
 

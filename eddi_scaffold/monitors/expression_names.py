@@ -67,7 +67,7 @@ class Names:
         found = self._resolve(name, source, locate, at)
         said = found and documented_at(found.path, source.type, self._fields_of)
         if said and unit is not None and units.contradict(said.units, unit.name):
-            message = f"{name} is in {' or '.join(said.units)}, its VAR says {unit.name}"
+            message = f"{name} is in {' or '.join(said.units)}, its VAR declares {unit.name}"
             words = " or ".join(units.word(one) for one in said.units)
             self.problems.append(error("E009", message, locate(at), f"write UNIT {words}"))
 

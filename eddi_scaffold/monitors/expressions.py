@@ -164,7 +164,7 @@ class _Binder:
             there = ", ".join(events) or "none"
             message, key = f"{name} has no event {wanted!r}", "event"
             if wanted is None:
-                message, key = f"`event:` must say which event of {name} it is", "expression_file"
+                message, key = f"`event:` must name an event of {name}", "expression_file"
             self._error(
                 "K046", message, key, did_you_mean(wanted or "", events) or f"events: {there}"
             )
@@ -181,7 +181,7 @@ class _Binder:
         if polarity is None:
             return
         if self._says_polarity and self.entry.polarity != polarity:
-            message = f"{name} says {polarity}, `polarity:` {self.entry.polarity}"
+            message = f"{name} declares {polarity}, `polarity:` {self.entry.polarity}"
             self._error("K043", message, "polarity", "leave `polarity:` out")
         self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 

@@ -252,7 +252,7 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
     edited = changed_generated(staged)
     saved = save_generated_edits(staged, edited)
     notes = [
-        f"{name} says do not edit, but was edited: your text is kept in {copy.relative_to(staged)}"
+        f"{name} must not be edited, but was: your text is kept in {copy.relative_to(staged)}"
         for name, copy in zip(edited, saved, strict=True)
     ]
     for name in recorded_generated(staged):

@@ -207,7 +207,7 @@ def _left_alone(folders: Sequence[Path]) -> Iterator[str]:
     for folder in folders[:_SHOWN]:
         yield (
             f"{shown(str(folder))} is left alone: it looks like an interrupted run, but none of "
-            "yours left it in this place; remove it if nobody else is at work here"
+            "yours left it in this place; remove it if no other command is running here"
         )
     if len(folders) > _SHOWN:
         yield f"{len(folders) - _SHOWN} more of this kind are left alone"
@@ -227,10 +227,10 @@ def _refuse_early(root: Path, path: str) -> None:
     if _behind_link(root, path):
         raise OSError(errno.ELOOP, "a link is in the way", str(target))
     if target.is_dir() and not target.is_symlink():
-        raise IsADirectoryError(errno.EISDIR, "a folder stands in its place", str(target))
+        raise IsADirectoryError(errno.EISDIR, "a folder is in its place", str(target))
     if target.exists() and not (target.is_file() or target.is_dir()):
         kind = kind_of(target.resolve())
-        raise OSError(errno.EEXIST, f"{kind} stands in its place", str(target))
+        raise OSError(errno.EEXIST, f"{kind} is in its place", str(target))
     for folder in target.parents:
         if folder.is_dir():
             if not os.access(folder, os.W_OK | os.X_OK):

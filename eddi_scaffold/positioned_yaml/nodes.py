@@ -277,7 +277,7 @@ class _Composer:
             raise _Stop(f"the alias *{event.anchor} has no anchor", place)
         found = self.anchors[event.anchor]
         if found is None:
-            raise _Stop(f"the alias *{event.anchor} stands inside of what it names", place)
+            raise _Stop(f"the alias *{event.anchor} is inside the node that it refers to", place)
         node, visits, depth = found
         if len(self.open) + depth > MAX_DEPTH:
             raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
@@ -304,9 +304,7 @@ class _Composer:
                 raise _Stop(f"a key must be text, not {describe(key)}", key.place)
             first = entries.setdefault(key.text, (key, value))[0]
             if first is not key:
-                message = (
-                    f"the key {shown(key.text)} stands here again, first in line {first.place.line}"
-                )
+                message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
                 self._report(message, key.place)
         return Map(tuple(entries.values()), done.place)
 

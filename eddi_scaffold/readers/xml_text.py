@@ -99,7 +99,7 @@ def syntax_hint(head: Head, message: str) -> str | None:
     if declaration and declaration.start() > 0:
         return (
             "the XML declaration must be the first thing in the file; "
-            "move what stands before it below it"
+            "move the text before it below it"
         )
     if declaration and text[: text.find(">") + 1].count('"') % 2:
         return "quote missing in the XML declaration"

@@ -56,7 +56,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
         return tuple(_broken(refusal) for refusal in linked)
     found: list[RegionStatus] = []
     if not (root / EDDI / "pristine").is_dir():
-        note = "without this folder hand edits cannot be told from generated text; generate again"
+        note = "without this folder hand edits and generated text look the same; generate again"
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
     for name in files_below(root / EDDI / "pristine"):
         found.extend(_of_file(root, name))

@@ -168,14 +168,14 @@ def _region(
 ) -> Region:
     if begin.id and end.id and begin.id != end.id:
         reason = (
-            f"this end marker says {end.id!r} but the begin marker in line {begin.line} says "
+            f"this end marker has the id {end.id!r} but the begin marker in line {begin.line} has "
             f"{begin.id!r}; give both the same id"
         )
         faults.append(Fault(end.line, reason))
     function = _enclosing_function(scopes, begin)
     region_id = begin.id or end.id
     if region_id is None and not function:
-        reason = "a marker without id must stand in a function; write '# region: <kind>:<id>'"
+        reason = "a marker without id must be inside a function; write '# region: <kind>:<id>'"
         faults.append(Fault(begin.line, reason))
     return Region(
         id=region_id or f"function:{function}",

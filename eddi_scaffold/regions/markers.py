@@ -129,7 +129,7 @@ def read_marker(line: str, number: int) -> Marker | str | None:
     bare = text.strip()
     match = _DASHED.fullmatch(bare) or _XML.fullmatch(_commented(bare))
     if match is None:
-        alone = "a marker must stand alone on its line; move the other text away"
+        alone = "a marker must be alone on its line; move the other text away"
         return alone if _ALIKE.search(text) else None
     if not (match["tail"] or "").strip():
         return Marker(match["what"], number, text, None, (), None)

@@ -160,7 +160,7 @@ def _wrong_types(
             source, config = one.source, one.monitor.config
             if of != source.type and config is not None:
                 message = (
-                    f"{source.topic} is a {of} in the bag, the configuration says {source.type}"
+                    f"{source.topic} is a {of} in the bag, the configuration declares {source.type}"
                 )
                 index = config.config.SimulatorOutputs.index(source)
                 place = config.place("SimulatorOutputs", index, "type")

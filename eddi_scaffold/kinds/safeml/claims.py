@@ -17,8 +17,8 @@ def _fields(message: str) -> dict[str, Meaning]:
         ),
         "odd_violation": Meaning(
             given=(Given(message, "omission", value=False),),
-            refused="`odd_violation` says nothing while there is no verdict",
-            instead=f"{_IN_SCOPE}, or `NOT omission` beside it",
+            refused="`odd_violation` has no meaning while there is no verdict",
+            instead=f"{_IN_SCOPE}, or `NOT omission` with it",
         ),
     }
 

@@ -39,7 +39,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
         text = f"reference_sample_file {settings.reference_sample_file!r}: {reasons}"
-        hint = "it is looked for beside this file"
+        hint = "it is looked for next to this file"
         return Reading((), (error("S004", text, where, hint),))
     if reference is None:
         return Reading((), tuple(in_order(found)))

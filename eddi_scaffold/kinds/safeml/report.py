@@ -56,7 +56,7 @@ def readme(plan: Plan, frequency: float | None) -> Sequence[str]:
             "of one tested value (normally distributed)"
         )
     verdict = (
-        f"`omission` says that there is no verdict; then `odd_violation` is {held}. Evidence is "
+        f"`omission` means that there is no verdict; then `odd_violation` is {held}. Evidence is "
         "`NOT omission AND NOT odd_violation` (`in_scope` of the status message), never "
         "`NOT odd_violation` alone."
     )

@@ -71,7 +71,7 @@ def _variables(model: MonitorModel) -> list[str]:
         lines += [f'        """Return {one.description}.', ""]
         lines += ["        None, NaN and what is of a wrong type are UNKNOWN."]
         if one.stamped:
-            lines += ["        (value, t_ns) says when it was sampled; without it: now."]
+            lines += ["        (value, t_ns) gives the time of the sample; without it: now."]
         lines += ['        """']
         body = [f"        raise NotImplementedError({python_literal(one.input.name)})"]
         lines += region(f"variable:{one.input.name}", body, indent="        ")

@@ -263,7 +263,7 @@ class EDDIInputBase:
     def __reason(self, input_id: str) -> str:
         """Return why an expression gives nothing."""
         compiled = self.__expressions.get(input_id)
-        return getattr(compiled, "reason", "") or "unknown as yet"
+        return getattr(compiled, "reason", "") or "not known yet"
 
     def __received(
         self,

@@ -119,7 +119,7 @@ def _no_constant(text: str) -> NoReturn:
 def _beside(folder: Path) -> Callable[[str], bytes]:
     def read(name: str) -> bytes:
         if _DATA_FILE.fullmatch(name) is None:
-            raise ModelError("", f"{name!r} is no name of a file beside the model")
+            raise ModelError("", f"{name!r} is not the name of a file next to the model")
         try:
             return (folder / name).read_bytes()
         except OSError as problem:
@@ -150,7 +150,9 @@ def _model_file(document: Any, path: str, data: Callable[[str], bytes]) -> Model
     except (ValueError, RecursionError) as problem:
         raise ModelError("", f"the file is damaged: {problem}") from None
     if digest != actual:
-        raise ModelError("", f"the content was changed: it says sha256 {digest}, has {actual}")
+        raise ModelError(
+            "", f"the content was changed: it states sha256 {digest}, but has {actual}"
+        )
     return ModelFile(
         path=path,
         kind=take(document, "kind", str, where),

@@ -99,7 +99,7 @@ def _edges(consert: ConSert, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]
         text = f"edge from {shown(edge.source)} to {shown(edge.target)}"
         yield from _edge(edge, text, kinds, near)
         if (edge.source, edge.target) in seen:
-            yield warning("C023", f"{text} stands here again: read once", edge.place)
+            yield warning("C023", f"{text} is repeated: read once", edge.place)
         seen.add((edge.source, edge.target))
 
 

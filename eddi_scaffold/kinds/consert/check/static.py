@@ -99,7 +99,7 @@ def _redundant_gates(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator
     for gate in consert.gates:
         fed = [target for target in targets[gate.id] if target in reachable]
         if fed and inputs[gate.id] and all(gate.id in idle[target] for target in fed):
-            message = f"gate {shown(gate.id)} changes nothing beside the other inputs"
+            message = f"gate {shown(gate.id)} changes nothing given the other inputs"
             yield info("S002", message, gate.place)
 
 

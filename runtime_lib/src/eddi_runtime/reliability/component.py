@@ -14,7 +14,7 @@ Known = Mapping[str, Estimate]
 """Model -> what it said in this step."""
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
-AGAIN = "it says that what failed works again; ignored, for want of `repair: true`"
+AGAIN = "it reports that a failed part works again; ignored without `repair: true`"
 
 
 def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:

@@ -137,7 +137,7 @@ class _Reader:
 
     def _used(self, name: str, where: str) -> str:
         if name not in self.components:
-            raise ModelError("", f"{where} uses {name!r}, which does not stand before it")
+            raise ModelError("", f"{where} uses {name!r}, which is not defined before it")
         self._own += self.uses[name]
         return name
 

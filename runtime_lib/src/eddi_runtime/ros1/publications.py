@@ -58,7 +58,7 @@ def beside(monitor: Any, name: str) -> Trees:
     """
     make = getattr(monitor, f"{name}_message", None)
     if make is None:
-        raise MessageError(f"the monitor gives no message {name!r} beside its result")
+        raise MessageError(f"the monitor gives no message {name!r} in addition to its result")
     trees: Trees = make()
     return trees
 
