@@ -21,7 +21,7 @@ DURATION_UNITS = ("ns", "us", "ms", "s", "min", "h", "day", "week", "month", "ye
 
 
 class QuantityError(ValueError):
-    """A text is no quantity; the message says why.
+    """A text is not a quantity; the message explains why.
 
     Attributes:
         hint: what to write.
@@ -48,7 +48,7 @@ def rate(given: object, unit: str | None = None) -> Quantity:
 
     Args:
         given: text or number.
-        unit: a unit that stands elsewhere.
+        unit: a unit that is given elsewhere.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
@@ -122,7 +122,7 @@ def rate_factor(unit: str) -> tuple[int, int] | None:
 
 
 def is_time_unit(unit: str) -> bool:
-    """Tell whether a text is a unit of time (``h``, ``Hour``)."""
+    """Return whether a text is a unit of time (``h``, ``Hour``)."""
     return factor(_time_unit(unit), "h") is not None
 
 

@@ -30,7 +30,7 @@ class Adoption:
         config: text of the recovered configuration.
         bodies: hand-written bodies by region.
         rejects: name -> text of what a person wrote outside of the places for it.
-        told: what a person must know, one line each.
+        notes: what the user must know, one line each.
     """
 
     old: OldPackage
@@ -181,7 +181,7 @@ def _outcomes(tree: ast.FunctionDef) -> dict[str, str]:
 
 
 def _is_frame_import(node: ast.stmt) -> bool:
-    """Tell whether the old generator wrote an import."""
+    """Return whether the old generator wrote an import."""
     names = [alias.name for alias in getattr(node, "names", ())]
     module = getattr(node, "module", None) or ""
     return module in {"typing", "__future__"} or module.endswith(".msg") or names == ["rospy"]

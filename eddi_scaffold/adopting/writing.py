@@ -98,7 +98,7 @@ def _report(adoption: Adoption, states: Mapping[str, str], written: Sequence[Pat
 
 
 def _shown(problem: Problem, folder: Path) -> Problem:
-    """Name a file where it will stand, not where it was tried out."""
+    """Name a file by its final path, not by that of the trial."""
     where = problem.place
     if not where.file:
         return problem

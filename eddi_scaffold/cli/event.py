@@ -113,7 +113,7 @@ def _source(text: str | None, file: Path | None) -> tuple[str, str]:
 
 
 def _name_of(file: Path) -> str:
-    """Return what files and functions begin with; says it where that is not the file's name."""
+    """Return the prefix of files and functions; report it where it is not the file's name."""
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.language.targets.names import module_name
 

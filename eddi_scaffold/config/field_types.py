@@ -26,7 +26,7 @@ class Resolved:
     """A path with its keys, and what is at its end.
 
     Attributes:
-        path: each key says its field, as far as the messages are known.
+        path: each key names its field, as far as the messages are known.
         type: the Python type, or the message type; ``None`` where a type on the way is not known.
     """
 
@@ -43,7 +43,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
         fields_of: message type -> its fields, ``None`` when they are not known.
 
     Raises:
-        ValueError: the path leads nowhere; the message says where it ends and lists the fields.
+        ValueError: the path leads nowhere; the message reports where it ends and lists the fields.
     """
     taken: list[Step] = []
     of, parent = message, message
@@ -69,7 +69,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
 
 
 def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
-    """Return what the documentation says of the field at the end of a path that has its keys."""
+    """Return the documentation of the field at the end of a path that has its keys."""
     names: list[str] = []
     for step in path:
         if isinstance(step, Attribute):

@@ -42,7 +42,7 @@ def check_files(
     Args:
         files: models and configurations.
         default_guarantees: the marks of ``--default-guarantee``.
-        robot: what models of a robot say beside the configurations.
+        robot: what models of a robot add to the configurations.
         platform: where monitors are to run. By default, models with configurations are checked for
             ROS 1, others by themselves.
 
@@ -88,7 +88,7 @@ def _read_files(
 
 
 def _read(source: Source, marks: Sequence[str], target: Platform | None) -> Reading:
-    """Read models with everything that can be said of them."""
+    """Read models and report all problems in them."""
     reading = read_models(source, marks)
     problems = [*reading.problems, *reading.unread, *_static(reading.models)]
     if is_xml(source) and not reading.models and not has_errors(problems):
@@ -102,7 +102,7 @@ def _wanted(missing: Problem, target: Platform | None) -> Problem:
 
 
 def _alone(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
-    """Say what can be said of a configuration without its model."""
+    """Report what can be found in a configuration without its model."""
     yield _wanted(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}
     yield from check_types(config, known_messages(kinds().values()), used)
@@ -113,7 +113,7 @@ def _static(models: Iterable[Model]) -> list[Problem]:
 
 
 def _named(path: Path, marks: Sequence[str]) -> Reading:
-    """Read the file that a configuration names, with everything that can be said of it."""
+    """Read the file that a configuration names, and report all problems in it."""
     reading = checked_models(path, marks)
     return Reading(reading.models, (*reading.problems, *_static(reading.models)))
 
@@ -122,7 +122,7 @@ def _names_its_model(config: ConfigFile) -> bool:
     try:
         return named_model_path(config) is not None
     except EddiError:
-        return True  # joining says why
+        return True  # joining reports why
 
 
 def _together(

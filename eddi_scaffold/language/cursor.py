@@ -17,7 +17,7 @@ DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 _PATH_INDEX = 10**6
 
 
-class Wrong(Exception):  # noqa: N818 - it ends one declaration, a Finding says what is wrong
+class Wrong(Exception):  # noqa: N818 - it ends one declaration, a Finding reports what is wrong
     """The rest of a declaration cannot be read."""
 
 
@@ -123,7 +123,7 @@ class Cursor:
                 return name
 
     def _element(self) -> str:
-        """Take what stands in brackets: an index, a key, or a field and its key."""
+        """Take the content of brackets: an index, a key, or a field and its key."""
         field = ""
         while self._token.kind == "word" and self._peek().text in ("=", "."):
             field += self._token.text + self._peek().text

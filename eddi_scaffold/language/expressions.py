@@ -38,7 +38,7 @@ _SYMBOLS = {
 
 
 class ExpressionParser(Cursor):
-    """Reads expressions; their nodes stand behind each other."""
+    """Reads expressions; their nodes follow each other."""
 
     def __init__(self, tokens: tuple[Token, ...], findings: Findings) -> None:
         super().__init__(tokens, findings)

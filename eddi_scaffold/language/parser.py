@@ -82,7 +82,7 @@ class _Parser(ExpressionParser):
         )
 
     def _at_declaration(self) -> bool:
-        """Tell whether a declaration, or a bare expression behind declarations, may begin here."""
+        """Return whether a declaration, or a bare expression after them, may begin here."""
         return (
             self._token.kind == "end"
             or self._is_symbol(";")

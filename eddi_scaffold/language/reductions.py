@@ -19,12 +19,12 @@ from eddi_scaffold.units import converted, find
 _PLAIN = (*OPERATIONS, "number", "truth", "name", "hypot", "clamp", "number_of")
 _KEEP_INFINITY = ("list_min", "list_max", "list_median")
 ANGLES = ("angle_min", "angle_max", "angle_increment")
-"""Fields of a scan that say where its elements point to."""
+"""Fields of a scan that define the directions of its elements."""
 
 
 @dataclass
 class Elements:
-    """What stands between the parentheses of one reduction: it is computed for each element.
+    """The content of the parentheses of one reduction: it is computed for each element.
 
     Attributes:
         builder: its graph.

@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.expression_names import KeyPaths, Names
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
 
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
-"""Keys of an input of which one says how it is computed."""
+"""Keys of an input, one of which defines how it is computed."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class InputExpression:
     Attributes:
         requires: simulator outputs that it reads.
         document: for ``EDDIInputBase`` of the runtime: the compiled forms, and what the names are.
-        text: canonical form, for comments; what stands in a file, with its name before.
+        text: canonical form, for comments; an event of a file has its name before it.
         unit: of its value, ``None`` for none.
         key_paths: simulator output -> name with keys in brackets -> its path.
     """
@@ -177,7 +177,7 @@ class _Binder:
         return "polarity" in self.entry.model_fields_set
 
     def _take_polarity(self, polarity: str | None, name: str) -> None:
-        """Let an event mean by UNKNOWN what it says, unless the input says something else."""
+        """Use the polarity of an event, and report one of the input that differs."""
         if polarity is None:
             return
         if self._says_polarity and self.entry.polarity != polarity:

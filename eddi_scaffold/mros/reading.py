@@ -64,7 +64,7 @@ def _text(source: str | bytes, file: str) -> Text:
 
 
 def _dialect(text: Text) -> Dialect:
-    """Return the dialect, told by the first word that is no comment."""
+    """Return the dialect, determined by the first word that is not a comment."""
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
     if start == len(text.text):

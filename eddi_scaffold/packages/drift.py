@@ -35,7 +35,7 @@ class Drift:
 
     @property
     def drifted(self) -> bool:
-        """Tell whether something should be done."""
+        """Return whether something should be done."""
         return bool(self.outdated or self.edited or self.review)
 
     def as_text(self) -> str:

@@ -92,7 +92,7 @@ def bring(
         packages: what to render.
         template: where from.
         dry_run: change nothing.
-        progress: told the folder of each package before it is rendered.
+        progress: called with the folder of each package before it is rendered.
 
     Raises:
         EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
@@ -152,7 +152,7 @@ class _Merged:
 
     Attributes:
         changes: path -> new state, ``None`` for a removed file.
-        saved: what happened to edits of files that nobody should edit.
+        saved: what happened to edits of files that must not be edited.
         report: what happened to those of the others.
     """
 
@@ -175,7 +175,7 @@ def _merged(
         package: what was rendered.
         before: its files, empty for a new one.
         rendered: the rendering.
-        skipped: files of the rendering that wait for what stands in their place.
+        skipped: files of the rendering that wait for an obstacle in their place.
     """
     staged = rendered.with_name("staged")
     saved: Sequence[str] = ()

@@ -19,7 +19,7 @@ class Entry:
 
     Attributes:
         file: path as the user would write it.
-        status: what the regions tool says.
+        status: the report of the regions tool.
     """
 
     file: str

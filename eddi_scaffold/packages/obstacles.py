@@ -1,4 +1,4 @@
-"""What stands in a package and is no regular file: it stays, and what belongs in its place waits.
+"""Entries of a package that are not regular files: they stay, and files in their place wait.
 
 A link of a person, the lock file of an editor or a socket is no reason to stop; a link where a file
 of ours belongs is, for that file alone.
@@ -18,7 +18,7 @@ _KEPT = (".eddi/orphans/", ".eddi/rejects/")
 
 @dataclass(frozen=True)
 class Obstacles:
-    """What stands in one package and is no regular file.
+    """The entries of one package that are not regular files.
 
     Attributes:
         folder: name of the package folder.
@@ -32,7 +32,7 @@ class Obstacles:
 
     @property
     def skipped(self) -> frozenset[str]:
-        """The files that wait, and what the records of the package say of them."""
+        """The files that wait, and what the records of the package contain about them."""
         files = [file for files in self.waiting.values() for file in files]
         folders = ("", *(f"{_RECORDS}/{name}/" for name in ("pristine", "base", "next")))
         return frozenset(f"{folder}{file}" for folder in folders for file in files)

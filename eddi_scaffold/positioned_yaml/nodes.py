@@ -1,7 +1,7 @@
 """YAML as nodes with positions: the only module of the generator that imports ``yaml``.
 
 A scalar stays the text that was written, together with the fact whether it was quoted; what a
-plain scalar *means* is decided where it stands: text, number or Boolean as YAML 1.2 has it
+plain scalar *means* is decided here: text, number or Boolean as YAML 1.2 has it
 (:func:`as_text` and its neighbours), or the value of YAML 1.1 (:func:`value_11`), which ROS and
 ``eddi_config.yml`` follow. Documents are read event by event without recursion, so that alias
 bombs, recursive aliases and deep nesting are a message like any other mistake.
@@ -129,7 +129,7 @@ def dump_11(data: dict[str, str]) -> str:
 
 
 def differs_between_versions(node: Node) -> bool:
-    """Tell whether YAML 1.1 and 1.2 take different values from a plain scalar (``on``, ``1e3``)."""
+    """Return whether YAML 1.1 and 1.2 read a plain scalar differently (``on``, ``1e3``)."""
     if not isinstance(node, Scalar) or not node.plain:
         return False
     old, new = _scalar_11(node.text), value_12(node)

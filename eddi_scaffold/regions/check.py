@@ -35,7 +35,7 @@ class RegionStatus:
     Attributes:
         id: the region; of a rejected edit the edited file; empty for a damaged marker.
         file: file relative to the package; of saved bodies the file they came from.
-        line: line of the begin marker, ``None`` when it stands in no file.
+        line: line of the begin marker, ``None`` when it is in no file.
         state: ``untouched`` holds the default.
         notes: what to look at.
         review: whether a person must look (``regions --check`` fails).

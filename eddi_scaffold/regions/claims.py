@@ -19,7 +19,7 @@ class Claim:
         region: the region as the generator rendered it.
         body: the text that goes into it.
         sig: signature that the body was written against.
-        indent: blanks before the begin marker where the body stood.
+        indent: blanks before the begin marker where the body was.
         edited: whether a person wrote it.
     """
 
@@ -38,7 +38,7 @@ class Claims:
         by_id: one claim for each region of the new text.
         orphans: hand-written bodies that nothing claims.
         taken: saved bodies that are in the new text now.
-        notes: what to tell.
+        notes: what to report.
     """
 
     by_id: Mapping[str, Claim]
@@ -95,7 +95,7 @@ def claim_bodies(
         if source is not None:
             claimed.add(source.id)
             before = old.get(source.id)
-            # A marker that lost its whole comment still means what the base says; one with an id
+            # A marker that lost its whole comment still means what the base has; one with an id
             # but no signature was never looked at (an adopted package).
             sig = source.sig if source.explicit or before is None else before.sig
             claim = Claim(region, source.body, sig, source.indent, edited=True)

@@ -103,7 +103,7 @@ def retire(path: str, base: str | None, mine: str) -> Merged | Refused:
 
 
 def may_return(theirs: str, orphans: Sequence[Orphan]) -> bool:
-    """Tell whether a rendering has, under its id or a former one, a region of a saved body."""
+    """Return whether a rendering has, under its id or a former one, a region of a saved body."""
     regions = parse(_plain(theirs))[0].regions.values()
     names = {name for region in regions for name in (region.id, *region.was)}
     return any(orphan.id in names for orphan in orphans)
@@ -224,7 +224,7 @@ def _placed(path: str, text: str, claims: Claims) -> bool:
 
 
 def _valid(path: str, skeleton: Sequence[str], claims: Claims) -> bool:
-    """Tell whether merged lines are valid whatever the bodies hold."""
+    """Return whether merged lines are valid whatever the bodies hold."""
     if kind_of(path) == "python":
         return check_text(path, "".join(skeleton)) is None
     defaults = {

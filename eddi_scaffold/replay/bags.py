@@ -54,7 +54,7 @@ def read_bag(
 
     Raises:
         EddiError: rosbags is not installed (I010), the bag cannot be read (I011), holds a topic
-            with another type than a configuration says (I012), or messages without a field that
+            with another type than in a configuration (I012), or messages without a field that
             an input needs (I017).
     """
     try:
@@ -111,7 +111,7 @@ def _absolute(topic: str) -> str:
 
 
 def _refuse_special(path: Path, place: Place) -> None:
-    """Refuse what would let rosbags wait or read for ever; what else is wrong, it says itself."""
+    """Refuse what would let rosbags wait or read for ever; it reports all other faults."""
     try:
         open_regular(path).close()
     except NotRegularError as special:

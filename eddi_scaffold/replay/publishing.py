@@ -23,7 +23,7 @@ class Channel:
 
     Attributes:
         topic: its full name.
-        of: which message of the monitor: empty for the result, else what stands beside it.
+        of: which message of the monitor: empty for the result, else an additional one.
         only: id of the one message of several that goes here.
         path: to the one value of the message that goes here, empty for all of it.
         type: of the message.
@@ -84,7 +84,7 @@ class Publisher:
 
 
 def _said(running: RuntimeMonitor, output: Any, of: str) -> Sequence[Message]:
-    """Return the result of a step as messages, or what stands beside it."""
+    """Return the result of a step, or one of its additional messages, as messages."""
     trees = getattr(running, f"{of}_message")() if of else running.message(output)
     listed = trees if isinstance(trees, list) else [] if trees is None else [trees]
     return [message_of(tree) for tree in listed]

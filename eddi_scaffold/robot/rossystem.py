@@ -203,7 +203,7 @@ def parse(
 
 
 def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: Document) -> None:
-    """Refuse filters that match nothing, and say what did not resolve: it may be why.
+    """Refuse filters that match nothing, and report what did not resolve: it may be the cause.
 
     Raises:
         EddiError: a glob matches nothing, or together they leave nothing.

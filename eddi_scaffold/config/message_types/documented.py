@@ -1,4 +1,4 @@
-"""What the documentation of common messages says of a field: unit, range, no measurement."""
+"""Documented properties of the fields of common messages: unit, range, no measurement."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Documented:
         range: least and greatest measurement.
         limits: the same as paths of fields in the message.
         infinite: infinities are measurements.
-        unless: path of a field and the value by which it says that there is no measurement.
+        unless: path of a field and the value by which it marks that there is no measurement.
     """
 
     units: tuple[str, ...] = ()
@@ -42,7 +42,7 @@ def documented(
 ) -> Documented | None:
     """Return what is known of the field at the end of a path, ``None`` for nothing.
 
-    The outermost message that says something counts: an ``Imu`` knows more of its
+    The outermost message with an entry counts: an ``Imu`` knows more of its
     ``angular_velocity.x`` than a ``Vector3`` of its ``x``.
 
     Args:
@@ -85,7 +85,7 @@ def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
 
 @cache
 def _rows() -> Mapping[str, Mapping[str, Documented]]:
-    """Return message type -> path -> what its documentation says."""
+    """Return message type -> path -> its documentation."""
     found: dict[str, dict[str, Documented]] = {}
     of = ""
     for line in (files(__package__) / "units.txt").read_text("utf-8").splitlines():

@@ -1,4 +1,4 @@
-"""Evidence that says less than it seems to."""
+"""Evidence that is weaker than it seems."""
 
 from __future__ import annotations
 

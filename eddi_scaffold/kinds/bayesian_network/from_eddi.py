@@ -113,7 +113,7 @@ class _Reader:
             if not broken and table is not None:
                 values, places = table
             elif not broken:
-                broken = True  # names are missing: said elsewhere
+                broken = True  # names are missing: reported elsewhere
         return Draft(
             node.name,
             node.name,

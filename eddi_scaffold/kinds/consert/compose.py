@@ -32,10 +32,10 @@ class Composition:
         order: instance names, providers first; those that could not be accepted are missing.
         bindings: (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which
             depends on the instance itself.
-        unmatched_demands: ids of demands that nobody in the set fulfils, as ``INSTANCE/ID``
+        unmatched_demands: ids of demands that no ConSert in the set fulfils, as ``INSTANCE/ID``
             where several instances have a demand of that id.
-        unmatched_services: ids of required services that nobody in the set provides, likewise.
-        reasons: one sentence for each thing that stands in the way.
+        unmatched_services: ids of required services that no ConSert in the set provides, likewise.
+        reasons: one sentence for each obstacle.
         problems: instance names that are used twice (C027).
     """
 

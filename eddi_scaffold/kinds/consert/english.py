@@ -30,7 +30,7 @@ _INFINITY = Bound("inf", math.inf)
 
 @dataclass(frozen=True)
 class EnglishDimension:
-    """What one text says.
+    """Meaning of one text.
 
     Attributes:
         dimension: the dimension.

@@ -1,4 +1,4 @@
-"""What a ConSert monitor must be told: its demands and its evidence."""
+"""Inputs of a ConSert monitor: its demands and its evidence."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None
 
 
 def fits(given: Dimension, wanted: Dimension) -> bool:
-    """Tell whether a dimension of a guarantee satisfies one of a demand."""
+    """Return whether a dimension of a guarantee satisfies one of a demand."""
     if type(given) is not type(wanted) or given.type != wanted.type:
         return False
     if isinstance(given, CategoricalDimension) and isinstance(wanted, CategoricalDimension):

@@ -1,4 +1,4 @@
-"""What the messages of an event monitor say, and what its events rest on."""
+"""Meaning of the messages of an event monitor, and dependencies of its events."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (Tr
 
 
 def meanings(document: JsonValue | None, event: str | None) -> Meanings:
-    """Return what the fields of an ``EventOutput`` say.
+    """Return the meaning of the fields of an ``EventOutput``.
 
     Args:
         document: the ``model`` part of ``config/model.json``; ``None``: not at hand.

@@ -20,7 +20,7 @@ from eddi_scaffold.units import accepted
 
 NAME = "event"
 DEFAULT_RATE = 10.0
-"""Steps per second where no configuration says another number."""
+"""Steps per second where no configuration gives another number."""
 _TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
 _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 

@@ -42,7 +42,7 @@ def check_system(system: System) -> list[Problem]:
 
 
 def _open_ports(system: System) -> Iterator[Problem]:
-    """Refuse evidence from trees that leave out what nobody has connected."""
+    """Refuse evidence from trees that leave out unconnected ports."""
     if not system.thresholds:
         return
     for component in used(system).components.values():
@@ -144,7 +144,7 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
 
 
 def _empty(gate: Gate) -> Iterator[Problem]:
-    """Refuse a gate of nothing; of a port of an EDDI the reader has said it (X017)."""
+    """Refuse a gate without inputs; a port of an EDDI is reported by the reader (X017)."""
     if not gate.is_port:
         message = f"gate {gate.name!r} has no input: a gate without inputs never occurs"
         hint = "list its inputs, or take it out"

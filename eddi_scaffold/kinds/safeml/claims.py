@@ -1,4 +1,4 @@
-"""What the messages of a SafeML monitor say."""
+"""Meaning of the messages of a SafeML monitor."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ MEANINGS: Meanings = {
         ),
     },
 }
-"""Message -> field -> what it says."""
+"""Message -> field -> its meaning."""
 
 
 def limits(document: Mapping[str, Any]) -> Mapping[str, float]:

@@ -31,7 +31,7 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 class _Wrong(Exception):  # noqa: N818 - control flow inside this module
-    """A value is not what its key expects; the text says what would be."""
+    """A value is not what its key expects; the text states what is expected."""
 
 
 def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:

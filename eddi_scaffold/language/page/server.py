@@ -54,7 +54,7 @@ def open_server(
         port: 0 for any that is free.
         read_signal: reads recorded values.
         seconds: within which a request has come and its answer is taken, or the connection ends.
-        connections: at once; a further one is told to come back.
+        connections: at once; a further one is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).

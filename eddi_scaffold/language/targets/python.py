@@ -95,7 +95,7 @@ def _functions(model: MonitorModel) -> list[str]:
             used.update(dict.fromkeys(reversed(found.__mro__[:-1])))
         if node.op in BUFFERED and node.coverage is not None:
             used[windows.Covered] = None
-    # As they stand in the library: a base class comes first.
+    # In the order of the library: a base class comes first.
     order = sorted(used, key=lambda cls: (cls.__module__ == stacks.__name__, _line(cls)))
     lines = _title(2, "Functions")
     if _needs_reductions(model):

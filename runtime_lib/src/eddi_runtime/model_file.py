@@ -34,7 +34,7 @@ class ModelFile:
         id: the model's id.
         digest: SHA-256 of the content, as the file states it.
         source: where the model was generated from.
-        inputs: what the monitor must be told, in the order of the file.
+        inputs: the inputs of the monitor, in the order of the file.
         model: the kind's own part.
         settings: the kind's settings.
         data: name -> bytes of a bulk file beside the model; raises ModelError when there is none.
@@ -68,11 +68,11 @@ def read_model(path: Union[str, Path]) -> ModelFile:
 
 
 def parse_model(text: str, name: str = "<text>", data: Data = None) -> ModelFile:
-    """Check the text of a model file; ``name`` stands in the errors.
+    """Check the text of a model file; ``name`` is used in errors.
 
     Args:
         text: the JSON text.
-        name: stands in the errors.
+        name: used in errors.
         data: bulk files that belong to the model, by name.
 
     Raises:

@@ -1,6 +1,6 @@
-"""What the diagnostics say about one monitor: pure functions from facts to levels and words.
+"""Diagnostics of one monitor: pure functions from facts to levels and messages.
 
-Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" are said of when a
+Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" refer to when a
 message came, "satisfied" and "good" only of evidence that speaks for a guarantee.
 """
 
@@ -157,7 +157,7 @@ def report(
 
 
 def because(fact: InputFact) -> str:
-    """Say in one line why an input is not fresh, with the topics that are to blame."""
+    """Return in one line why an input is not fresh, with the topics that are late or missing."""
     if fact.state == LATCHED:
         return "age unknown"
     if fact.state not in (WAITING, NEVER, LATE):

@@ -1,6 +1,6 @@
 """The intermediate form of events: a typed expression graph in JSON, checked before it is used.
 
-``nodes`` stand in the order of evaluation, each argument before its use; equal sub-expressions are
+``nodes`` are in the order of evaluation, each argument before its use; equal sub-expressions are
 one node. No name takes part in the evaluation: variables are numbered.
 """
 
@@ -88,7 +88,7 @@ class Variable(NamedTuple):
         infinite: infinity is a value.
         literals: texts of an ENUM.
         stamped: the time of its sample is asked for (AGE or TIMEOUT).
-        text: it comes as a text that says a number in decimal.
+        text: it comes as a text that represents a number in decimal.
         reduction: how it is made of the lists of a message; None: it comes as it is.
     """
 
@@ -189,7 +189,7 @@ def read_form(document: Mapping[str, Any]) -> Form:
 
 def used_variables(form: Form) -> List[List[int]]:
     """Return for each output the numbers of the variables that it depends on, in order."""
-    masks: List[int] = []  # of each node, whose operands stand before it
+    masks: List[int] = []  # of each node, whose operands are before it
     for node in form.nodes:
         mask = 1 << int(node.value) if node.op in ("variable", "age") else 0
         for k in node.args:

@@ -11,7 +11,7 @@ from .estimate import Estimate, Moment, Values
 from .limit import Limit
 
 Known = Mapping[str, Estimate]
-"""Model -> what it said in this step."""
+"""Model -> what it reported in this step."""
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
 AGAIN = "it reports that a failed part works again; ignored without `repair: true`"
@@ -36,7 +36,7 @@ class Component:
 
     @property
     def grows(self) -> bool:
-        """Tell whether what lies ahead never gets less probable with the horizon."""
+        """Return whether what lies ahead never gets less probable with the horizon."""
         return True
 
     def _say(self, name: str, text: str) -> None:

@@ -44,7 +44,7 @@ class _Seen(NamedTuple):
 
 
 class _Reasons(NamedTuple):
-    """What the monitor said when it was asked last.
+    """The last report of the monitor.
 
     Attributes:
         at: monotonic seconds.

@@ -66,7 +66,7 @@ def beside(monitor: Any, name: str) -> Trees:
 def check_outputs(
     converter: Converter, result: Trees, monitor: Any, outputs: Iterable[Output]
 ) -> None:
-    """Check that the messages of the workspace can carry what the monitor says.
+    """Check that the messages of the workspace can carry what the monitor publishes.
 
     Args:
         converter: of the node.

@@ -21,7 +21,7 @@ _POLL_S = 0.2
 
 
 class StartError(Exception):
-    """The node must not start; the text says why and is meant for a person."""
+    """The node must not start; the text gives the reason for the user."""
 
 
 def node_name(name: str) -> str:
