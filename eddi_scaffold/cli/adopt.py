@@ -33,7 +33,7 @@ def adopt(
     Example: eddi-scaffold adopt old/bn_monitor -o monitors
     """
     from eddi_scaffold.adopting.adopt import adopt as adopted
-    from eddi_scaffold.adopting.writing import bring_in
+    from eddi_scaffold.adopting.writing import write_adopted
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.packages.rendering import own_template
@@ -50,8 +50,8 @@ def adopt(
         where = Place(str(workspace))
         raise EddiError(error("G007", "there is no such catkin workspace", where, hint))
     found = adopted(package, model, name)
-    result = bring_in(found, target, place, own_template(), dry_run=dry_run)
+    result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)
-    for line in (*found.told, *result.told):
+    for line in (*found.notes, *result.notes):
         console.say(line)
     finish(result.outcome, dry_run=dry_run)

@@ -50,7 +50,7 @@ def generate(
     from eddi_scaffold.deployments.wiring.check import members_of
     from eddi_scaffold.deployments.wiring.topics import shared_by_robots
     from eddi_scaffold.packages.assembly import assemble, monitors_of
-    from eddi_scaffold.packages.generation import bring
+    from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import root_below
@@ -79,7 +79,7 @@ def generate(
     problems = [*problems, *found]
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)
-    outcome = bring(
+    outcome = write_packages(
         root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
     )
     shared = shared_by_robots(members_of(monitors))

@@ -53,7 +53,7 @@ def check_files(
     models, configs, problems = _read_files(files, default_guarantees, robot, target)
     alone = [] if models else [config for config in configs if not _names_its_model(config)]
     if not has_errors(problems):  # else what is wrong may be the file with their models
-        problems += [found for config in alone for found in _alone(config, target)]
+        problems += [found for config in alone for found in _check_without_model(config, target)]
     configs = [config for config in configs if config not in alone]
     if target is None and configs:
         target = chosen(_OF_CONFIGS)
@@ -101,7 +101,7 @@ def _wanted(missing: Problem, target: Platform | None) -> Problem:
     return missing if target is not None else replace(missing, level="warning")
 
 
-def _alone(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
+def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
     """Report what can be found in a configuration without its model."""
     yield _wanted(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}

@@ -168,14 +168,14 @@ class _Parser(ExpressionParser):
             self._expect(")")
         self._expect(":=")
         first = len(self._nodes)
-        root = self._whole()
+        root = self._read_definition()
         return EventDeclaration(name.name, name.at, polarity, first, root)
 
     def _bare(self) -> EventDeclaration:
         first, at = len(self._nodes), self._token.start
-        return EventDeclaration(ANONYMOUS, at, None, first, self._whole(), anonymous=True)
+        return EventDeclaration(ANONYMOUS, at, None, first, self._read_definition(), anonymous=True)
 
-    def _whole(self) -> int:
+    def _read_definition(self) -> int:
         self._behind_declaration = False
         self._depth = 0
         return self._expression()

@@ -100,7 +100,9 @@ def reduced(
     row["inputs"] = [_input(part) for part in parts]
     row["nodes"] = [_node(one) for one in needed]
     row["value"] = new[nodes[0]]
-    row |= _said(node.options, [[limit[0], *(new[n] for n in limit[1:])] for limit in limits])
+    row |= _render_options(
+        node.options, [[limit[0], *(new[n] for n in limit[1:])] for limit in limits]
+    )
     if array_of(lists[0])[1]:
         row["messages"] = True
     timeouts = [part.timeout for part in parts if part.timeout is not None]
@@ -207,10 +209,10 @@ def _node(row: Mapping[str, Any]) -> dict[str, Any]:
     return {"op": row["op"], "args": row["args"]}
 
 
-def _said(options: Options, limits: list[list[int]]) -> dict[str, Any]:
-    said: dict[str, Any] = {"limits": limits} if limits else {}
+def _render_options(options: Options, limits: list[list[int]]) -> dict[str, Any]:
+    rendered: dict[str, Any] = {"limits": limits} if limits else {}
     if options.coverage is not None:
-        said["coverage"] = options.coverage
+        rendered["coverage"] = options.coverage
     if options.length is not None:
-        said["length"] = list(options.length)
-    return said
+        rendered["length"] = list(options.length)
+    return rendered

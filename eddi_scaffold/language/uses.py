@@ -232,5 +232,5 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
 
 
 def lasts(silence: Silence) -> str:
-    """Say how long it lasts."""
+    """Describe how long it lasts."""
     return "as its text states" if silence.seconds is None else f"for {silence.seconds:g} s"

@@ -99,7 +99,7 @@ class _Binder:
             declarations="\n".join(self.config.config.declarations),
             polarity=self.polarity,
         )
-        if self._says_polarity:
+        if self._has_polarity:
             problems = [problem for problem in problems if problem.code != "W002"]
         self.problems += problems
         if compiled is None:
@@ -173,14 +173,14 @@ class _Binder:
         return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
 
     @property
-    def _says_polarity(self) -> bool:
+    def _has_polarity(self) -> bool:
         return "polarity" in self.entry.model_fields_set
 
     def _take_polarity(self, polarity: str | None, name: str) -> None:
         """Use the polarity of an event, and report one of the input that differs."""
         if polarity is None:
             return
-        if self._says_polarity and self.entry.polarity != polarity:
+        if self._has_polarity and self.entry.polarity != polarity:
             message = f"{name} declares {polarity}, `polarity:` {self.entry.polarity}"
             self._error("K043", message, "polarity", "leave `polarity:` out")
         self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"

@@ -33,7 +33,7 @@ def is_config(source: Source) -> bool:
 
 
 def is_mros(source: Source) -> bool:
-    """Tell by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
+    """Return by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
     return named_like_mros(source.name)
 
 

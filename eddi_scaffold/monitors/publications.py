@@ -56,7 +56,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
             problems.append(error("K045", message, places("event"), hint))
             continue
         if output.field is None:
-            found += _whole(output, messages, places("topic"))
+            found += _publish_messages(output, messages, places("topic"))
             continue
         try:
             path = parse_field(output.field)
@@ -84,7 +84,9 @@ def _messages(monitor: Monitor) -> dict[str, str]:
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
 
 
-def _whole(output: Output, messages: Mapping[str, str], place: Place) -> Iterator[Publication]:
+def _publish_messages(
+    output: Output, messages: Mapping[str, str], place: Place
+) -> Iterator[Publication]:
     """Yield the topic of the result, then those of the messages beside it."""
     yield Publication(output, messages[""], place, messages[""])
     for name, type_ in messages.items():

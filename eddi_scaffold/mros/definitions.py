@@ -144,7 +144,7 @@ class Definitions:
         ]
 
     def reason(self, reference: Reference, kind: Kind) -> tuple[str, str | None]:
-        """Say why a reference finds nothing: message and hint."""
+        """Explain why a reference finds nothing: message and hint."""
         named = [
             model
             for model in self._by_artifact.get(reference.artifact, ())

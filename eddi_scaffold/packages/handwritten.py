@@ -101,7 +101,7 @@ def inventory(folder: Path) -> Sequence[Entry]:
 
 
 def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
-    """Say that bodies were looked at and are right.
+    """Confirm that bodies were reviewed and are correct.
 
     Raises:
         EddiError: no package has a region of such an id (U004).

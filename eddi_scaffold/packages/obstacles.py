@@ -54,15 +54,15 @@ class Obstacles:
         return next((at for path in paths if (at := _obstacle(path, self.kinds)) is not None), None)
 
     def stop(self, path: str) -> str:
-        """Say that the whole package is left alone because of one obstacle."""
+        """Report that the whole package is left alone because of one obstacle."""
         where = f"{self.folder}/{shown(path)} is {self.kinds[path]}"
         return f"{self.folder} is left alone: {where}, and a record of the package belongs there"
 
-    def told(self) -> list[str]:
-        """Say which files wait."""
-        return [self._told(path, files) for path, files in self.waiting.items()]
+    def waiting_notes(self) -> list[str]:
+        """Report which files wait."""
+        return [self._waiting_note(path, files) for path, files in self.waiting.items()]
 
-    def _told(self, path: str, files: list[str]) -> str:
+    def _waiting_note(self, path: str, files: list[str]) -> str:
         what = f"{self.folder}/{shown(path)} is {self.kinds[path]}: it is left alone"
         return (
             f"{what}, not brought up to date"
@@ -71,13 +71,13 @@ class Obstacles:
         )
 
     def untouched(self) -> list[str]:
-        """Say once what else is there; nothing of it was opened or copied."""
+        """Report once what else is there; nothing of it was opened or copied."""
         found = [f"{shown(p)} ({k})" for p, k in self.kinds.items() if p not in self.waiting]
         return [f"{self.folder}: left as they are: {_few(found)}"] if found else []
 
 
 def obstacles(folder: str, kinds: Mapping[str, str], wanted: Iterable[str]) -> Obstacles:
-    """Tell which files cannot be put where they belong.
+    """Return which files cannot be put where they belong.
 
     Args:
         folder: name of the package folder.

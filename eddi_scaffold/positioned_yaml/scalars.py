@@ -75,7 +75,7 @@ class Number:
 
 
 def describe(node: Node) -> str:
-    """Say in words what a node is, for messages."""
+    """Describe the kind of a node, for messages."""
     if isinstance(node, Items):
         return "a list"
     if isinstance(node, Map):

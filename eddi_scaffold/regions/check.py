@@ -82,7 +82,7 @@ def broken_files(root: Path) -> tuple[Refusal, ...]:
 
 
 def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
-    """Say that bodies were looked at: their markers get the signature of the newest rendering.
+    """Confirm that bodies were reviewed: their markers get the signature of the newest rendering.
 
     Returns:
         The ids that were found; files with damaged markers are left alone.

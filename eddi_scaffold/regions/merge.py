@@ -68,7 +68,7 @@ def merge(
     skeleton, rejects = _outside(path, before, own, target)
     text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
     if own is not None and skeleton != target.skeleton and not _valid(path, skeleton, claims):
-        skeleton, rejects = target.skeleton, [_whole(before or target, own)]
+        skeleton, rejects = target.skeleton, [_reject_file(before or target, own)]
         text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
     if not _placed(path, text, claims):
         return Refused((Fault(1, "the merged text would lose a region; put its markers back"),))
@@ -171,21 +171,21 @@ def _outside(
     if mine is None or same_lines(mine.skeleton, new):
         return new, []
     if base is None:
-        return new, [_whole(theirs, mine)]
+        return new, [_reject_file(theirs, mine)]
     if same_lines(mine.skeleton, base.skeleton):
         return new, []
     if kind_of(path) == "python":
         try:
             return merge_python(base.skeleton, mine.skeleton, new)
         except SyntaxError:
-            return new, [_whole(base, mine)]
+            return new, [_reject_file(base, mine)]
     merged = merge_lines(base.skeleton, mine.skeleton, new)
     if merged is None or regions_in(merged) != regions_in(new):
-        return new, [_whole(base, mine)]
+        return new, [_reject_file(base, mine)]
     return merged, []
 
 
-def _whole(before: Document, after: Document) -> Reject:
+def _reject_file(before: Document, after: Document) -> Reject:
     return Reject("the file", tuple(before.skeleton), tuple(after.skeleton))
 
 

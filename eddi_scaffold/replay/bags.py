@@ -144,7 +144,7 @@ def _absent(place: Place, tape: Tape, wanted: Mapping[str, Sequence[_Wanted]]) -
 
 
 def _computed(place: Place, topics: Collection[str]) -> list[Problem]:
-    """Say which topics are not taken from the bag (I018)."""
+    """Report which topics are not taken from the bag (I018)."""
     if not topics:
         return []
     message = f"{', '.join(sorted(topics))} is published by a monitor here, not taken from the bag"

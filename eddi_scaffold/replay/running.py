@@ -24,7 +24,7 @@ _NO_OTHER = "unknown inputs"
 
 
 def watched(play: Play, say: Callable[[str], None]) -> Play:
-    """Say from time to time how far a long recording is."""
+    """Report from time to time the progress of a long recording."""
     said = time.monotonic()
     for part, frame in play:
         yield part, frame

@@ -91,8 +91,8 @@ def _rows() -> Mapping[str, Mapping[str, Documented]]:
     for line in (files(__package__) / "units.txt").read_text("utf-8").splitlines():
         if line.startswith("    "):
             paths, _, text = line.strip().partition(": ")
-            said = _said(text)
-            found[of].update((path, said) for name in paths.split() for path in _paths(name))
+            documented = _parse_row(text)
+            found[of].update((path, documented) for name in paths.split() for path in _paths(name))
         elif line and not line.startswith("#"):
             of = line
             found[of] = {}
@@ -108,7 +108,7 @@ def _paths(name: str) -> Iterator[str]:
         yield f"{name[: match.start()]}[{number}]{name[match.end() :]}"
 
 
-def _said(text: str) -> Documented:
+def _parse_row(text: str) -> Documented:
     match = _ROW.fullmatch(text)
     assert match is not None, text
     units = () if match["unit"] == NONE else tuple(match["unit"].split("|"))

@@ -59,15 +59,17 @@ def _completed(
         entry.model_copy(update={"max_age": ages[entry.id]}) if entry.id in ages else entry
         for entry in config.EDDIInputs
     ]
-    told = [
-        _told(entry, member.config, index)
+    reported = [
+        _report_limit(entry, member.config, index)
         for index, entry in enumerate(entries)
         if entry.id in ages
     ]
-    return replace(member.config, config=config.model_copy(update={"EDDIInputs": entries})), told
+    return replace(
+        member.config, config=config.model_copy(update={"EDDIInputs": entries})
+    ), reported
 
 
-def _told(entry: Input, config: ConfigFile, index: int) -> Problem:
+def _report_limit(entry: Input, config: ConfigFile, index: int) -> Problem:
     message = (
         f"input {entry.id!r} has no max_age: it is unknown after {entry.max_age:g} s, "
         f"{_PERIODS} periods of the monitor that publishes it"

@@ -199,7 +199,7 @@ def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
 def _judged_by_default(
     inputs: Sequence[ModelInput], feeding: Container[str]
 ) -> tuple[ModelInput, ...]:
-    """Say that any default of what feeds a node may make evidence active before a message."""
+    """Declare that any default of what feeds a node may make evidence active before a message."""
     return tuple(
         replace(one, is_good=lambda _: True) if one.id in feeding else one for one in inputs
     )

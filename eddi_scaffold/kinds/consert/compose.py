@@ -267,7 +267,7 @@ def _waiting(
     needs: Sequence[_Need],
     rounds: Mapping[str, int],
 ) -> Iterator[str]:
-    """Say which ConSerts wait for others that cannot be accepted, and who wait for each other."""
+    """Report ConSerts that wait for others that cannot be accepted, or for each other."""
     waits: dict[str, tuple[str, ...]] = {name: () for name, _ in instances}
     for need in needs:
         if need.instance not in rounds and not _is_met(need, rounds):

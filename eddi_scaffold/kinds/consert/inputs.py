@@ -42,7 +42,7 @@ def inputs(consert: ConSert) -> Sequence[ModelInput]:
 
 
 def covered_text(dimension: Dimension) -> str:
-    """Say in one line what counts as good: ``Distance in [0, 5) m``."""
+    """Describe in one line what counts as good: ``Distance in [0, 5) m``."""
     if isinstance(dimension, BinaryDimension):
         return dimension.type
     if isinstance(dimension, CategoricalDimension):

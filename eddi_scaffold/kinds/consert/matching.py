@@ -88,7 +88,7 @@ def _spans(dimension: NumericDimension) -> list[Span]:
 
 
 def _reason(wanted: Dimension, given: Dimension, name: str, demand: str) -> tuple[int, str]:
-    """Say why a dimension does not fit; the rank grows with the difference."""
+    """Explain why a dimension does not fit; the rank grows with the difference."""
     title = f"dimension {wanted.type}"
     if type(given) is not type(wanted) or given.type != wanted.type:
         kind = _KINDS[type(wanted)]

@@ -38,7 +38,7 @@ def _is_coherent(system: System) -> bool:
 
 
 def _with_uses(one: ModelInput) -> ModelInput:
-    """Say that a threshold gains only from parts that work, where that is one of two values."""
+    """Declare that a threshold gains only from parts that work, where that is one of two values."""
     if one.type != "bool" or one.is_good is None:
         return one
     return replace(one, uses=(Use(one.is_good),))

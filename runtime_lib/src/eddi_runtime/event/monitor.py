@@ -189,7 +189,7 @@ class EventMonitor:
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
-        told = (
+        unusable = (
             (spec.id, fault(one, raw))
             for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
         )
@@ -198,7 +198,7 @@ class EventMonitor:
             for used, reason in zip(self._sampling.uses, self._sampling.reasons)
             if self._raw[used[0]] is not None
         )
-        return {name: reason for name, reason in (*reduced, *told) if reason}
+        return {name: reason for name, reason in (*reduced, *unusable) if reason}
 
     def _stamps(self, eddi_input: object, t: int) -> List[Optional[int]]:
         """Return when each variable was sampled."""

@@ -39,7 +39,7 @@ class Component:
         """Return whether what lies ahead never gets less probable with the horizon."""
         return True
 
-    def _say(self, name: str, text: str) -> None:
+    def _report_fault(self, name: str, text: str) -> None:
         self.said = {**self.said, name: text}
 
     def _most(self, values: Values, limit: Limit) -> Tuple[float, bool]:
@@ -48,7 +48,7 @@ class Component:
         if value is not None:
             return value, True
         if fault:
-            self._say(limit.name, fault)
+            self._report_fault(limit.name, fault)
         return limit.worst, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:

@@ -179,7 +179,7 @@ class FaultTree(Component):
             name = self.events[i].input
             if value is False and name is not None:
                 self.latched += 1
-                self._say(name, AGAIN)
+                self._report_fault(name, AGAIN)
             return True
         self._failed[i] = value is True
         return value
