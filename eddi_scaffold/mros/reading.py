@@ -76,7 +76,7 @@ def _dialect(text: Text) -> Dialect:
 
 @contextmanager
 def _in(dialect: Dialect) -> Iterator[None]:
-    """Tell the dialect to who handles the error."""
+    """Add the dialect to a syntax error."""
     try:
         yield
     except MrosSyntaxError as failed:
