@@ -1,9 +1,9 @@
 """What a monitor claims, and which values of its inputs bring a claim nearer.
 
-A claim says something good: an active guarantee, a threshold that is kept, a hazard that is known
-not to be there. Silence must never bring a claim nearer: neither the silence of a sensor, nor that
-of the sensors behind another monitor, whose messages go on. The words here are shared by the kinds,
-which know what their messages mean, and by the check of the wiring between them.
+A claim asserts something good: an active guarantee, a threshold that is kept, a hazard that is
+known to be absent. Silence must never bring a claim nearer: neither the silence of a sensor, nor
+that of the sensors behind another monitor, which continues to publish. The terms here are shared by
+the kinds, which know what their messages mean, and by the check of the wiring between them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Use:
 
 @dataclass(frozen=True)
 class Given:
-    """A field that says whether another one means anything.
+    """A field that indicates whether another one has a meaning.
 
     Attributes:
         message: name of the message that has the field.
@@ -51,18 +51,18 @@ class Given:
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a field of a monitor's message says of what is known.
+    """What a field of a monitor's message expresses about what is known.
 
     Attributes:
         silent: values that it may have while nothing is known; ``None``: any.
-        given: the field says something where all of these do, whatever ``silent`` is.
+        given: the field has a meaning where all of these have one, whatever ``silent`` is.
         refused: why a use is refused that a silent value satisfies; no full stop.
         instead: the line to write in its place.
     """
 
     silent: tuple[object, ...] | None = None
     given: tuple[Given, ...] = ()
-    refused: str = "it does not tell whether anything is known"
+    refused: str = "it does not show whether anything is known"
     instead: str | None = None
 
 
@@ -76,8 +76,8 @@ class Acceptance:
         lasts: for how long, for people.
         seconds: the same as a number, ``None`` where there is no end.
         input: on which it is, empty for all.
-        path: where the configuration says it: keys from the top.
-        at: line and column where the model says it.
+        path: its place in the configuration: keys from the top.
+        at: line and column of it in the model.
         outputs: claims of the monitor that rest on it; ``None``: all that rest on the input.
     """
 

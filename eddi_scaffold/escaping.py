@@ -1,9 +1,9 @@
 """Texts of models and configurations as parts of other languages: one function for each target.
 
-Whatever the text says, it stays text there. Names are not escaped but checked (``identifiers``);
-CMake and ROS launch files get names and numbers only. What an answers file may hold of the results
-is said once more in ``copier_templates/shapes.jinja``, because answers can be given to Copier
-directly.
+Whatever the text contains, it stays text there. Names are not escaped but checked
+(``identifiers``); CMake and ROS launch files get names and numbers only. What an answers file may
+hold of the results is repeated in ``copier_templates/shapes.jinja``, because answers can be given
+to Copier directly.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ def python_literal(value: object) -> str:
 
 
 def python_comment(text: str) -> str:
-    """Return text that can stand in a comment or docstring of Python without ending it."""
+    """Return text that is safe in a comment or docstring of Python without ending it."""
     return one_line(text).replace("\\", "/").replace('"', "'").replace("'''", "'")
 
 
 def c_comment(text: str) -> str:
-    """Return text that can stand in a block comment of C, and in a docstring of Python."""
+    """Return text that is safe in a block comment of C, and in a docstring of Python."""
     plain = re.sub(r"[^ -~]+", " ", text).replace("\\", "/").replace('"', "'")
     plain = plain.replace("*/", "* /").replace("/*", "/ *")
     return re.sub(r"\?(?=\?)", "? ", plain).strip()  # ??/ is a backslash

@@ -68,7 +68,7 @@ _PACKAGE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 def is_identifier(name: str) -> bool:
-    """Tell whether ``name`` can stand in generated code as it is (ASCII, not reserved)."""
+    """Return whether ``name`` can be used in generated code unchanged (ASCII, not reserved)."""
     return (
         _IDENTIFIER.fullmatch(name) is not None
         and name not in RESERVED
@@ -77,7 +77,7 @@ def is_identifier(name: str) -> bool:
 
 
 def key_text(wanted: str | int) -> str:
-    """Return the key of an element as it stands in brackets: in quotes where it is no word."""
+    """Return the key of an element for brackets: in quotes where it is not a word."""
     return (
         str(wanted) if isinstance(wanted, int) or _IDENTIFIER.fullmatch(wanted) else f'"{wanted}"'
     )
@@ -99,12 +99,12 @@ def attribute(name: str) -> str:
 
 
 def is_package_name(name: str) -> bool:
-    """Tell whether ``name`` has the form of REP-144 and is at least two characters long."""
+    """Return whether ``name`` has the form of REP-144 and is at least two characters long."""
     return len(name) >= 2 and _PACKAGE.fullmatch(name) is not None
 
 
 def is_ros_name(text: str) -> bool:
-    """Tell whether ``text`` is a graph resource name of ROS: of a topic, for instance."""
+    """Return whether ``text`` is a graph resource name of ROS: of a topic, for instance."""
     return _ROS_NAME.fullmatch(text) is not None
 
 

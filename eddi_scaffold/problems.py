@@ -15,7 +15,7 @@ _RANK: dict[str, int] = {"info": 1, "warning": 2, "error": 3}
 
 @dataclass(frozen=True)
 class Place:
-    """Where something stands in an input.
+    """The place of something in an input.
 
     Attributes:
         file: path as the user gave it; empty when there is none.
@@ -99,7 +99,7 @@ def info(code: str, message: str, place: Place = Place(), hint: str | None = Non
 
 
 def has_errors(problems: Iterable[Problem]) -> bool:
-    """Tell whether one of the problems is an error."""
+    """Return whether one of the problems is an error."""
     return any(p.level == "error" for p in problems)
 
 
@@ -153,7 +153,7 @@ class NearNames:
 
     Args:
         known: the names that there are.
-        otherwise: what stands before a list of them, where none is near; None: no such list.
+        otherwise: the text before a list of them, where none is near; None: no such list.
     """
 
     def __init__(self, known: Collection[str], otherwise: str | None = None) -> None:

@@ -22,7 +22,7 @@ DURATION_UNITS = ("ns", "us", "ms", "s", "min", "h", "day", "week", "month", "ye
 
 
 class QuantityError(HintedError):
-    """A text is no quantity; the message says why, the hint what to write."""
+    """A text is not a quantity; the message explains why, the hint what to write."""
 
 
 class UnitError(QuantityError):
@@ -41,7 +41,7 @@ def rate(given: object, unit: str | None = None) -> Quantity:
 
     Args:
         given: text or number.
-        unit: a unit that stands elsewhere.
+        unit: a unit that is given elsewhere.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
@@ -115,7 +115,7 @@ def rate_factor(unit: str) -> tuple[int, int] | None:
 
 
 def is_time_unit(unit: str) -> bool:
-    """Tell whether a text is a unit of time (``h``, ``Hour``)."""
+    """Return whether a text is a unit of time (``h``, ``Hour``)."""
     return factor(_time_unit(unit), "h") is not None
 
 

@@ -1,7 +1,7 @@
 """Units of measurement: one table for models, configurations, expressions and messages.
 
 Factors are exact, but for those with pi, which is the nearest double. ``degC`` and ``K`` are two
-dimensions: whether 5 K is a temperature or a difference of two, a factor cannot say.
+dimensions: a factor cannot distinguish a temperature of 5 K from a difference.
 """
 
 from __future__ import annotations
@@ -180,13 +180,13 @@ def convertible(wanted: str | None) -> Mapping[str, tuple[int, int]]:
 
 
 def contradict(given: Sequence[str], wanted: str) -> bool:
-    """Tell whether a known unit is none of those that a value has, one of which is right."""
+    """Return whether a known unit is none of those that a value has, one of which is right."""
     known = bool(given) and find(wanted) is not None
     return known and all(factor(unit, wanted) != 1 for unit in given)
 
 
 def accepted(unit: str | None) -> Mapping[str, tuple[int, int]] | None:
-    """Return in which units a value may be given: a unit of nobody's table in itself alone."""
+    """Return in which units a value may be given: an unknown unit only in itself."""
     if not unit:
         return None
     return convertible(unit) if find(unit) is not None else {unit: (1, 1)}

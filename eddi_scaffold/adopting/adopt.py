@@ -30,7 +30,7 @@ class Adoption:
         config: text of the recovered configuration.
         bodies: hand-written bodies by region.
         rejects: name -> text of what a person wrote outside of the places for it.
-        told: what a person must know, one line each.
+        notes: what the user must know, one line each.
     """
 
     old: OldPackage
@@ -40,7 +40,7 @@ class Adoption:
     wiring: Wiring
     bodies: tuple[Orphan, ...]
     rejects: dict[str, str]
-    told: tuple[str, ...]
+    notes: tuple[str, ...]
 
     def config(self, model: str) -> str:
         """Return the text of a configuration that names the model by this file."""
@@ -61,7 +61,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     old = read_old_package(folder)
     file, model = _model(old, model_file, name)
     kind = kinds()[model.kind]
-    told: list[str] = []
+    notes: list[str] = []
     bodies: list[Orphan] = []
     rejects: dict[str, str] = {}
     for module, prefix, region in (
@@ -78,16 +78,16 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         )
         if text:
             rejects[f"{module.path.name}.adopted"] = text + "\n"
-            told.append(f"{module.path}: lines outside of the regions are kept in .eddi/rejects")
-        told += [
+            notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/rejects")
+        notes += [
             f"{module.path}: this import is not carried over: {module.segment(one)}"
             for one in module.imports
             if not _is_frame_import(one)
         ]
     wiring = _fitting(read_wiring(old.node, old.eddi_input), model, kind)
-    told += [f"not recovered: {what}" for what in wiring.lost]
-    told += _uses(old.config)
-    return Adoption(old, model, kind, file, wiring, tuple(bodies), rejects, tuple(told))
+    notes += [f"not recovered: {what}" for what in wiring.lost]
+    notes += _uses(old.config)
+    return Adoption(old, model, kind, file, wiring, tuple(bodies), rejects, tuple(notes))
 
 
 def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path, Model]:
@@ -152,7 +152,7 @@ def _bodies(module: Module, prefix: str, region: str, names: dict[str, str]) -> 
 
 
 def _uses(config: Module | None) -> list[str]:
-    """Say for each node of a network what its body does, and what could be declared instead."""
+    """Report for each node of a network what its body does, and what could be declared instead."""
     found = []
     for method in config.methods.values() if config is not None else ():
         if not method.name.startswith("node_") or method.body is None:
@@ -181,7 +181,7 @@ def _outcomes(tree: ast.FunctionDef) -> dict[str, str]:
 
 
 def _is_frame_import(node: ast.stmt) -> bool:
-    """Tell whether the old generator wrote an import."""
+    """Return whether the old generator wrote an import."""
     names = [alias.name for alias in getattr(node, "names", ())]
     module = getattr(node, "module", None) or ""
     return module in {"typing", "__future__"} or module.endswith(".msg") or names == ["rospy"]

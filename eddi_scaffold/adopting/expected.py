@@ -33,7 +33,7 @@ def _outside(method: Method) -> tuple[ast.stmt, ...]:
 
 
 def _generated(node: ast.stmt) -> bool:
-    """Tell whether a statement is one of Fig 15: initial values, and the result."""
+    """Return whether a statement is one of Fig 15: initial values, and the result."""
     if isinstance(node, ast.Return | ast.Pass):
         return True
     if not isinstance(node, ast.Assign | ast.AnnAssign):
@@ -49,7 +49,7 @@ def _generated(node: ast.stmt) -> bool:
 
 
 def _ours(node: ast.stmt) -> bool:
-    """Tell whether a statement belongs to the generated frame of a class."""
+    """Return whether a statement belongs to the generated frame of a class."""
     kinds = (ast.Assign, ast.AnnAssign, ast.If, ast.Return, ast.Pass, ast.Try)
     return isinstance(node, kinds) and not any(
         isinstance(one, ast.Call) and not _is_frame_call(one) for one in ast.walk(node)

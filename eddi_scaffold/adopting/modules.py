@@ -125,7 +125,7 @@ def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
 
 
 def _marks(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """Yield what a marker says and its line: a string alone on its line, or a comment."""
+    """Yield the text of each marker and its line: a string alone on its line, or a comment."""
     for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
         match = _MARKER.search(lines[number - 1])
         before = lines[number - 1][: match.start()].strip() if match else "x"

@@ -107,7 +107,7 @@ def _proposal(node: str, statements: list[ast.stmt], outcomes: dict[str, str]) -
 
 
 def _attribute(node: ast.expr, names: dict[str, str]) -> str | None:
-    """Return the input that ``self.dra_data.x``, or a variable that holds it, stands for."""
+    """Return the input that ``self.dra_data.x``, or a variable that holds it, refers to."""
     if isinstance(node, ast.Name):
         return names.get(node.id)
     inner = node.value if isinstance(node, ast.Attribute) else None

@@ -42,7 +42,7 @@ class OldInput:
 
 @dataclass(frozen=True)
 class Wiring:
-    """What a configuration says, as far as it could be read."""
+    """The content of a configuration, as far as it could be read."""
 
     frequency: float | None = None
     topics: tuple[Topic, ...] = ()

@@ -11,7 +11,7 @@ from pathlib import Path
 from eddi_scaffold.adopting.adopt import Adoption, leftover
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import Outcome, bring
+from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.transaction import FileState, write
 from eddi_scaffold.packages.workspace import root_below
@@ -27,10 +27,10 @@ class Result:
 
     outcome: Outcome
     problems: Sequence[Problem]
-    told: Sequence[str]
+    notes: Sequence[str]
 
 
-def bring_in(
+def write_adopted(
     adoption: Adoption, platform: Platform, place: Path, template: Template, *, dry_run: bool
 ) -> Result:
     """Generate the new package with the old bodies in its regions.
@@ -59,16 +59,16 @@ def bring_in(
         except EddiError as failed:
             raise EddiError(*(_shown(one, place) for one in failed.problems)) from None
     packages = [_with_bodies(one, package, adoption) for one in assembly.packages]
-    outcome = bring(root, packages, template, dry_run=dry_run)
-    told: list[str] = []
+    outcome = write_packages(root, packages, template, dry_run=dry_run)
+    notes: list[str] = []
     look = outcome.attention
     if not dry_run:
         write(place, {name: FileState(data) for name, data in files.items()})
         states = {one.id: one.state for one in list_regions(root / package)}
-        told = _report(adoption, states, [place / name for name in files])
+        notes = _report(adoption, states, [place / name for name in files])
         look = look or _needs_look(adoption, states)
     shown = [_shown(one, place) for one in assembly.problems]
-    return Result(replace(outcome, attention=look), shown, told)
+    return Result(replace(outcome, attention=look), shown, notes)
 
 
 def _with_bodies(one: PackageAnswers, package: str, adoption: Adoption) -> PackageAnswers:
@@ -98,7 +98,7 @@ def _report(adoption: Adoption, states: Mapping[str, str], written: Sequence[Pat
 
 
 def _shown(problem: Problem, folder: Path) -> Problem:
-    """Name a file where it will stand, not where it was tried out."""
+    """Name a file by its final path, not by that of the trial."""
     where = problem.place
     if not where.file:
         return problem

@@ -1,4 +1,4 @@
-"""The command line. One module per command; heavy imports stand inside the commands."""
+"""The command line. One module per command; heavy imports are inside the commands."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _status(arguments: Sequence[str]) -> int:
     except OSError as refused:  # permission, full disk, too many open files
         return _fail([_refusal(refused)], arguments, refused)
     except Exception as failed:  # noqa: BLE001 - a user never sees a traceback unasked
-        if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer tell it
+        if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer report it
             result = exit_status.INTERRUPTED
         elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
             return _misused(failed, arguments)

@@ -38,7 +38,7 @@ def adopt(
     Example: eddi-scaffold adopt old/bn_monitor -o monitors
     """
     from eddi_scaffold.adopting.adopt import adopt as adopted
-    from eddi_scaffold.adopting.writing import bring_in
+    from eddi_scaffold.adopting.writing import write_adopted
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
@@ -47,12 +47,12 @@ def adopt(
     from eddi_scaffold.problems import EddiError, error
 
     if (workspace is None) == (output is None):
-        raise EddiError(error("G006", "say where it goes: -w WORKSPACE, or -o FOLDER"))
+        raise EddiError(error("G006", "give the destination: -w WORKSPACE, or -o FOLDER"))
     target = chosen(platform or (DEFAULT_IN_FOLDER if workspace is None else DEFAULT))
     place = destination(target, workspace, output)
     found = adopted(package, model, name)
-    result = bring_in(found, target, place, own_template(), dry_run=dry_run)
+    result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)
-    for line in (*found.told, *result.told):
+    for line in (*found.notes, *result.notes):
         console.say(line)
     finish(result.outcome, dry_run=dry_run)

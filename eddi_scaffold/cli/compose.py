@@ -17,7 +17,7 @@ def compose(
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
 ) -> None:
-    """Check whether ConSerts can be composed, and say why not.
+    """Check whether ConSerts can be composed, and report why not.
 
     Example: eddi-scaffold compose ConSertA.yml ConSertB.yml
     """

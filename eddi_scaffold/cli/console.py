@@ -75,7 +75,7 @@ class Console:
             self.say(count_line(shown))
 
     def shows(self, problem: Problem) -> bool:
-        """Tell whether a problem of this level is printed."""
+        """Return whether a problem of this level is printed."""
         if problem.level == "error":
             return True
         return not self.quiet and (problem.level == "warning" or self.verbose)

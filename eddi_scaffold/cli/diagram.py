@@ -46,5 +46,5 @@ def diagram(
 
 
 def _is_file(output: Path | None) -> bool:
-    """Tell whether one file is asked for; standard output is one."""
+    """Return whether one file is asked for; standard output is one."""
     return output is None or output.suffix.lower() == ".svg"

@@ -42,7 +42,9 @@ def event(
         Path | None,
         typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files."),
     ] = None,
-    check: Annotated[bool, typer.Option("--check", help="Only check, and say what it is.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only check, and describe the condition.")
+    ] = False,
     inputs: Annotated[
         Path | None,
         typer.Option("-i", "--inputs", help="CSV with a column t and one per variable: try it."),
@@ -86,7 +88,7 @@ def event(
         else:
             console.data("\n".join(as_text(analysis)))
     elif output is None and target is Target.c and not as_json:
-        raise EddiError(error("E022", "C is several files: say where with --output"))
+        raise EddiError(error("E022", "C is several files: name a folder with --output"))
     else:
         stem = name or ("event" if label == "<expression>" else _name_of(Path(label)))
         _generate(analysis, target, stem, output, as_json=as_json)
@@ -111,7 +113,7 @@ def _source(text: str | None, file: Path | None) -> tuple[str, str]:
 
 
 def _name_of(file: Path) -> str:
-    """Return what files and functions begin with; says it where that is not the file's name."""
+    """Return the prefix of files and functions; report it where it is not the file's name."""
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.language.targets.names import module_name
 

@@ -10,7 +10,7 @@ from eddi_scaffold.problems import Problem
 from eddi_scaffold.regions.files import open_regular
 
 MAX_LINE = 1024 * 1024
-"""Bytes of a longer line are not shown: nobody would find the place in it."""
+"""Bytes of a longer line are not shown: the place could not be found in it."""
 
 
 def with_source_lines(problems: Iterable[Problem]) -> list[Problem]:
@@ -43,5 +43,5 @@ def _lines(file: Path, numbers: set[int]) -> dict[int, str]:
                 if number >= max(numbers):
                     break
     except OSError:
-        pass  # the problem itself was said, the line only helps
+        pass  # the problem itself was reported, the line only helps
     return found

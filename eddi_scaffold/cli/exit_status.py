@@ -1,4 +1,4 @@
-"""What the exit status of a command says."""
+"""Meaning of the exit status of a command."""
 
 NO = 1
 """The answer is no: problems were found, packages are not up to date."""

@@ -53,7 +53,7 @@ def generate(
     from eddi_scaffold.deployments.wiring.check import members_of
     from eddi_scaffold.deployments.wiring.topics import shared_by_robots
     from eddi_scaffold.packages.assembly import assemble, monitors_of
-    from eddi_scaffold.packages.generation import bring
+    from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import root_below
@@ -62,7 +62,7 @@ def generate(
     from eddi_scaffold.robot.robot_models import beside_configs
 
     if model is None and not config:
-        raise EddiError(error("G015", "say of what: -m MODEL, or a -c that names its model"))
+        raise EddiError(error("G015", "give a model: -m MODEL, or a -c that names its model"))
     target = chosen(platform)
     place = destination(target, workspace, output)
     root = root_below(place, target.root)
@@ -71,7 +71,7 @@ def generate(
     problems = [*problems, *found]
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)
-    outcome = bring(
+    outcome = write_packages(
         root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
     )
     shared = shared_by_robots(members_of(monitors))

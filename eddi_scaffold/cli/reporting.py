@@ -1,4 +1,4 @@
-"""How commands that change packages say what they did."""
+"""Reports of the commands that change packages."""
 
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ def _unused_lines(monitors: Sequence[Monitor], configs: Sequence[Path]) -> list[
 def _models_and_configs(
     files: Sequence[Path], configs: Sequence[Path]
 ) -> tuple[list[Path], list[Path]]:
-    """Tell models from configurations, which may stand in place of their models."""
+    """Separate models from configurations, which may be given instead of their models."""
     from eddi_scaffold.config.model_path import named_model_path
     from eddi_scaffold.config.reading import read_config
     from eddi_scaffold.monitors.loading import is_config
@@ -167,7 +167,7 @@ def _models_and_configs(
     from eddi_scaffold.source import read_source
 
     if not files and not configs:
-        message = "say of what: run MODEL, or run CONFIG that names its model"
+        message = "give a model: run MODEL, or run CONFIG that names its model"
         raise EddiError(error("G015", message))
     if len(files) == 1 and configs:
         return list(files), list(configs)

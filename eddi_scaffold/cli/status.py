@@ -24,7 +24,7 @@ def status(
     config: ConfigFiles = None,
     as_json: Json = False,
 ) -> None:
-    """Say which packages differ from what they would be now, and what was written by hand.
+    """Report which packages differ from what they would be now, and what was written by hand.
 
     Example: eddi-scaffold status -w catkin_ws
     """

@@ -29,7 +29,7 @@ def upgrade(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.packages.generation import Outcome, bring
+    from eddi_scaffold.packages.generation import Outcome, write_packages
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, targets
     from eddi_scaffold.packages.workspace import linked_package
@@ -41,7 +41,9 @@ def upgrade(
     ]
     for group, wanted, problems in planned:
         console.problems(problems)
-        done = bring(group.root, wanted, template, dry_run=dry_run, progress=console.progress)
+        done = write_packages(
+            group.root, wanted, template, dry_run=dry_run, progress=console.progress
+        )
         links = [linked_package(link) for link in group.links]
         outcomes.append(replace(done, left=[*links, *done.left]))
     attention = [outcome for outcome in outcomes if outcome.attention or outcome.left]

@@ -33,7 +33,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class OldEntry:
-    """One entry that stands in the block.
+    """One entry of the block.
 
     Attributes:
         text: as written, without the dash.
@@ -54,7 +54,7 @@ class Absence:
     """Why an entry of the old block is not among the new ones.
 
     Attributes:
-        why: what is said of it.
+        why: what is reported about it.
         stays: it is kept, whether an input requires it or not.
     """
 
@@ -146,7 +146,7 @@ def rewritten(
     """Return the text with another block, and what a person should know.
 
     An entry of the old block whose topic is not among the new ones is dropped, unless ``absence``
-    tells that it stays, or an input requires its id: that one is typically the output of another
+    shows that it stays, or an input requires its id: that one is typically the output of another
     monitor, and stays.
     """
     topics = {entry.topic for entry in entries}
@@ -279,7 +279,7 @@ def _refuse_anchors(name: str, root: Span, value: Span) -> None:
                 f"in line {elsewhere[anchor]}"
             )
             place = Place(name, line, 1)
-            hint = "write the value out where the alias stands"
+            hint = "replace the alias by its value"
             raise EddiError(error("K036", message, place, hint))
 
 

@@ -34,7 +34,7 @@ class Resolved:
     """A path with its keys, and what is at its end.
 
     Attributes:
-        path: each key says its field, as far as the messages are known.
+        path: each key names its field, as far as the messages are known.
         type: the Python type, or the message type; ``None`` where a type on the way is not known.
     """
 
@@ -51,7 +51,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
         fields_of: message type -> its fields, ``None`` when they are not known.
 
     Raises:
-        FieldPathError: the path leads nowhere; it says where it ends and lists the fields.
+        FieldPathError: the path leads nowhere; the message reports where it ends and lists the fields.
     """
     taken: list[Step] = []
     of, parent = message, message
@@ -77,7 +77,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
 
 
 def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
-    """Return what the documentation says of the field at the end of a path that has its keys."""
+    """Return the documentation of the field at the end of a path that has its keys."""
     names: list[str] = []
     for step in path:
         if isinstance(step, Attribute):
@@ -116,7 +116,7 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         if _type_of(key, inner, fields_of) == "string":
             return replace(step, field=key)
     message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
-    hint = f'say the field, [field="{step.wanted}"], of: {", ".join(known)}'
+    hint = f'name the field, [field="{step.wanted}"], of: {", ".join(known)}'
     raise FieldPathError(message, hint)
 
 

@@ -1,7 +1,7 @@
 """Field paths of a configuration: ``data``, ``pose.position.x``, ``guarantees[G0].active``.
 
 A path is parsed here and becomes a Python expression in which only checked names and literals
-occur, so text of a configuration never becomes code. What the messages say of it, such as which
+occur, so text of a configuration never becomes code. What the messages define of it, such as which
 field is the key of ``[G0]``, is found in ``field_types``.
 """
 
@@ -45,7 +45,7 @@ class ByKey:
 
     Attributes:
         wanted: text, or a number where the field is one.
-        field: which field is the key (``title``, ``header.frame_id``); ``None``: not said.
+        field: which field is the key (``title``, ``header.frame_id``); ``None``: not given.
     """
 
     wanted: str | int
@@ -54,7 +54,7 @@ class ByKey:
 
 @dataclass(frozen=True)
 class Beside:
-    """Take the number that stands in a list where its name stands in a list beside.
+    """Take the element of a list at the position of its name in a parallel list.
 
     Attributes:
         wanted: the name.
@@ -89,10 +89,10 @@ def parse_field(text: str, *, lists: bool = False) -> FieldPath:
 
     Args:
         text: the path.
-        lists: ``[*]`` and ``[2..5]`` may stand in it.
+        lists: ``[*]`` and ``[2..5]`` are allowed in it.
 
     Raises:
-        FieldPathError: the text is no field path; the message says where and what is expected.
+        FieldPathError: the text is no field path; the message reports where and what is expected.
     """
     steps: list[Step] = []
     position = 0

@@ -26,7 +26,7 @@ class ConfigFile:
         places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
         remembered: it comes from the answers of a package, not from its file.
         text: of the file.
-        event_files: name of each ``expression_file`` as it stands there -> its text.
+        event_files: name of each ``expression_file`` as it is written there -> its text.
     """
 
     config: Config
@@ -86,5 +86,5 @@ def from_json(text: str, name: str) -> ConfigFile:
 
 
 def about_file(problem: Problem, name: str, place: Place) -> Problem:
-    """Say of which file a problem is, where its name stands."""
+    """Report the file of a problem at the place where it is named."""
     return replace(problem, message=f"{name!r}: {problem.message}", place=place)

@@ -47,7 +47,7 @@ def named_model_path(file: ConfigFile) -> Path | None:
 
 
 def _named_model(file: ConfigFile) -> tuple[str, _Keys] | None:
-    """Return the name of the model's file and the keys under which it stands."""
+    """Return the name of the model's file and the keys under which it is given."""
     given = file.config.Model.parameters
     where: _Keys = ("Model", "parameters")
     maps = [((*where, k), one) for k, one in enumerate(given)] if isinstance(given, list) else []

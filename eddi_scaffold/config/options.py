@@ -1,4 +1,4 @@
-"""What a configuration says to the kind of its model."""
+"""Options of a configuration for the kind of its model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from eddi_scaffold.problems import NearNames, Place, Problem, error
 
 
 def options_of(file: ConfigFile | None) -> Options:
-    """Return what a configuration says to the kind of its model."""
+    """Return the options of a configuration for the kind of its model."""
     if file is None:
         return Options()
     config, section = file.config, file.config.Model

@@ -48,10 +48,10 @@ _ALIASES = {
 
 @dataclass(frozen=True)
 class RobotAdditions:
-    """What models of a robot say beside a configuration.
+    """What models of a robot add to a configuration.
 
     Attributes:
-        outputs: the entries of ``SimulatorOutputs`` as they stand -> those that count.
+        outputs: the entries of ``SimulatorOutputs`` as they are written -> those that count.
         types: message type -> fields, of the specifications beside the node models.
     """
 
@@ -172,7 +172,7 @@ def _plain(
     places: dict[tuple[str | int, ...], Place],
     problems: list[Problem],
 ) -> Any:
-    """Turn a node graph into plain values; note where each stands."""
+    """Turn a node graph into plain values; note the place of each."""
     places[path] = node.place
     if isinstance(node, Map):
         result = {}
@@ -211,7 +211,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                 harmless = section == "SimulatorOutputs" and entry.id not in required_ids
                 yield (warning if harmless else error)(
                     "K006",
-                    f"the id {entry.id!r} stands twice in {section}, first in line {before}",
+                    f"the id {entry.id!r} is used twice in {section}, first in line {before}",
                     file.place(section, index, "id"),
                 )
             first.setdefault(entry.id, index)

@@ -223,7 +223,7 @@ class Output(Entry):
 
 
 class PackageSection(_Section):
-    """What stands in the generated package.xml."""
+    """The contents of the generated package.xml."""
 
     version: Annotated[StrictStr, AfterValidator(_version)] = "0.1.0"
     description: Line | None = None

@@ -19,7 +19,7 @@ def check_types(config: ConfigFile, whole: FieldsOf, used: Collection[str]) -> I
     """Check the types of ``SimulatorOutputs``.
 
     What does not exist in a package that is wholly known is an error (K048). Of a package that is
-    not known, it is said what stays unchecked: a field (K039), else the package, once (K049).
+    not known, it is reported what stays unchecked: a field (K039), else the package, once (K049).
 
     Args:
         config: the configuration; its ``MessageTypes`` are known as well.

@@ -56,5 +56,5 @@ def violations(
 
 
 def _named_path(path: Sequence[str | int]) -> str:
-    """Name a value by its keys; which entry of a list it is says the place."""
+    """Name a value by its keys; the place identifies the entry of a list."""
     return ".".join(part for part in path if isinstance(part, str))

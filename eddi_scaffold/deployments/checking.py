@@ -50,7 +50,7 @@ def check_files(
     Args:
         files: models and configurations.
         default_guarantees: the marks of ``--default-guarantee``.
-        robot: what models of a robot say beside the configurations.
+        robot: what models of a robot add to the configurations.
         platform: where monitors are to run. By default, models with configurations are checked for
             the default platform, others by themselves.
 
@@ -61,7 +61,7 @@ def check_files(
     models, configs, problems = _read_files(files, default_guarantees, robot, target)
     alone = [] if models else [config for config in configs if not _names_its_model(config)]
     if not has_errors(problems):  # else what is wrong may be the file with their models
-        problems += [found for config in alone for found in _alone(config, target)]
+        problems += [found for config in alone for found in _check_without_model(config, target)]
     configs = [config for config in configs if config not in alone]
     if target is None and configs:
         target = chosen(DEFAULT)
@@ -96,7 +96,7 @@ def _read_files(
 
 
 def _read(source: Source, marks: Sequence[str], target: Platform | None) -> Reading:
-    """Read models with everything that can be said of them."""
+    """Read models and report all problems in them."""
     reading = read_models(source, marks)
     problems = [*reading.problems, *reading.unread, *_static(reading.models)]
     if is_xml(source) and not reading.models and not has_errors(problems):
@@ -109,8 +109,8 @@ def _wanted(missing: Problem, target: Platform | None) -> Problem:
     return missing if target is not None else replace(missing, level="warning")
 
 
-def _alone(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
-    """Say what can be said of a configuration without its model."""
+def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
+    """Report what can be found in a configuration without its model."""
     yield _wanted(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}
     yield from check_types(config, known_messages(kinds().values()), used)
@@ -121,7 +121,7 @@ def _static(models: Iterable[Model]) -> list[Problem]:
 
 
 def _named(path: Path, marks: Sequence[str]) -> Reading:
-    """Read the file that a configuration names, with everything that can be said of it."""
+    """Read the file that a configuration names, and report all problems in it."""
     reading = checked_models(path, marks)
     return Reading(reading.models, (*reading.problems, *_static(reading.models)))
 
@@ -130,7 +130,7 @@ def _names_its_model(config: ConfigFile) -> bool:
     try:
         return named_model_path(config) is not None
     except EddiError:
-        return True  # joining says why
+        return True  # joining reports why
 
 
 def _together(

@@ -1,4 +1,4 @@
-"""What a picture of a model shows, without coordinates: a kind says it, the layout draws it."""
+"""Content of a diagram of a model, without coordinates: a kind provides it, the layout draws it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Tone = Literal["output", "input", "demand", "gate", "neutral", "warning"]
 """What something is, as a colour: given out, observed here, expected of others, logic, other."""
 
 Direction = Literal["up", "down"]
-"""``up``: edges lead to what stands above (ConSerts, fault trees); ``down``: below (networks)."""
+"""``up``: edges lead to what is above (ConSerts, fault trees); ``down``: below (networks)."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class DiagramEdge:
 
 @dataclass(frozen=True)
 class LegendEntry:
-    """One line of the legend: what a shape in a tone stands for."""
+    """One line of the legend: the meaning of a shape in a tone."""
 
     text: str
     shape: Shape

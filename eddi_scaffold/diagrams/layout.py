@@ -27,7 +27,7 @@ _ROUND = {"ellipse": 1.25, "hexagon": 1.2, "and": 1.1, "or": 1.2, "not": 1.3}
 
 @dataclass(frozen=True)
 class Box:
-    """Where a node stands: its middle, its size, and the lines of its label."""
+    """Position of a node: its middle, its size, and the lines of its label."""
 
     node: DiagramNode
     x: float

@@ -30,7 +30,7 @@ JsonValue = Any
 
 @dataclass(frozen=True)
 class ModelInput:
-    """One thing that a monitor must be told at run time.
+    """One input that a monitor needs at run time.
 
     Attributes:
         id: as in the model (``RtE_A_E0``).
@@ -41,7 +41,7 @@ class ModelInput:
         units: unit -> exact factor (numerator, denominator) from that unit to ``unit``: the
             units in which a configuration may declare the input.
         description: one line for generated comments.
-        covered: short text that says which values count as good (``[0, 5) m``), for comments.
+        covered: short text that describes which values count as good (``[0, 5) m``), for comments.
         is_good: would this value, in ``unit``, be evidence that can make an output active? Used to
             refuse unsafe defaults; ``None`` when the kind has no such notion.
         every_message: no message may be skipped or counted twice: the attribute holds the list of
@@ -72,11 +72,11 @@ class ModelOutput:
     """A topic that a model itself asks for, beside those of ``EDDIOutputs``.
 
     Attributes:
-        id: of what it says.
+        id: of the value that it carries.
         topic: where one value of a message is published, as a message of ``std_msgs``.
         path: fields of the message; a pair is the element of a list by a field and its value.
         place: where the topic is named.
-        of: the message beside the result that the value stands in (``evidence``), empty for the
+        of: the message beside the result that contains the value (``evidence``), empty for the
             result itself.
     """
 
@@ -100,7 +100,7 @@ class TypedModel(Generic[D, C]):
         name: name of the model in its file.
         data: the kind's own typed model; only the kind looks inside.
         source: the file it was read from.
-        place: where it stands in that file.
+        place: its place in that file.
         options: what the kind made of the configuration, ``None`` before; only the kind looks
             inside.
     """
@@ -114,7 +114,7 @@ class TypedModel(Generic[D, C]):
 
 
 Model = TypedModel[Any, Any]
-"""A model where nobody looks inside."""
+"""A model of any kind, whose content is not inspected."""
 M = TypeVar("M", bound=Model)
 
 
@@ -152,12 +152,12 @@ def _nowhere(*_: str | int) -> Place:
 
 
 def _no_files(name: str) -> Source:
-    raise EddiError(error("K033", f"{name!r} cannot be read: there is no configuration beside it"))
+    raise EddiError(error("K033", f"{name!r} cannot be read: there is no configuration next to it"))
 
 
 @dataclass(frozen=True)
 class Options:
-    """What a configuration says to a kind; as it is by default, there is none.
+    """Options that a configuration gives to a kind; without a configuration, the defaults.
 
     Attributes:
         id: ``Model: id:``, for models that have no name of their own.
@@ -165,7 +165,7 @@ class Options:
         inputs: the entries of ``EDDIInputs``.
         frequency: steps per second.
         parts: of each output, the part of the result that it publishes; ``None`` for all.
-        place: path into ``values`` (``"outputs", 0``) -> where it stands, or what is around it.
+        place: path into ``values`` (``"outputs", 0``) -> its place, or that of what encloses it.
         read: opens a file that is named relative to the configuration; raises EddiError.
     """
 
@@ -307,13 +307,13 @@ class Functions(Generic[M]):
         counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
         outline: the tree that ``show`` prints: lines with two blanks per level.
         export: file name -> text of the kind's own formats.
-        inputs: what the monitor must be told.
+        inputs: the inputs that the monitor needs.
         runtime_model: the ``model`` part of ``config/model.json``.
         beside: name -> message of what it publishes beside that, on ``<topic>/<name>``; in the
             runtime the monitor has a method ``<name>_message()`` for each.
         parts: ids of results that are messages of their own, which an output may choose.
         outputs: topics that a configured model itself asks for.
-        configure: takes what the configuration says into the model; comes before ``inputs``,
+        configure: applies the options of the configuration to the model; comes before ``inputs``,
             ``runtime_model`` and all below.
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
@@ -324,8 +324,9 @@ class Functions(Generic[M]):
         diagram: the picture of a model.
         ids: path of a list in a message of the kind -> the keys of its elements, as far as they are
             known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
-        meanings: what the fields of its messages say of what is known: of the ``model`` part of
-            ``config/model.json`` where it is at hand, and of the part that a topic is limited to.
+        meanings: what the fields of its messages express of what is known: of the ``model`` part
+            of ``config/model.json`` where it is at hand, and of the part to which a topic is
+            limited.
         accepted: of ``config/model.json`` and the steps per second: what the model and its options
             accept in place of what is not known.
         limits: of ``config/model.json``: input -> seconds after which the kind itself takes it as
@@ -375,7 +376,7 @@ class Kind(Generic[M]):
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
         output_message: name of the message that the monitor publishes.
         options: keys of ``Model:`` in a configuration that this kind understands.
-        inputs_of_model: the inputs stand in the model, not in the configuration.
+        inputs_of_model: the inputs are in the model, not in the configuration.
         without_input: what becomes of an output while an input that it needs is not known.
         aliases: generated modules with the names of SESAME D7.2.
         requirements: what the runtime of this kind needs from PyPI.

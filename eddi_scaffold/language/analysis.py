@@ -92,10 +92,10 @@ def analyse(
         text: declarations and events, or one expression.
         rate: steps per second; windows need it.
         variables: what the names are, by path; ``None``: by VAR, or else by their use.
-        declarations: ENUM, VAR and CONST that stand elsewhere and are checked there.
+        declarations: ENUM, VAR and CONST that are declared and checked elsewhere.
         name: of the file, for the places of problems.
         locate: offset -> place, for a text inside of another file.
-        any_rate: the rate is said later: what only it decides is not checked, and the form is
+        any_rate: the rate is given later: what only it decides is not checked, and the form is
             good for nothing.
         only: the one event that is wanted; of the others, those that it uses are checked.
 
@@ -161,7 +161,9 @@ def _warn(
             hint = "a hazard is what must not be: write AND in place of IMPLIES"
             findings.warning("W006", file.nodes[event.root].at, message, hint)
         if event.polarity is None and not event.anonymous:
-            message = f"the event {event.name!r} does not say what UNKNOWN means: EVIDENCE is used"
+            message = (
+                f"the event {event.name!r} does not declare what UNKNOWN means: EVIDENCE is used"
+            )
             hint = f"EVENT {event.name} (EVIDENCE): not active when UNKNOWN; (HAZARD): active"
             findings.warning("W002", event.at, message, hint)
 

@@ -10,7 +10,7 @@ _MS = 10**6
 def canonical(file: File, root: int) -> str:
     """Return the canonical form of the expression that ends at a node."""
     first = root
-    while file.nodes[first].args:  # what an expression is made of stands right before it
+    while file.nodes[first].args:  # the operands of an expression are right before it
         first = file.nodes[first].args[0]
     texts: list[str] = []
     for node in file.nodes[first : root + 1]:
@@ -27,7 +27,7 @@ def number_text(value: float) -> str:
 
 
 def duration_text(ns: int) -> str:
-    """Return a duration as it stands in the canonical form."""
+    """Return a duration in the canonical form."""
     return f"{ns}ns" if ns % _MS else f"{ns // _MS}ms"
 
 

@@ -23,7 +23,7 @@ _SAME_UNIT = ("add", "sub", *_ORDER, "eq", "ne", "least", "greatest", "hypot")
 _UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")
 _KEEPS_UNIT = ("neg", "abs", "average", "max", "min", "sum", "stddev", "median")
 _SECONDS = ("elapsed", "age")
-_VAR_ADVICE = "say what it is: VAR {0} : NUMBER, or VAR {0} : BOOL"
+_VAR_ADVICE = "declare it: VAR {0} : NUMBER, or VAR {0} : BOOL"
 
 
 class Checker:
@@ -170,7 +170,7 @@ class Checker:
         if variable.type is None:
             if not variable.declared and node.text not in self._reported:
                 self._reported.add(node.text)
-                message = f"nothing says what {node.text!r} is"
+                message = f"the type of {node.text!r} is not known"
                 hint = _VAR_ADVICE.format(node.text)
                 self._findings.error("E008", node.start, message, hint)
             return None
@@ -295,7 +295,7 @@ class Checker:
         period = self._builder.period
         if not period:
             message = f"{node.op.upper()} needs a sampling rate"
-            self._findings.error("E005", node.window_at, message, "say it: --rate 10")
+            self._findings.error("E005", node.window_at, message, "add --rate 10")
             return None
         if node.window < period:
             message = f"the window is shorter than one sample period ({period / 1e9:g} s)"

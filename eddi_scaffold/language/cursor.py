@@ -17,7 +17,7 @@ DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 _PATH_INDEX = 10**6
 
 
-class Wrong(Exception):  # noqa: N818 - it ends one declaration, a Finding says what is wrong
+class Wrong(Exception):  # noqa: N818 - it ends one declaration, a Finding reports what is wrong
     """The rest of a declaration cannot be read."""
 
 
@@ -94,7 +94,7 @@ class Cursor:
             self._fail(code, f"a duration such as 5s is expected, found {number.shown}", hint=hint)
         if unit.start != number.end:
             hint = f"write {number.text}{unit.text}"
-            self._fail(code, "the unit of a duration stands directly behind the number", hint=hint)
+            self._fail(code, "the unit of a duration must directly follow the number", hint=hint)
         try:
             length = nanoseconds(number.text, unit.text)
         except OverflowError:
@@ -123,7 +123,7 @@ class Cursor:
                 return name
 
     def _element(self) -> str:
-        """Take what stands in brackets: an index, a key, or a field and its key."""
+        """Take the content of brackets: an index, a key, or a field and its key."""
         field = ""
         while self._token.kind == "word" and self._peek().text in ("=", "."):
             field += self._token.text + self._peek().text

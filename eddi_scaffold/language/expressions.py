@@ -38,7 +38,7 @@ _SYMBOLS = {
 
 
 class ExpressionParser(Cursor):
-    """Reads expressions; their nodes stand behind each other."""
+    """Reads expressions; their nodes follow each other."""
 
     def __init__(self, tokens: tuple[Token, ...], findings: Findings) -> None:
         super().__init__(tokens, findings)
@@ -109,7 +109,7 @@ class ExpressionParser(Cursor):
 
     def _named(self, token: Token) -> int:
         if token.word == "UNKNOWN":
-            hint = "KNOWN(x) tells whether a value is known"
+            hint = "KNOWN(x) tests whether a value is known"
             self._fail("E012", "UNKNOWN is no literal, use KNOWN(...)", hint=hint)
         if token.word in RESERVED:
             if self._declaration():
@@ -264,7 +264,7 @@ class ExpressionParser(Cursor):
         is_quotient = node.op == "div" and not node.wrapped
         if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
             message = "only this term is divided, not the whole sum"
-            hint = "put the sum in parentheses, or this term to say that it is meant so"
+            hint = "put the sum in parentheses, or this term to show that it is intended"
             self._findings.warning("W001", node.start, message, hint)
 
     def _add(self, node: Node) -> int:

@@ -59,7 +59,7 @@ class GraphBuilder:
         return self._add(row)
 
     def is_constant(self, node: int) -> bool:
-        """Tell whether the value of a node never changes."""
+        """Return whether the value of a node never changes."""
         return self.rows[node]["op"] in _CONSTANTS
 
     def value(self, node: int) -> Any:

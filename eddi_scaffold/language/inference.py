@@ -1,4 +1,4 @@
-"""Types of variables that nobody declared, from how they are used."""
+"""Types of undeclared variables, from how they are used."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from eddi_scaffold.language.syntax import File, Node
 
 
 def infer_types(file: File, scope: Scope) -> None:
-    """Give a type to each undeclared variable whose use says one; the others stay without.
+    """Give a type to each undeclared variable whose use determines one; the others stay without.
 
     The operand of AND is a boolean, that of + or < a number, one side of == is of the type of the
     other. The first use decides; whether the others agree is checked later.

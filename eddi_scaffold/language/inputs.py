@@ -16,7 +16,7 @@ ExpressionType = Literal["bool", "float", "int", "state"]
 
 @dataclass(frozen=True)
 class ExpressionText:
-    """One expression as it stands in a configuration.
+    """One expression as written in a configuration.
 
     Attributes:
         text: the expression.
@@ -66,7 +66,7 @@ def compile_input(
         type_: of the input.
         rate: steps per second of the monitor.
         variables: by path (``motor.temps[1]``); ``None``: types follow from the use.
-        declarations: ENUM, VAR and CONST that stand beside the inputs.
+        declarations: ENUM, VAR and CONST that are declared with the inputs.
         polarity: what UNKNOWN means for a ``bool``.
 
     Returns:

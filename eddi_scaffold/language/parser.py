@@ -82,7 +82,7 @@ class _Parser(ExpressionParser):
         )
 
     def _at_declaration(self) -> bool:
-        """Tell whether a declaration, or a bare expression behind declarations, may begin here."""
+        """Return whether a declaration, or a bare expression after them, may begin here."""
         return (
             self._token.kind == "end"
             or self._is_symbol(";")
@@ -168,14 +168,14 @@ class _Parser(ExpressionParser):
             self._expect(")")
         self._expect(":=")
         first = len(self._nodes)
-        root = self._whole()
+        root = self._read_definition()
         return EventDeclaration(name.name, name.at, polarity, first, root)
 
     def _bare(self) -> EventDeclaration:
         first, at = len(self._nodes), self._token.start
-        return EventDeclaration(ANONYMOUS, at, None, first, self._whole(), anonymous=True)
+        return EventDeclaration(ANONYMOUS, at, None, first, self._read_definition(), anonymous=True)
 
-    def _whole(self) -> int:
+    def _read_definition(self) -> int:
         self._behind_declaration = False
         self._depth = 0
         return self._expression()

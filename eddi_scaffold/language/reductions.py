@@ -19,12 +19,12 @@ from eddi_scaffold.units import converted, find
 _PLAIN = (*OPERATIONS, "number", "truth", "name", "hypot", "clamp", "number_of")
 _KEEP_INFINITY = ("list_min", "list_max", "list_median")
 ANGLES = ("angle_min", "angle_max", "angle_increment")
-"""Fields of a scan that say where its elements point to."""
+"""Fields of a scan that define the directions of its elements."""
 
 
 @dataclass
 class Elements:
-    """What stands between the parentheses of one reduction: it is computed for each element.
+    """The content of the parentheses of one reduction: it is computed for each element.
 
     Attributes:
         builder: its graph.
@@ -100,7 +100,9 @@ def reduced(
     row["inputs"] = [_input(part) for part in parts]
     row["nodes"] = [_node(one) for one in needed]
     row["value"] = new[nodes[0]]
-    row |= _said(node.options, [[limit[0], *(new[n] for n in limit[1:])] for limit in limits])
+    row |= _render_options(
+        node.options, [[limit[0], *(new[n] for n in limit[1:])] for limit in limits]
+    )
     if array_of(lists[0])[1]:
         row["messages"] = True
     timeouts = [part.timeout for part in parts if part.timeout is not None]
@@ -131,7 +133,7 @@ def _one_message(names: Iterable[str], lists: list[str]) -> None:
         raise _Wrong(f"a reduction is of one message, these are two: {heads[0]} and {heads[1]}")
     if len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_place_of, lists))) > 1:
         message = f"{lists[0]} and {lists[1]} are different lists"
-        raise _Wrong(message, "only lists of numbers beside each other go together")
+        raise _Wrong(message, "only parallel lists of numbers can be combined")
 
 
 def _place_of(name: str) -> tuple[str, str, str]:
@@ -207,10 +209,10 @@ def _node(row: Mapping[str, Any]) -> dict[str, Any]:
     return {"op": row["op"], "args": row["args"]}
 
 
-def _said(options: Options, limits: list[list[int]]) -> dict[str, Any]:
-    said: dict[str, Any] = {"limits": limits} if limits else {}
+def _render_options(options: Options, limits: list[list[int]]) -> dict[str, Any]:
+    rendered: dict[str, Any] = {"limits": limits} if limits else {}
     if options.coverage is not None:
-        said["coverage"] = options.coverage
+        rendered["coverage"] = options.coverage
     if options.length is not None:
-        said["length"] = list(options.length)
-    return said
+        rendered["length"] = list(options.length)
+    return rendered

@@ -1,4 +1,4 @@
-"""What is told of a checked text: canonical form, variables, memory and cost."""
+"""Report on a checked text: canonical form, variables, memory and cost."""
 
 from __future__ import annotations
 

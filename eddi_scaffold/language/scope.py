@@ -50,7 +50,7 @@ class Variable:
         unit: ``None`` for none.
         range: least and greatest value.
         timeout: nanoseconds after which a sample is UNKNOWN; ``None`` for never.
-        infinite: infinity is a value (range sensors say "no return" by it).
+        infinite: infinity is a value (range sensors report "no return" by it).
         declared: by a VAR or by the caller.
         within: names of the numbers between which its finite values are measurements.
         reduction: how it is made of lists, as in the intermediate form.
@@ -95,7 +95,7 @@ class Scope:
         return [*self.variables, *self.constants, *self.literals, *events]
 
     def knows(self, name: str) -> bool:
-        """Tell whether a name has a meaning; a bare expression has no name."""
+        """Return whether a name has a meaning; a bare expression has no name."""
         if name in self.events:
             return not self.events[name].anonymous
         return name in self.variables or name in self.constants or name in self.literals
@@ -120,7 +120,7 @@ def build_scope(
         file: the text.
         findings: gets E008, E009, E010, E011, W003.
         given: variables that the caller knows; ``None``: variables may be inferred.
-        outer: declarations that stand elsewhere; what is wrong with them is found there.
+        outer: declarations from elsewhere; problems in them are reported there.
     """
     scope = Scope(closed=given is not None or bool(file.variables))
     quiet = Findings("", lambda _: Place())
@@ -180,7 +180,7 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: Findings) -> Var
         return found
     found = replace(found, unit=_unit(declared, findings), timeout=_timeout(declared))
     if declared.timeout is None and declared.rate is None:
-        message = f"{declared.name} has no TIMEOUT: nobody notices when its source falls silent"
+        message = f"{declared.name} has no TIMEOUT: it goes unnoticed when its source falls silent"
         findings.warning("W003", declared.at, message, "add TIMEOUT 500ms, or RATE 10 Hz")
     return replace(found, range=_range(declared, found.unit, findings))
 

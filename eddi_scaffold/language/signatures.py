@@ -23,7 +23,7 @@ _MORE: Mapping[str, tuple[tuple[Type, ...], Type]] = {
         for op in REDUCTIONS.values()
     },
 }
-"""What the text has and the intermediate form has not; limits stand behind a list."""
+"""What the text has and the intermediate form has not; limits follow a list."""
 
 
 def arguments_of(op: str) -> tuple[Type, ...]:

@@ -1,6 +1,6 @@
-"""What a text of events says: declarations, and expressions as flat lists of nodes.
+"""Syntax of a text of events: declarations, and expressions as flat lists of nodes.
 
-The nodes of all expressions stand in one tuple, each behind its operands, so that every walk over
+The nodes of all expressions are in one tuple, each after its operands, so that every walk over
 them is a loop: a text of 10,000 nodes may be a chain as deep as it is long.
 """
 
@@ -21,7 +21,7 @@ class Bound:
 
 @dataclass(frozen=True)
 class Options:
-    """What stands behind the list of a reduction.
+    """The options after the list of a reduction.
 
     Attributes:
         coverage: share of known elements that is enough.
@@ -48,9 +48,9 @@ class Node:
         args: indices of the operands.
         start: offset of its first character, with the parenthesis around it.
         at: offset of the operator or of the function's name.
-        text: name, number or truth value as it stands there.
+        text: name, number or truth value as written.
         unit: of a number.
-        wrapped: it stands in parentheses of its own.
+        wrapped: it has parentheses of its own.
         window: nanoseconds of a window.
         window_at: offset of the duration.
         coverage: share of known samples that is enough.
@@ -74,7 +74,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Named:
-    """A name and where it stands."""
+    """A name and its place."""
 
     name: str
     at: int
@@ -120,7 +120,7 @@ class EventDeclaration(Named):
     """``EVENT hot (EVIDENCE) := x > 5``, or a bare expression.
 
     Attributes:
-        polarity: ``EVIDENCE`` or ``HAZARD``, None when not said.
+        polarity: ``EVIDENCE`` or ``HAZARD``, None when not given.
         first: index of the expression's first node.
         root: index of its last node.
         anonymous: a bare expression.
@@ -244,7 +244,7 @@ _ELEMENTS = re.compile(r'\[(\*|[0-9]+\.\.[0-9]+)\]|"[^"]*"')
 
 
 def is_list_path(name: str) -> bool:
-    """Tell whether a path has ``[*]`` or ``[2..5]``: all it leads to, not one value."""
+    """Return whether a path has ``[*]`` or ``[2..5]``: all it leads to, not one value."""
     return any(match[1] for match in _ELEMENTS.finditer(name))
 
 

@@ -42,8 +42,8 @@ class Token(NamedTuple):
     """One token.
 
     Attributes:
-        kind: ``end`` stands behind the last token.
-        text: as it stands in the text; empty at the end.
+        kind: ``end`` follows the last token.
+        text: as written; empty at the end.
         start: offset of its first character.
         end: offset behind its last one.
     """

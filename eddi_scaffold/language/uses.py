@@ -1,6 +1,6 @@
 """Which values of its variables can make a condition true, or false.
 
-A condition that claims something good must not gain from a value that also stands for "nothing is
+A condition that claims something good must not gain from a value that also means "nothing is
 known". This walk collects, for each variable, the tests that its value may pass on the way to the
 claim, with the sign of everything above it: ``NOT``, the left side of ``IMPLIES``.
 """
@@ -48,7 +48,7 @@ class _Walk:
         while waiting:
             number, sign, beside = waiting.pop()
             if len(seen) > _MAX_VISITS:
-                beside = ()  # what stands beside only excuses, so leaving it out is safe
+                beside = ()  # the other operands only excuse, so leaving them out is safe
             key = (number, sign, beside)
             if key in seen:
                 continue
@@ -144,7 +144,7 @@ class _Walk:
         return left["args"][0], op in ("gt", "ge")
 
     def _is_plain(self, node: Mapping[str, Any]) -> bool:
-        """Tell whether a node is a variable, and no reduction of a list."""
+        """Return whether a node is a variable, and no reduction of a list."""
         return node["op"] == "variable" and "reduction" not in self._variables[node["value"]]
 
     def _name(self, node: Mapping[str, Any]) -> str:
@@ -170,7 +170,7 @@ _SIGNS: Mapping[str, tuple[bool, ...]] = {
 }
 """Operation -> for each operand, whether more of it makes more of the result."""
 _NOW = ("not", "and", "or", "implies")
-"""Those whose operands count at the time of the result, so that what stands beside them does."""
+"""Those whose operands count at the time of the result, so that the other operands do."""
 _SILENT = ("number", "truth", "literal", "known", "known_bool", "known_enum", "age")
 """Constants, and what only asks whether something is known: reported as an acceptance."""
 
@@ -190,7 +190,7 @@ class Silence:
     Attributes:
         word: as in the text.
         accepts: what counts in place of what is not known.
-        seconds: how long, ``None`` where only the text says it.
+        seconds: how long, ``None`` where only the text states it.
         at: line and column.
     """
 
@@ -232,5 +232,5 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
 
 
 def lasts(silence: Silence) -> str:
-    """Say how long it lasts."""
-    return "as its text says" if silence.seconds is None else f"for {silence.seconds:g} s"
+    """Describe how long it lasts."""
+    return "as its text states" if silence.seconds is None else f"for {silence.seconds:g} s"

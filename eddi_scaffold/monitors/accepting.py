@@ -1,7 +1,7 @@
 """What the configuration of an input accepts in place of a value that somebody vouches for.
 
 The same list goes two ways: ``check``, ``show`` and ``trace`` name the claims that rest on it, and
-the monitor says at run time what of it is in use.
+the monitor reports at run time which are in use.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def _runtime_names(inputs: Sequence[InputBinding]) -> list[str]:
 
 
 def identity_answers(package: str, description: str, config: Config | None) -> dict[str, JsonValue]:
-    """Return the answers that stand in every package.xml."""
+    """Return the answers for every package.xml."""
     section = config.Package if config else None
     maintainer = (section.maintainer if section else None) or _DEFAULT_MAINTAINER
     name, _, address = maintainer.rstrip(">").partition("<")

@@ -50,7 +50,7 @@ _MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
 
 @dataclass(frozen=True)
 class InputBinding:
-    """One input of the model, joined with what the configuration says about it.
+    """One input of the model, joined with its entry in the configuration.
 
     Attributes:
         model: the input as the model has it.
@@ -113,7 +113,7 @@ class Monitor:
     cross_check: str = ""
 
     def topic(self, name: str) -> str:
-        """Return the full name of a topic of its node, as it stands in a bag."""
+        """Return the full name of a topic of its node, as it is in a bag."""
         return full_topic(name, "", self.package)
 
 
@@ -191,7 +191,7 @@ def _input_document(binding: InputBinding, entry: Input | None) -> dict[str, Jso
 def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
-        message = f"the model is a {kind.title}, the configuration says {section.type!r}"
+        message = f"the model is a {kind.title}, the configuration declares {section.type!r}"
         yield error("K010", message, config.place("Model", "type"))
     if section.id != model.name and package_name(section.id) == package_name(model.name):
         message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
@@ -392,7 +392,7 @@ class _Binder:
     def _numbers(self) -> str | None:
         """Return the expression for a list of numbers, joined where several messages hold it.
 
-        A ``MultiArray`` is taken as a whole, because its layout says where its data begin.
+        A ``MultiArray`` is taken as a whole, because its layout defines where its data begin.
         """
         field = self.entry.field
         parts: list[str | None] = []
@@ -432,7 +432,7 @@ class _Binder:
         return found.path
 
     def _check_unit(self, given: Sequence[str], what: str) -> None:
-        """Compare the unit that a value has with the one that the input is said to have."""
+        """Compare the unit that a value has with the one that the input is declared to have."""
         wanted = self.entry.unit if self.entry.unit is not None else self.item.unit
         if wanted is None or self.item.units is None or not units.contradict(given, wanted):
             return
@@ -492,9 +492,9 @@ class _Binder:
             return
         message = (
             f"the default {self.entry.default!r} of {item.id!r} counts as good evidence before "
-            "any message has come"
+            "any message has arrived"
         )
-        hint = "leave it out, or write `allow_unsafe_default: true` beside it"
+        hint = "leave it out, or write `allow_unsafe_default: true` next to it"
         self._error("K024", message, "default", hint)
 
 
@@ -514,7 +514,7 @@ def _only_fitting_field(
 
 
 def fits(given: str, wanted: str) -> bool:
-    """Tell whether a field of one Python type can fill an input."""
+    """Return whether a field of one Python type can fill an input."""
     if wanted == "state":  # a name, or one likelihood per state
         return given in ("bool", "int", "str", "float[]")
     if wanted == "float[]":  # one number is a list of one

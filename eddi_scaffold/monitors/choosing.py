@@ -95,5 +95,5 @@ def candidates(
 def without_model(config: ConfigFile) -> Problem:
     """Return G015: no model is given, and the configuration names none."""
     hint = "add the model, or name it: `parameters: [{model: FILE}]`"
-    message = "the configuration does not say of what"
+    message = "the configuration does not name its model"
     return error("G015", message, config.place("Model"), hint)

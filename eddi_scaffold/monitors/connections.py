@@ -92,7 +92,7 @@ def _paths(
                 item.field,
                 [fields.plain_step(s) for s in fields.parse_field(item.field)],
             )
-        except fields.FieldPathError:  # no path, which is said elsewhere
+        except fields.FieldPathError:  # no path, which is reported elsewhere
             return
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
     for name, path in binding.key_paths.get(source.id, {}).items():

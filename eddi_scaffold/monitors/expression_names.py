@@ -68,7 +68,7 @@ class Names:
         found = self._resolve(name, source, locate, at)
         said = found and documented_at(found.path, source.type, self._fields_of)
         if said and unit is not None and units.contradict(said.units, unit.name):
-            message = f"{name} is in {' or '.join(said.units)}, its VAR says {unit.name}"
+            message = f"{name} is in {' or '.join(said.units)}, its VAR declares {unit.name}"
             words = " or ".join(units.word(one) for one in said.units)
             self.problems.append(error("E009", message, locate(at), f"write UNIT {words}"))
 
@@ -101,7 +101,7 @@ class Names:
                 return
 
     def key_paths(self, names: Sequence[str]) -> KeyPaths:
-        """Return the paths that the runtime cannot tell from the names: those with keys."""
+        """Return the paths that the runtime cannot derive from the names: those with keys."""
         found: dict[str, dict[str, list[PlainStep]]] = {}
         for name in names:
             path = self._resolved[name].path if name in self._resolved else ()
@@ -133,7 +133,7 @@ class Names:
         return found
 
     def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:
-        """Add what the documentation of the message says of a number."""
+        """Add what the documentation of the message states about a number."""
         said = documented_at(path, source.type, self._fields_of)
         if said is None or variable.type != NUMBER:
             return variable

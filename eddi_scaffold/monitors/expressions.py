@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.expression_names import KeyPaths, Names
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
 
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
-"""Keys of an input of which one says how it is computed."""
+"""Keys of an input, one of which defines how it is computed."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class InputExpression:
     Attributes:
         requires: simulator outputs that it reads.
         document: for ``EDDIInputBase`` of the runtime: the compiled forms, and what the names are.
-        text: canonical form, for comments; what stands in a file, with its name before.
+        text: canonical form, for comments; an event of a file has its name before it.
         unit: of its value, ``None`` for none.
         key_paths: simulator output -> name with keys in brackets -> its path.
     """
@@ -99,7 +99,7 @@ class _Binder:
             declarations="\n".join(self.config.config.declarations),
             polarity=self.polarity,
         )
-        if self._says_polarity:
+        if self._has_polarity:
             problems = [problem for problem in problems if problem.code != "W002"]
         self.problems += problems
         if compiled is None:
@@ -164,7 +164,7 @@ class _Binder:
             there = ", ".join(events) or "none"
             message, key = f"{name} has no event {wanted!r}", "event"
             if wanted is None:
-                message, key = f"`event:` must say which event of {name} it is", "expression_file"
+                message, key = f"`event:` must name an event of {name}", "expression_file"
             self._error(
                 "K046", message, key, did_you_mean(wanted or "", events) or f"events: {there}"
             )
@@ -173,15 +173,15 @@ class _Binder:
         return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
 
     @property
-    def _says_polarity(self) -> bool:
+    def _has_polarity(self) -> bool:
         return "polarity" in self.entry.model_fields_set
 
     def _take_polarity(self, polarity: str | None, name: str) -> None:
-        """Let an event mean by UNKNOWN what it says, unless the input says something else."""
+        """Use the polarity of an event, and report one of the input that differs."""
         if polarity is None:
             return
-        if self._says_polarity and self.entry.polarity != polarity:
-            message = f"{name} says {polarity}, `polarity:` {self.entry.polarity}"
+        if self._has_polarity and self.entry.polarity != polarity:
+            message = f"{name} declares {polarity}, `polarity:` {self.entry.polarity}"
             self._error("K043", message, "polarity", "leave `polarity:` out")
         self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 

@@ -23,7 +23,7 @@ _CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.M
 
 
 def is_config(source: Source) -> bool:
-    """Tell whether a file is an eddi_config.yml, which no reader of models understands."""
+    """Return whether a file is an eddi_config.yml, which no reader of models understands."""
     if is_xml(source):
         return False
     node, _ = read_map(source, "K001")
@@ -33,12 +33,12 @@ def is_config(source: Source) -> bool:
 
 
 def is_mros(source: Source) -> bool:
-    """Tell by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
+    """Return by its name whether a file describes a robot (``.rossystem``, ``.ros``, ...)."""
     return named_like_mros(source.name)
 
 
 def named_like_mros(name: str) -> bool:
-    """Tell whether a file name is that of a ``.rossystem``, ``.ros``, ``.ros1`` or ``.ros2``."""
+    """Return whether a file name is that of a ``.rossystem``, ``.ros``, ``.ros1`` or ``.ros2``."""
     return name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
 
 
@@ -62,7 +62,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         hint = "parse-rossystem, or generate --system with --models, reads it"
         return Reading((), (error("F003", message, Place(source.name), hint),))
     if source.name.lower().endswith(_YAML_SUFFIXES):
-        # damaged beyond recognition: this kind says best what such a file should look like
+        # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].functions.read_file(source, default_guarantees)
     known = ", ".join(kind.title for kind in kinds().values())
     if b"\0" in head or not _is_utf8(source.data):

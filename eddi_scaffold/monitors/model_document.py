@@ -27,7 +27,7 @@ def model_document(
         model: what is monitored, configured.
         kind: its kind.
         inputs: ``id``, ``attribute``, ``requires``, ``max_age``, ``factor``, ``default`` of each.
-        place: where the configuration stands, for errors.
+        place: place of the configuration, for errors.
 
     Raises:
         EddiError: the runtime refuses the model or the settings (K028).

@@ -28,9 +28,9 @@ class Publication:
         output: the entry of ``EDDIOutputs``, or one that the model asks for.
         type: message type (``std_msgs/Bool``).
         place: where its topic is named.
-        path: where the value stands in the message; empty for all of it.
+        path: place of the value in the message; empty for all of it.
         of: which message of the monitor: empty for the result, else a name of ``Kind.beside``.
-        message: type of the message that the value stands in, or of the whole message.
+        message: type of the message that contains the value, or of the whole message.
     """
 
     output: Output
@@ -56,7 +56,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
             problems.append(error("K045", message, places("event"), hint))
             continue
         if output.field is None:
-            found += _whole(output, messages, places("topic"))
+            found += _publish_messages(output, messages, places("topic"))
             continue
         try:
             path = parse_field(output.field)
@@ -79,12 +79,14 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
 
 
 def _messages(monitor: Monitor) -> dict[str, str]:
-    """Return name -> type of what the monitor says; the name of the result is empty."""
+    """Return name -> type of the monitor's messages; the name of the result is empty."""
     names = {"": monitor.kind.output_message, **monitor.kind.functions.beside(monitor.model)}
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
 
 
-def _whole(output: Output, messages: Mapping[str, str], place: Place) -> Iterator[Publication]:
+def _publish_messages(
+    output: Output, messages: Mapping[str, str], place: Place
+) -> Iterator[Publication]:
     """Yield the topic of the result, then those of the messages beside it."""
     yield Publication(output, messages[""], place, messages[""])
     for name, type_ in messages.items():

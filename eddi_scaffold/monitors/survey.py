@@ -119,7 +119,7 @@ def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, Jso
 def is_one_of(found: JsonValue, models: Sequence[Model]) -> bool:
     """Is this model of a survey among ``models``?
 
-    In XML its place tells: a fault tree becomes a model for each of its top events.
+    In XML its place shows this: a fault tree becomes a model for each of its top events.
     """
     path: str | None = found["path"]
     if path is None:

@@ -86,7 +86,7 @@ class Definition:
 
 @dataclass(frozen=True)
 class Reference:
-    """What a system says about where an interface is defined.
+    """What a system declares about where an interface is defined.
 
     Attributes:
         package: empty in the form ``artifact::interface``, as is ``node``.
@@ -107,7 +107,7 @@ class Reference:
         return cls(*parts) if len(parts) == 4 and all(parts) else None
 
     def names(self, model: NodeModel) -> bool:
-        """Tell whether a node is the one meant."""
+        """Return whether a node is the one meant."""
         if not self.package:
             return self.artifact == model.artifact
         own = (self.package, self.artifact, self.node)
@@ -144,7 +144,7 @@ class Definitions:
         ]
 
     def reason(self, reference: Reference, kind: Kind) -> tuple[str, str | None]:
-        """Say why a reference finds nothing: message and hint."""
+        """Explain why a reference finds nothing: message and hint."""
         named = [
             model
             for model in self._by_artifact.get(reference.artifact, ())

@@ -113,7 +113,7 @@ def _read(folder: Path, name: str, read: Callable[[bytes, str], _Read]) -> _Read
 
 
 def _system(folder: Path, name: str) -> System | None:
-    """Read what may be a sub-system; who misses one is told, whatever else lies around."""
+    """Read a possible sub-system; a missing one is reported, regardless of other files."""
     try:
         return _read(folder, name, read_rossystem)
     except EddiError:

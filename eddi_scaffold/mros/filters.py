@@ -56,12 +56,12 @@ class Filters:
         return " ".join([*words, OPTIONS["infrastructure"]] if self.no_infrastructure else words)
 
     def wants(self, name: str) -> bool:
-        """Tell whether the name of a topic is wanted."""
+        """Return whether the name of a topic is wanted."""
         return not self.topics or any(matches([name], one) for one in self.topics)
 
 
 def matches(names: Iterable[str], pattern: str) -> bool:
-    """Tell whether one of some names matches a glob."""
+    """Return whether one of some names matches a glob."""
     return any(fnmatchcase(name, pattern) for name in names)
 
 

@@ -1,6 +1,6 @@
 """What ``.rossystem`` and ``.ros*`` files describe, whatever their dialect.
 
-Lines and columns count from 1; a column is a character, a tab is one. Types stand as they are
+Lines and columns count from 1; a column is a character, a tab is one. Types are kept as they are
 written (``pkg.Type``, ``pkg/msg/Type``).
 """
 
@@ -24,7 +24,7 @@ class Notice:
 
     Attributes:
         code: ``M004`` (a surplus brace), ``M005`` (an unknown key), or
-            ``MISSPELT_KEY`` (an error: what stands below the key is not read).
+            ``MISSPELT_KEY`` (an error: what is below the key is not read).
     """
 
     code: str
@@ -74,7 +74,7 @@ class Connection:
     """Who talks to whom.
 
     Attributes:
-        kind: ``topic``, ``service``, ``action``, or ``""`` where the dialect does not say.
+        kind: ``topic``, ``service``, ``action``, or ``""`` where the dialect does not specify it.
         name: ``None`` for none.
         sources: ``component.interface`` or labels, from publisher or server.
         targets: the same of subscriber or client.
@@ -102,7 +102,7 @@ class System:
     """A ``.rossystem``: which components run, under which names.
 
     Attributes:
-        from_file: the file that the system says it comes from.
+        from_file: the file that the system refers to.
         processes: how many processes are listed.
         parameters: how many parameters the system itself sets.
         references_only: components are names of ``.componentinterface`` files (2018 to 2021).
@@ -173,7 +173,7 @@ class Spec:
     """A message, service or action.
 
     Attributes:
-        kind: ``topic``, ``service`` or ``action``; ``""`` where the dialect does not say.
+        kind: ``topic``, ``service`` or ``action``; ``""`` where the dialect does not specify it.
         sections: ``message``, or ``request`` and ``response``, or ``goal``, ``result`` and
             ``feedback`` -> fields.
     """

@@ -97,7 +97,7 @@ class Naming:
         for labels, known in ((connection.sources, gives), (connection.targets, takes)):
             for label in labels:
                 if known[label] > 1:
-                    message = f"the label {label!r} stands {known[label]} times: the first counts"
+                    message = f"the label {label!r} is used {known[label]} times: the first counts"
                     place = Place(file, connection.line, connection.col)
                     self.problems.append(warning("M018", message, place))
 

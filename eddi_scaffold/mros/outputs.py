@@ -192,7 +192,7 @@ class _Collected:
 
 
 def _loses_topics(problem: Problem) -> bool:
-    """Tell whether a system may have topics that are not found because of a problem."""
+    """Return whether a system may have topics that are not found because of a problem."""
     return problem.level == "error" or problem.code in (NO_NODE_MODEL, SUBSYSTEM_MISSING)
 
 

@@ -64,7 +64,7 @@ def _text(source: str | bytes, file: str) -> Text:
 
 
 def _dialect(text: Text) -> Dialect:
-    """Return the dialect, told by the first word that is no comment."""
+    """Return the dialect, determined by the first word that is not a comment."""
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
     if start == len(text.text):
@@ -76,7 +76,7 @@ def _dialect(text: Text) -> Dialect:
 
 @contextmanager
 def _in(dialect: Dialect) -> Iterator[None]:
-    """Tell the dialect to who handles the error."""
+    """Add the dialect to a syntax error."""
     try:
         yield
     except MrosSyntaxError as failed:

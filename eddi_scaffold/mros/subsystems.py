@@ -23,7 +23,7 @@ def flattened(system: SystemFile, known: Sequence[SystemFile]) -> Flat:
     """Return a system behind its sub-systems, each once.
 
     A sub-system is found by the name inside its file. One that is not there is a warning, a
-    system that is part of itself an error. What was noticed in the files of parts is told as well.
+    system that is part of itself an error. Problems in the files of parts are reported as well.
     """
     by_name: dict[str, SystemFile] = {}
     for one in known:

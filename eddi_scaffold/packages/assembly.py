@@ -122,7 +122,7 @@ def support(
 ) -> list[PackageAnswers]:
     """Return the shared packages for these monitors and those that are there already.
 
-    Who maintains a shared package was said when it was first generated, and stays.
+    The maintainer of a shared package was set when it was first generated, and is kept.
     """
     present = existing(root)
     own = platform.templates.monitor

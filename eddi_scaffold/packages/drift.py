@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
 from eddi_scaffold.packages.upgrading import Group, targets
 from eddi_scaffold.packages.workspace import linked_package
@@ -35,7 +35,7 @@ class Drift:
 
     @property
     def drifted(self) -> bool:
-        """Tell whether something should be done."""
+        """Return whether something should be done."""
         return bool(self.outdated or self.edited or self.review)
 
     def as_text(self) -> str:
@@ -66,7 +66,7 @@ class Drift:
 def drift_of(group: Group, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
     """Compare the packages of a group with a dry run of their regeneration."""
     packages, _ = targets(group, model, configs)
-    outcome = bring(group.root, packages, own_template(), dry_run=True)
+    outcome = write_packages(group.root, packages, own_template(), dry_run=True)
     reports = []
     for folder in group.present:
         root = group.root / folder

@@ -77,7 +77,7 @@ class _Work:
     attention: bool = False
 
 
-def bring(
+def write_packages(
     root: Path,
     packages: Sequence[PackageAnswers],
     template: Template,
@@ -92,7 +92,7 @@ def bring(
         packages: what to render.
         template: where from.
         dry_run: change nothing.
-        progress: told the folder of each package before it is rendered.
+        progress: called with the folder of each package before it is rendered.
 
     Raises:
         EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
@@ -112,13 +112,13 @@ def bring(
             progress(package.folder)
             rendered = Path(scratch, str(number), "rendered")
             notes = render(package.answers, template, source, rendered)
-            _bring_one(root, package, rendered, notes, work)
+            _merge_package(root, package, rendered, notes, work)
     if not dry_run:
         work.notes += _write(root, work.changes)
     return Outcome(root, work.changes, work.before, work.notes, work.attention, work.left)
 
 
-def _bring_one(
+def _merge_package(
     root: Path, package: PackageAnswers, rendered: Path, notes: list[str], work: _Work
 ) -> None:
     target = root / package.folder
@@ -137,7 +137,7 @@ def _bring_one(
     if stop is not None:
         work.left.append(found.stop(stop))
         return
-    work.left += found.told()
+    work.left += found.waiting_notes()
     work.changes.update({f"{package.folder}/{p}": state for p, state in merged.changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in merged.changes if p in before})
     work.notes += [note for note in (*notes, *merged.saved) if note not in work.notes]
@@ -152,7 +152,7 @@ class _Merged:
 
     Attributes:
         changes: path -> new state, ``None`` for a removed file.
-        saved: what happened to edits of files that nobody should edit.
+        saved: what happened to edits of files that must not be edited.
         report: what happened to those of the others.
     """
 
@@ -175,7 +175,7 @@ def _merged(
         package: what was rendered.
         before: its files, empty for a new one.
         rendered: the rendering.
-        skipped: files of the rendering that wait for what stands in their place.
+        skipped: files of the rendering that wait for an obstacle in their place.
     """
     staged = rendered.with_name("staged")
     saved: Sequence[str] = ()
@@ -185,7 +185,7 @@ def _merged(
         # outside edits are merged per definition, which text that is not Python does not have
         _check_python({p: s for p, s in before.items() if f".eddi/pristine/{p}" in before}, target)
         saved = _keep_generated_edits(staged, rendered)
-    _lay(rendered, staged, skipped)
+    _copy_rendering(rendered, staged, skipped)
     for body in package.saved:
         save_orphan(staged, body)
     report = sync_package(staged, partial(committed_text, target))
@@ -252,7 +252,7 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
     edited = changed_generated(staged)
     saved = save_generated_edits(staged, edited)
     notes = [
-        f"{name} says do not edit, but was edited: your text is kept in {copy.relative_to(staged)}"
+        f"{name} must not be edited, but was: your text is kept in {copy.relative_to(staged)}"
         for name, copy in zip(edited, saved, strict=True)
     ]
     for name in recorded_generated(staged):
@@ -263,7 +263,7 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
     return notes
 
 
-def _lay(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
+def _copy_rendering(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
     """Put a rendering over a package; an editable file that is there stays for the merge."""
     shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
     editable = set(_names(rendered / ".eddi" / "pristine"))

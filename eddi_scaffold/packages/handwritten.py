@@ -19,7 +19,7 @@ class Entry:
 
     Attributes:
         file: path as the user would write it.
-        status: what the regions tool says.
+        status: the report of the regions tool.
     """
 
     file: str
@@ -101,7 +101,7 @@ def inventory(folder: Path) -> Sequence[Entry]:
 
 
 def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
-    """Say that bodies were looked at and are right.
+    """Confirm that bodies were reviewed and are correct.
 
     Raises:
         EddiError: no package has a region of such an id (U004).

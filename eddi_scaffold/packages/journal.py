@@ -1,7 +1,7 @@
 """What a killed run has left to finish: records in the user's own folder, none in the workspace.
 
-A workspace may come from anywhere, and a folder in it may look like ours. So nothing in it says
-what to do: the record says it, which only this user can write, with the workspace's place and the
+A workspace may come from anywhere, and a folder in it may look like ours. So nothing in it decides
+what to do: the record does, which only this user can write, with the workspace's place and the
 digest of each staged text.
 """
 

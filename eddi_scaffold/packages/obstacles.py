@@ -1,4 +1,4 @@
-"""What stands in a package and is no regular file: it stays, and what belongs in its place waits.
+"""Entries of a package that are not regular files: they stay, and files in their place wait.
 
 A link of a person, the lock file of an editor or a socket is no reason to stop; a link where a file
 of ours belongs is, for that file alone.
@@ -18,7 +18,7 @@ _KEPT = (".eddi/orphans/", ".eddi/rejects/")
 
 @dataclass(frozen=True)
 class Obstacles:
-    """What stands in one package and is no regular file.
+    """The entries of one package that are not regular files.
 
     Attributes:
         folder: name of the package folder.
@@ -32,7 +32,7 @@ class Obstacles:
 
     @property
     def skipped(self) -> frozenset[str]:
-        """The files that wait, and what the records of the package say of them."""
+        """The files that wait, and what the records of the package contain about them."""
         files = [file for files in self.waiting.values() for file in files]
         folders = ("", *(f"{_RECORDS}/{name}/" for name in ("pristine", "base", "next")))
         return frozenset(f"{folder}{file}" for folder in folders for file in files)
@@ -54,15 +54,15 @@ class Obstacles:
         return next((at for path in paths if (at := _obstacle(path, self.kinds)) is not None), None)
 
     def stop(self, path: str) -> str:
-        """Say that the whole package is left alone because of one obstacle."""
+        """Report that the whole package is left alone because of one obstacle."""
         where = f"{self.folder}/{shown(path)} is {self.kinds[path]}"
         return f"{self.folder} is left alone: {where}, and a record of the package belongs there"
 
-    def told(self) -> list[str]:
-        """Say which files wait."""
-        return [self._told(path, files) for path, files in self.waiting.items()]
+    def waiting_notes(self) -> list[str]:
+        """Report which files wait."""
+        return [self._waiting_note(path, files) for path, files in self.waiting.items()]
 
-    def _told(self, path: str, files: list[str]) -> str:
+    def _waiting_note(self, path: str, files: list[str]) -> str:
         what = f"{self.folder}/{shown(path)} is {self.kinds[path]}: it is left alone"
         return (
             f"{what}, not brought up to date"
@@ -71,13 +71,13 @@ class Obstacles:
         )
 
     def untouched(self) -> list[str]:
-        """Say once what else is there; nothing of it was opened or copied."""
+        """Report once what else is there; nothing of it was opened or copied."""
         found = [f"{shown(p)} ({k})" for p, k in self.kinds.items() if p not in self.waiting]
         return [f"{self.folder}: left as they are: {_few(found)}"] if found else []
 
 
 def obstacles(folder: str, kinds: Mapping[str, str], wanted: Iterable[str]) -> Obstacles:
-    """Tell which files cannot be put where they belong.
+    """Return which files cannot be put where they belong.
 
     Args:
         folder: name of the package folder.

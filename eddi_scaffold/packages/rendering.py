@@ -41,7 +41,7 @@ class Template:
     bundle: Path | None = None
 
     def keep(self) -> None:
-        """Put the wheel's bundle where a package says that its templates are.
+        """Put the wheel's bundle where a package refers to its templates.
 
         Raises:
             EddiError: it cannot be put there (T002).
@@ -90,7 +90,7 @@ def _shelved() -> str:
 
 
 def _is_newer(version_file: Path) -> bool:
-    """Tell whether the bundle on the shelf came with a later release than this one."""
+    """Return whether the bundle on the shelf came with a later release than this one."""
     try:
         return _release(version_file.read_text("utf-8")) > _release(__version__)
     except (OSError, ValueError):
@@ -173,7 +173,7 @@ def render(
 
 
 _ORIGIN = re.compile(r"^_src_path:.*\n(?:[ ].*\n|\n)*", re.MULTILINE)
-"""What an answers file rendered from a plain folder says of its origin; long paths are folded."""
+"""Origin in an answers file that is rendered from a plain folder; long paths are folded."""
 
 
 def _record_origin(answers_file: Path, template: Template, source: Unpacked) -> None:

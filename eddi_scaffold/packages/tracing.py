@@ -1,7 +1,7 @@
 """The trace table of a package: which element of the model became what.
 
-Everything comes from the package's answers, so the table says what was generated, not what the
-model says today.
+Everything comes from the package's answers, so the table describes what was generated, not what the
+model contains today.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Row:
         id: as in the model.
         line: line in the model file, ``None`` when the file has none.
         path: EMF fragment path in an EDDI, ``""`` for other files.
-        code: where it stands in the generated code (``EDDIInput.process_RtE_E0``), or ``""``.
+        code: its place in the generated code (``EDDIInput.process_RtE_E0``), or ``""``.
         topics: what it is read from.
     """
 

@@ -1,6 +1,6 @@
 """Replace many files as one step: all of them are new, or all of them are old.
 
-The new texts are staged in one folder beside the files, then the journal says what is decided, then
+The new texts are staged in one folder next to the files, then the journal records the plan, then
 each file is replaced, in the order of the changes. Killed before that: nothing happened. Killed
 after it: the next ``recover`` finishes the replacements, but leaves alone what was changed since: a
 person may have gone on writing.
@@ -40,13 +40,13 @@ class FileState:
 
     @property
     def executable(self) -> bool:
-        """Tell whether its owner may run it."""
+        """Return whether its owner may run it."""
         return bool(self.mode & stat.S_IXUSR)
 
 
 @dataclass(frozen=True)
 class Tree:
-    """What stands below a folder.
+    """The content of a folder.
 
     Attributes:
         files: relative POSIX path -> state of the regular files.
@@ -59,7 +59,7 @@ class Tree:
 
 
 def survey(folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})) -> Tree:
-    """Read all regular files below a folder, and tell what else is there."""
+    """Read all regular files below a folder, and list what else is there."""
     tree = Tree()
     for name, kind in sorted(entries(folder, skip)):
         path = folder / name
@@ -207,7 +207,7 @@ def _left_alone(folders: Sequence[Path]) -> Iterator[str]:
     for folder in folders[:_SHOWN]:
         yield (
             f"{shown(str(folder))} is left alone: it looks like an interrupted run, but none of "
-            "yours left it in this place; remove it if nobody else is at work here"
+            "yours left it in this place; remove it if no other command is running here"
         )
     if len(folders) > _SHOWN:
         yield f"{len(folders) - _SHOWN} more of this kind are left alone"
@@ -227,10 +227,10 @@ def _refuse_early(root: Path, path: str) -> None:
     if _behind_link(root, path):
         raise OSError(errno.ELOOP, "a link is in the way", str(target))
     if target.is_dir() and not target.is_symlink():
-        raise IsADirectoryError(errno.EISDIR, "a folder stands in its place", str(target))
+        raise IsADirectoryError(errno.EISDIR, "a folder is in its place", str(target))
     if target.exists() and not (target.is_file() or target.is_dir()):
         kind = kind_of(target.resolve())
-        raise OSError(errno.EEXIST, f"{kind} stands in its place", str(target))
+        raise OSError(errno.EEXIST, f"{kind} is in its place", str(target))
     for folder in target.parents:
         if folder.is_dir():
             if not os.access(folder, os.W_OK | os.X_OK):
@@ -270,7 +270,7 @@ def _finish(root: Path, staging: Path, steps: Sequence[Step]) -> Sequence[str]:
 
 
 def _digest(path: Path) -> str | None:
-    """Return the digest of a file, what stands there instead, ``None`` where nothing does."""
+    """Return the digest of a file, the kind of another entry, ``None`` where there is nothing."""
     kind = kind_of(path)
     if kind is not None or not os.path.lexists(path):
         return kind

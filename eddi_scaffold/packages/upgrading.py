@@ -161,7 +161,7 @@ def _made_of_unnamed(
     """Return the packages that were made of a file whose model has no name: by the file's name.
 
     Raises:
-        EddiError: several were, and no configuration says which one is meant (U006).
+        EddiError: several were, and no configuration selects one (U006).
     """
     named = {model.kind: model.name for model in models if kinds()[model.kind].named_by_config}
     found = {

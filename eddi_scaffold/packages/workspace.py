@@ -45,7 +45,7 @@ def linked(root: Path) -> tuple[Path, ...]:
 
 
 def linked_package(link: Path) -> str:
-    """Say that the package behind a link is left alone."""
+    """Report that the package behind a link is left alone."""
     return f"{shown(link.name)} is a link: it is left alone; name the folder that it leads to"
 
 

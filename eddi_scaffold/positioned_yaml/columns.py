@@ -1,4 +1,4 @@
-"""Places inside of a YAML scalar: where a character of its value stands in the file."""
+"""Places inside a YAML scalar: the position in the file of each character of its value."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """YAML as nodes with positions: the only module of the generator that imports ``yaml``.
 
 A scalar stays the text that was written, together with the fact whether it was quoted; what a
-plain scalar *means* is decided where it stands: text, number or Boolean as YAML 1.2 has it
+plain scalar *means* is decided here: text, number or Boolean as YAML 1.2 has it
 (:func:`as_text` and its neighbours), or the value of YAML 1.1 (:func:`value_11`), which ROS and
 ``eddi_config.yml`` follow. Documents are read event by event without recursion, so that alias
 bombs, recursive aliases and deep nesting are a message like any other mistake.
@@ -129,7 +129,7 @@ def dump_11(data: dict[str, str]) -> str:
 
 
 def differs_between_versions(node: Node) -> bool:
-    """Tell whether YAML 1.1 and 1.2 take different values from a plain scalar (``on``, ``1e3``)."""
+    """Return whether YAML 1.1 and 1.2 read a plain scalar differently (``on``, ``1e3``)."""
     if not isinstance(node, Scalar) or not node.plain:
         return False
     old, new = _scalar_11(node.text), value_12(node)
@@ -277,7 +277,7 @@ class _Composer:
             raise _Stop(f"the alias *{event.anchor} has no anchor", place)
         found = self.anchors[event.anchor]
         if found is None:
-            raise _Stop(f"the alias *{event.anchor} stands inside of what it names", place)
+            raise _Stop(f"the alias *{event.anchor} is inside the node that it refers to", place)
         node, visits, depth = found
         if len(self.open) + depth > MAX_DEPTH:
             raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
@@ -304,9 +304,7 @@ class _Composer:
                 raise _Stop(f"a key must be text, not {describe(key)}", key.place)
             first = entries.setdefault(key.text, (key, value))[0]
             if first is not key:
-                message = (
-                    f"the key {shown(key.text)} stands here again, first in line {first.place.line}"
-                )
+                message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
                 self._report(message, key.place)
         return Map(tuple(entries.values()), done.place)
 

@@ -1,4 +1,4 @@
-"""Nodes of a YAML document, and what a scalar means where it stands, as YAML 1.2 has it."""
+"""Nodes of a YAML document, and the meaning of a scalar at its place in YAML 1.2."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Scalar:
 
     Attributes:
         text: content without quotes and escapes.
-        plain: written without quotes, so that its form may say what it is.
+        plain: written without quotes, so that its form may determine its type.
     """
 
     text: str
@@ -75,7 +75,7 @@ class Number:
 
 
 def describe(node: Node) -> str:
-    """Say in words what a node is, for messages."""
+    """Describe the kind of a node, for messages."""
     if isinstance(node, Items):
         return "a list"
     if isinstance(node, Map):
@@ -94,7 +94,7 @@ def shown(text: str) -> str:
 
 
 def is_null(node: Node) -> bool:
-    """Tell whether a node is a plain ``null`` or empty."""
+    """Return whether a node is a plain ``null`` or empty."""
     return isinstance(node, Scalar) and node.plain and node.text in _NULLS
 
 

@@ -1,4 +1,4 @@
-"""Where the parts of a YAML text stand, to the character, so that one part can be replaced as text.
+"""Places of the parts of a YAML text, to the character, so that one part can be replaced.
 
 Marks of PyYAML end a block at the next token, behind blank lines and comments that belong to what
 follows; here a part ends with its last scalar.

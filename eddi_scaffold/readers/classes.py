@@ -1,7 +1,7 @@
 """Classes of the metamodel, to find the misspelt one: what is of no known class is not read.
 
-Only what stands in a package is looked at. Files of other tools hold many more classes than a
-monitor is made of; of them nothing is said.
+Only the contents of packages are inspected. Files of other tools hold many more classes than a
+monitor is made of; these are not reported.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class EddiDocument:
         self._documents = frozenset((tree.document, *tree.roots))
 
     def place(self, element: Element) -> Place:
-        """Return where an element stands: file, line and canonical fragment path."""
+        """Return the place of an element: file, line and canonical fragment path."""
         return Place(self.name, line_of(element), None, self.references.path(element))
 
     def class_of(self, element: Element) -> ClassName:
@@ -62,7 +62,7 @@ class EddiDocument:
         return ClassName(package_key(uri), fold(name), printed)
 
     def is_root(self, element: Element) -> bool:
-        """Tell whether an element is a root object, or the ``xmi:XMI`` element above the roots."""
+        """Return whether an element is a root object, or the ``xmi:XMI`` above the roots."""
         return element in self._documents
 
     def feature(self, element: Element) -> str:

@@ -27,7 +27,7 @@ from eddi_scaffold.source import Source
 
 
 def sniff(source: Source) -> bool:
-    """Tell whether a file looks like XML."""
+    """Return whether a file looks like XML."""
     with source.open() as stream:
         return looks_like_xml(stream.read(HEAD_BYTES))
 

@@ -17,7 +17,7 @@ class Findings:
     def __init__(self, document: EddiDocument) -> None:
         self.document = document
         self.errors = 0
-        """How many errors were found so far: tells a caller whether its part has one."""
+        """Number of errors found so far, so that a caller knows whether its part has one."""
         self._problems: list[Problem] = []
         self._counted: dict[tuple[Level, str, str], tuple[Place, int]] = {}
 

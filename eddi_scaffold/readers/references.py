@@ -164,7 +164,7 @@ class References:
         return self._ids.get(xmi_id)
 
     def explain(self, fragment: Fragment) -> str:
-        """Say why a path points at nothing: the first segment that fails and what is there."""
+        """Explain why a path points at nothing: the first segment that fails and what is there."""
         if fragment.root >= len(self._roots):
             return f"the file has {len(self._roots)} roots, the index {fragment.root} is too large"
         element = self._roots[fragment.root]

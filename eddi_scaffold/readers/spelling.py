@@ -30,7 +30,7 @@ def local_name(tag: str) -> str:
 
 
 def is_misprint(name: str) -> bool:
-    """Tell whether folding had to repair more than underscores and case."""
+    """Return whether folding had to repair more than underscores and case."""
     return fold(name) != name.strip("_").casefold()
 
 
@@ -52,11 +52,11 @@ class Spelling:
         return frozenset(fold(name) for name in (self.name, *self.also))
 
     def accepts(self, name: str) -> bool:
-        """Tell whether a printed name means this one."""
+        """Return whether a printed name means this one."""
         return fold(name) in self.folded
 
     def is_exact(self, name: str) -> bool:
-        """Tell whether a printed name is one of the accepted ones, letter by letter."""
+        """Return whether a printed name is one of the accepted ones, letter by letter."""
         return name == self.name or name in self.also
 
 
@@ -66,7 +66,7 @@ class ClassName:
 
     Attributes:
         package: last segment of the namespace URI (``failurelogic``), empty when unknown.
-        name: class name (``faulttree``), empty when the element does not say.
+        name: class name (``faulttree``), empty when the element does not give it.
         printed: as the file has it, for messages.
     """
 

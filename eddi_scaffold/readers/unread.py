@@ -70,7 +70,7 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
     inside: set[Element] = set()
     for package in packages:
         if package.getparent() in inside:
-            inside.add(package)  # said with the package around it
+            inside.add(package)  # reported with the enclosing package
         elif _is_read(document, package):
             children = [one for one in package.iterchildren() if one not in known]
             yield from (one for one in children if _is_left_out(document, package, one))
@@ -80,7 +80,7 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
 
 
 def _is_left_out(document: EddiDocument, package: Element, child: Element) -> bool:
-    """Tell whether a child of a package that is read is a model which is not."""
+    """Return whether a child of a package that is read is a model which is not."""
     if document.class_of(package).name != "ddipackage":
         return document.class_of(child).name in _LEFT_OUT
     is_model = kind_of_model(document, child) in MONITORED

@@ -192,7 +192,7 @@ def _parse(
     """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again.
 
     Recovery of libxml2 would accept such files too, but silently repairs much else, and its error
-    log, which could tell, ends after 100 entries.
+    log, which could show it, ends after 100 entries.
     """
     undeclared: list[str] = []
     at = root_name_end(head)
@@ -259,7 +259,7 @@ def _docinfo(document: Element) -> Any:
 
 
 def _has_gap(stream: BinaryIO) -> bool:
-    """Tell whether some window of the file has no ``<``: needed for a very long start tag."""
+    """Return whether some window of the file has no ``<``: needed for a very long start tag."""
     stream.seek(0)
     while block := stream.read(_WINDOW * 40):
         for start in range(0, len(block) - _WINDOW + 1, _WINDOW):

@@ -1,4 +1,4 @@
-"""What can be said about XML without parsing it: the prolog, and hints for broken files."""
+"""Inspect XML without parsing it: the prolog, and hints for broken files."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def read_head(data: bytes) -> Head:
 
 
 def looks_like_xml(data: bytes) -> bool:
-    """Tell whether the first character that is not white space is ``<``."""
+    """Return whether the first character that is not white space is ``<``."""
     return read_head(data[:HEAD_BYTES]).text.lstrip().startswith("<")
 
 
@@ -99,7 +99,7 @@ def syntax_hint(head: Head, message: str) -> str | None:
     if declaration and declaration.start() > 0:
         return (
             "the XML declaration must be the first thing in the file; "
-            "move what stands before it below it"
+            "move the text before it below it"
         )
     if declaration and text[: text.find(">") + 1].count('"') % 2:
         return "quote missing in the XML declaration"

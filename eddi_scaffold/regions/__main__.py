@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
 
 
 def describe(report: SyncReport) -> list[str]:
-    """Return the lines that tell a person what a sync did to hand edits."""
+    """Return the lines that report what a sync did to hand edits."""
     lines = [f"{r.file}:{r.line}: error: {r.reason}; left alone" for r in report.refused]
     for note in report.notes:
         place = note.file if note.line is None else f"{note.file}:{note.line}"

@@ -21,14 +21,14 @@ def canonical(body: str) -> str:
 
 
 def same_body(one: str, other: str) -> bool:
-    """Tell whether two bodies differ at most in what editors and formatters change."""
+    """Return whether two bodies differ at most in what editors and formatters change."""
     return canonical(one) == canonical(other) or (
         not is_empty(one) and same_code(canonical(one), canonical(other))
     )
 
 
 def is_empty(body: str) -> bool:
-    """Tell whether a body holds nothing worth keeping: blanks or a bare ``pass``."""
+    """Return whether a body holds nothing worth keeping: blanks or a bare ``pass``."""
     return canonical(body).strip() in {"", "pass"}
 
 

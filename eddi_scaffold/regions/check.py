@@ -35,7 +35,7 @@ class RegionStatus:
     Attributes:
         id: the region; of a rejected edit the edited file; empty for a damaged marker.
         file: file relative to the package; of saved bodies the file they came from.
-        line: line of the begin marker, ``None`` when it stands in no file.
+        line: line of the begin marker, ``None`` when it is in no file.
         state: ``untouched`` holds the default.
         notes: what to look at.
         review: whether a person must look (``regions --check`` fails).
@@ -56,7 +56,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
         return tuple(_broken(refusal) for refusal in linked)
     found: list[RegionStatus] = []
     if not (root / EDDI / "pristine").is_dir():
-        note = "without this folder hand edits cannot be told from generated text; generate again"
+        note = "without this folder hand edits and generated text look the same; generate again"
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
     for name in files_below(root / EDDI / "pristine"):
         found.extend(_of_file(root, name))
@@ -82,7 +82,7 @@ def broken_files(root: Path) -> tuple[Refusal, ...]:
 
 
 def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
-    """Say that bodies were looked at: their markers get the signature of the newest rendering.
+    """Confirm that bodies were reviewed: their markers get the signature of the newest rendering.
 
     Returns:
         The ids that were found; files with damaged markers are left alone.

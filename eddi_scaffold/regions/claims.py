@@ -19,7 +19,7 @@ class Claim:
         region: the region as the generator rendered it.
         body: the text that goes into it.
         sig: signature that the body was written against.
-        indent: blanks before the begin marker where the body stood.
+        indent: blanks before the begin marker where the body was.
         edited: whether a person wrote it.
     """
 
@@ -38,7 +38,7 @@ class Claims:
         by_id: one claim for each region of the new text.
         orphans: hand-written bodies that nothing claims.
         taken: saved bodies that are in the new text now.
-        notes: what to tell.
+        notes: what to report.
     """
 
     by_id: Mapping[str, Claim]
@@ -95,11 +95,11 @@ def claim_bodies(
         if source is not None:
             claimed.add(source.id)
             before = old.get(source.id)
-            # A marker that lost its whole comment still means what the base says; one with an id
+            # A marker that lost its whole comment still means what the base has; one with an id
             # but no signature was never looked at (an adopted package).
             sig = source.sig if source.explicit or before is None else before.sig
             claim = Claim(region, source.body, sig, source.indent, edited=True)
-            notes.extend(_told(path, claim, source, old.get(region.id)))
+            notes.extend(_report_changes(path, claim, source, old.get(region.id)))
         else:
             # A region that is no news and holds the default was emptied by the person on purpose.
             news = region.id not in own or region.id not in old
@@ -112,9 +112,9 @@ def claim_bodies(
                 text = f"the saved body of region {saved.id!r} is back in region {region.id!r}"
                 notes.append(Note(path, None, text, attention=False))
                 taken.append(saved)
-                notes.extend(_told(path, claim, None, old.get(region.id)))
+                notes.extend(_report_changes(path, claim, None, old.get(region.id)))
         claims[region.id] = claim
-    taken.extend(o for o in orphans if o not in taken and _stands(o, claims.get(o.id)))
+    taken.extend(o for o in orphans if o not in taken and _is_restored(o, claims.get(o.id)))
     lost = tuple(
         Orphan(region.id, path, region.sig, region.indent, region.body)
         for region in hand.values()
@@ -161,11 +161,13 @@ def _saved(names: Iterable[str], orphans: Sequence[Orphan]) -> Orphan | None:
     return None
 
 
-def _stands(orphan: Orphan, claim: Claim | None) -> bool:
+def _is_restored(orphan: Orphan, claim: Claim | None) -> bool:
     return claim is not None and claim.edited and same_body(orphan.body, claim.body)
 
 
-def _told(path: str, claim: Claim, source: Region | None, before: Region | None) -> list[Note]:
+def _report_changes(
+    path: str, claim: Claim, source: Region | None, before: Region | None
+) -> list[Note]:
     region, line = claim.region, source.line if source else None
     notes = []
     if source is not None and source.id != region.id:

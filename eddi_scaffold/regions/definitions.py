@@ -63,7 +63,7 @@ class _Span:
 
 
 def is_named(key: str) -> bool:
-    """Tell whether a key stays the same when the item's text is edited."""
+    """Return whether a key stays the same when the item's text is edited."""
     return key.startswith(("def ", "class ", "from ", "import ", "= ", "region ", "<"))
 
 

@@ -37,7 +37,7 @@ class Region:
         explicit: whether a marker names the id.
         function: qualified name of the enclosing function, empty outside of functions.
         was: ids under which the element was known before, the newest first.
-        sig: hash of what the body may use when it was written, ``None`` when not said.
+        sig: hash of what the body may use when it was written, ``None`` when not given.
         line: line of the begin marker, counted from 1.
         begin: the begin marker's line, without line end.
         body: the text between the markers, byte for byte.
@@ -91,12 +91,12 @@ class _Scope:
 
 
 def placeholder(region_id: str, indent: str = "") -> str:
-    """Return the skeleton line that stands for a region; a statement, so that Python parses."""
+    """Return the skeleton line that represents a region; a statement, so that Python parses."""
     return f"{indent}'''eddi region {encode_id(region_id)}'''\n"
 
 
 def placeholder_id(line: str) -> str | None:
-    """Return the region that a skeleton line stands for, ``None`` for every other line."""
+    """Return the region that a skeleton line represents, ``None`` for every other line."""
     match = _PLACEHOLDER.match(line)
     return decode_id(match[1]) if match else None
 
@@ -168,14 +168,14 @@ def _region(
 ) -> Region:
     if begin.id and end.id and begin.id != end.id:
         reason = (
-            f"this end marker says {end.id!r} but the begin marker in line {begin.line} says "
+            f"this end marker has the id {end.id!r} but the begin marker in line {begin.line} has "
             f"{begin.id!r}; give both the same id"
         )
         faults.append(Fault(end.line, reason))
     function = _enclosing_function(scopes, begin)
     region_id = begin.id or end.id
     if region_id is None and not function:
-        reason = "a marker without id must stand in a function; write '# region: <kind>:<id>'"
+        reason = "a marker without id must be inside a function; write '# region: <kind>:<id>'"
         faults.append(Fault(begin.line, reason))
     return Region(
         id=region_id or f"function:{function}",

@@ -1,4 +1,4 @@
-"""Files that others may have made: what stands somewhere, and its bytes, without surprises.
+"""Untrusted files: read the kind and the bytes of an entry safely.
 
 A package may hold links, FIFOs, sockets and devices. Opening them may wait for ever, read without
 end or lead out of the package; so only regular files are opened, and never read beyond a limit.
@@ -27,7 +27,7 @@ _KINDS = {
 
 
 class NotRegularError(OSError):
-    """What stands there is a FIFO, a socket or a device."""
+    """The entry is a FIFO, a socket or a device."""
 
 
 def open_regular(path: str | Path, *, follow: bool = True) -> BinaryIO:
@@ -47,7 +47,7 @@ def open_regular(path: str | Path, *, follow: bool = True) -> BinaryIO:
     flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | (0 if follow else os.O_NOFOLLOW)
     handle = os.open(path, flags)
     try:
-        _refuse(os.fstat(handle).st_mode, path)  # another one may stand there by now
+        _refuse(os.fstat(handle).st_mode, path)  # another one may be there by now
     except OSError:
         os.close(handle)
         raise
@@ -73,7 +73,7 @@ def read_regular(path: str | Path, limit: int = MAX_BYTES, *, follow: bool = Tru
 
 
 def entries(folder: Path, skip: Collection[str] = ()) -> Iterator[tuple[str, str | None]]:
-    """Yield what stands below a folder: relative POSIX path and, of no regular file, what it is.
+    """Yield the entries below a folder: relative POSIX path and, of no regular file, its kind.
 
     Links are named and not followed.
 
@@ -101,7 +101,7 @@ def entries(folder: Path, skip: Collection[str] = ()) -> Iterator[tuple[str, str
 
 
 def kind_of(path: Path) -> str | None:
-    """Return what stands at a path, ``None`` when that is a regular file or nothing."""
+    """Return the kind of the entry at a path, ``None`` for a regular file or nothing."""
     try:
         kind = stat.S_IFMT(path.lstat().st_mode)
     except OSError:
@@ -110,7 +110,7 @@ def kind_of(path: Path) -> str | None:
 
 
 def stays(root: Path, path: Path) -> bool:
-    """Tell whether a path, links followed, still lies below a folder."""
+    """Return whether a path, links followed, still lies below a folder."""
     return resolved(root, path) is not None
 
 
@@ -127,7 +127,7 @@ def resolved(root: Path, path: Path) -> Path | None:
 
 
 def _is_plain(root: Path, path: Path) -> bool:
-    """Tell whether a path goes straight down from a folder: most do, and that is seen at once."""
+    """Return whether a path goes straight down from a folder: most do, and that is seen at once."""
     above, parts = root.parts, path.parts
     if parts[: len(above)] != above or ".." in parts:
         return False

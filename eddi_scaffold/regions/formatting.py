@@ -19,7 +19,7 @@ def framed(lines: Sequence[str]) -> str:
 
 
 def same_meaning(one: Sequence[str], other: Sequence[str]) -> bool:
-    """Tell whether two pieces of Python differ in their layout only; comments count.
+    """Return whether two pieces of Python differ in their layout only; comments count.
 
     ``False`` as well where one of them does not parse on its own.
     """

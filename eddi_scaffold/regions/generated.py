@@ -1,4 +1,4 @@
-"""Files that nobody should edit: notice when somebody did, and keep a copy."""
+"""Files that must not be edited: detect edits, and keep a copy."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Git: the one place of the project that starts a program.
 
 A package may be a stranger's, as may the repository around it. So git never looks for a repository:
-it is told which one is meant, and a folder that merely looks like a bare one is none. What the
+it is given the one that is meant, and a folder that merely looks like a bare one is none. What the
 repository's own configuration could make it start (transports, hooks, a file system monitor) is
 off; ``cat-file`` runs neither filters nor a pager.
 """
@@ -34,7 +34,7 @@ _ENVIRONMENT = {
 
 
 class GitError(Exception):
-    """Git ran and refused; the text is what it said."""
+    """Git ran and refused; the text is its message."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def repository_of(folder: Path) -> Repository | None:
     """Return the repository around a folder of anybody's, ``None`` without one to be trusted.
 
     It is the next ``.git`` up the tree: a folder, or the file of a linked worktree or a submodule,
-    where that repository says the same. As git does, it must belong to the person.
+    where that repository agrees. As git does, it must belong to the person.
     """
     real = Path(os.path.realpath(folder))
     for place in (real, *real.parents):

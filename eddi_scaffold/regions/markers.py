@@ -46,9 +46,9 @@ class Marker:
         what: ``begin`` or ``end``.
         line: line in the file, counted from 1.
         text: the line without its end.
-        id: ``<kind>:<id>``, decoded, ``None`` when not said.
+        id: ``<kind>:<id>``, decoded, ``None`` when not given.
         was: former ids.
-        sig: signature, ``None`` when not said.
+        sig: signature, ``None`` when not given.
     """
 
     what: str
@@ -60,7 +60,7 @@ class Marker:
 
 
 def encode_id(region_id: str) -> str:
-    """Return the id as it stands in a marker line.
+    """Return the id as it is written in a marker line.
 
     Ids come from models and may hold anything: blanks, quotes, commas, line ends. Letters and
     digits of any script stay readable; ``--`` is broken up because XML comments forbid it.
@@ -99,7 +99,7 @@ def end_marker(region_id: str, style: Style = "python") -> str:
 
 
 def with_sig(begin: str, sig: str | None) -> str:
-    """Return a begin marker's line that says another signature, or none."""
+    """Return a begin marker's line with another signature, or none."""
     bare = _SIG.sub("", begin, count=1)
     if sig is None:
         return bare
@@ -129,7 +129,7 @@ def read_marker(line: str, number: int) -> Marker | str | None:
     bare = text.strip()
     match = _DASHED.fullmatch(bare) or _XML.fullmatch(_commented(bare))
     if match is None:
-        alone = "a marker must stand alone on its line; move the other text away"
+        alone = "a marker must be alone on its line; move the other text away"
         return alone if _ALIKE.search(text) else None
     if not (match["tail"] or "").strip():
         return Marker(match["what"], number, text, None, (), None)
@@ -142,7 +142,7 @@ def read_marker(line: str, number: int) -> Marker | str | None:
 
 
 def _commented(text: str) -> str:
-    """Return what stands in an XML comment, without dashes before it; empty for no comment."""
+    """Return the text of an XML comment, without dashes before it; empty for no comment."""
     if len(text) < len("<!---->") or not (text.startswith("<!--") and text.endswith("-->")):
         return ""
     return text[4:-3].strip().lstrip("-").strip()

@@ -68,7 +68,7 @@ def merge(
     skeleton, rejects = _outside(path, before, own, target)
     text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
     if own is not None and skeleton != target.skeleton and not _valid(path, skeleton, claims):
-        skeleton, rejects = target.skeleton, [_whole(before or target, own)]
+        skeleton, rejects = target.skeleton, [_reject_file(before or target, own)]
         text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
     if not _placed(path, text, claims):
         return Refused((Fault(1, "the merged text would lose a region; put its markers back"),))
@@ -103,7 +103,7 @@ def retire(path: str, base: str | None, mine: str) -> Merged | Refused:
 
 
 def may_return(theirs: str, orphans: Sequence[Orphan]) -> bool:
-    """Tell whether a rendering has, under its id or a former one, a region of a saved body."""
+    """Return whether a rendering has, under its id or a former one, a region of a saved body."""
     regions = parse(_plain(theirs))[0].regions.values()
     names = {name for region in regions for name in (region.id, *region.was)}
     return any(orphan.id in names for orphan in orphans)
@@ -171,21 +171,21 @@ def _outside(
     if mine is None or same_lines(mine.skeleton, new):
         return new, []
     if base is None:
-        return new, [_whole(theirs, mine)]
+        return new, [_reject_file(theirs, mine)]
     if same_lines(mine.skeleton, base.skeleton):
         return new, []
     if kind_of(path) == "python":
         try:
             return merge_python(base.skeleton, mine.skeleton, new)
         except SyntaxError:
-            return new, [_whole(base, mine)]
+            return new, [_reject_file(base, mine)]
     merged = merge_lines(base.skeleton, mine.skeleton, new)
     if merged is None or regions_in(merged) != regions_in(new):
-        return new, [_whole(base, mine)]
+        return new, [_reject_file(base, mine)]
     return merged, []
 
 
-def _whole(before: Document, after: Document) -> Reject:
+def _reject_file(before: Document, after: Document) -> Reject:
     return Reject("the file", tuple(before.skeleton), tuple(after.skeleton))
 
 
@@ -224,7 +224,7 @@ def _placed(path: str, text: str, claims: Claims) -> bool:
 
 
 def _valid(path: str, skeleton: Sequence[str], claims: Claims) -> bool:
-    """Tell whether merged lines are valid whatever the bodies hold."""
+    """Return whether merged lines are valid whatever the bodies hold."""
     if kind_of(path) == "python":
         return check_text(path, "".join(skeleton)) is None
     defaults = {

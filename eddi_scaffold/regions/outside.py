@@ -1,4 +1,4 @@
-"""Merge what stands outside of the regions of a Python file, definition by definition."""
+"""Merge the code outside the regions of a Python file, definition by definition."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def merge_python(
 
 
 def regions_in(lines: Sequence[str]) -> list[str]:
-    """Return the ids of the regions whose placeholders stand in these lines, in order."""
+    """Return the ids of the regions whose placeholders are in these lines, in order."""
     return [found for line in lines if (found := placeholder_id(line)) is not None]
 
 
@@ -68,7 +68,7 @@ def _block(
     *,
     steps: bool = False,
 ) -> list[str]:
-    """Merge the members of a block; ``steps`` says that they are a function's statements."""
+    """Merge the members of a block; ``steps`` marks them as a function's statements."""
     old, own, new = _by_key(base), _by_key(mine), _by_key(theirs)
     chosen: dict[str, list[str]] = {}
     for key, item in new.items():
@@ -281,7 +281,7 @@ def _valid(text: str) -> bool:
 
 
 def same_lines(one: Sequence[str], other: Sequence[str]) -> bool:
-    """Tell whether two blocks are the same but for line ends and blank lines around them."""
+    """Return whether two blocks are the same but for line ends and blank lines around them."""
     return one == other or _plain(one) == _plain(other)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 
 
 def is_relative(name: object) -> bool:
-    """Tell whether a value is a normalised relative POSIX path: no ``..``, no root, no blank part.
+    """Return whether a value is a normalised relative POSIX path: no ``..``, root or blank part.
 
     What lies in a ``.git`` is git's, which starts programs from there: it is no place for others.
 
@@ -33,7 +33,7 @@ def inside(root: Path, name: object) -> Path | None:
 
     Args:
         root: the folder.
-        name: what a file says; anything.
+        name: from a file; anything.
 
     Returns:
         ``None`` for a path that is not relative and normalised, or has a link among its parents

@@ -1,4 +1,4 @@
-"""What a merge of one file says: values that the writing side turns into files."""
+"""Result of the merge of one file: values that the writing side turns into files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Orphan:
 
     Attributes:
         id: the region it was written in.
-        file: the file it stood in, relative to the package.
+        file: the file it was in, relative to the package.
         sig: signature it was written against, ``None`` when not known.
         indent: blanks before its begin marker.
         body: the text, byte for byte.
@@ -53,9 +53,9 @@ class Merged:
     Attributes:
         text: the new text, ``None`` when the file goes.
         orphans: bodies that must be saved before the file is replaced.
-        taken: saved bodies that stand in the new text.
+        taken: saved bodies that are in the new text.
         patch: outside edits that did not fit, as unified diffs; empty when all fitted.
-        notes: what to tell.
+        notes: what to report.
     """
 
     text: str | None

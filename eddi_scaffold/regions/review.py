@@ -59,7 +59,7 @@ class _Scope:
 
 
 class _Uses:
-    """Where names stand, and which are read."""
+    """Places of names, and which are read."""
 
     def __init__(self, uses: Iterable[tuple[int, str, bool]]) -> None:
         found = list(uses)
@@ -72,7 +72,7 @@ class _Uses:
             self.last[name] = line
 
     def within(self, lines: range) -> list[str]:
-        """Return the names that stand in some lines, in the order of the walk."""
+        """Return the names in some lines, in the order of the walk."""
         start = bisect_left(self.places, (lines.start,))
         stop = bisect_left(self.places, (lines.stop,))
         return [name for _, name in sorted(place[1:] for place in self.places[start:stop])]

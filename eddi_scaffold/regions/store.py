@@ -38,7 +38,7 @@ def files_below(folder: Path) -> list[str]:
 
 
 def linked_records(root: Path) -> list[str]:
-    """Return the links to folders that stand among a package's records, relative to it."""
+    """Return the links to folders among a package's records, relative to it."""
     if (root / EDDI).is_symlink():
         return [EDDI]
     links = (f"{EDDI}/{name}" for name, kind in entries(root / EDDI) if kind == LINK)
@@ -90,7 +90,7 @@ def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> b
     models = [path, *([root / like] if like is not None else [])]
     model = next((one for one in models if one.is_file()), None)
     try:
-        temporary.unlink(missing_ok=True)  # what stands there may be a link
+        temporary.unlink(missing_ok=True)  # the entry there may be a link
         with temporary.open("xb") as file:
             if model is not None:
                 os.fchmod(file.fileno(), model.stat().st_mode & 0o7777)

@@ -119,7 +119,7 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
 
 
 def linked_folders(root: Path) -> tuple[Refusal, ...]:
-    """Return the links that stand where folders of a package's records must be."""
+    """Return the links in the place of folders of a package's records."""
     reason = "it is a link, and the records of a package must lie in the package; remove the link"
     return tuple(Refusal(name, 1, reason) for name in linked_records(root))
 
@@ -270,7 +270,7 @@ def _finish_interrupted(root: Path) -> None:
 
 
 def _nearer(mine: str, theirs: str, base: str) -> bool:
-    """Tell whether a text was made of ``theirs`` rather than of ``base``."""
+    """Return whether a text was made of ``theirs`` rather than of ``base``."""
     lines = mine.splitlines()
     alike = [
         difflib.SequenceMatcher(None, text.splitlines(), lines, autojunk=False).ratio()

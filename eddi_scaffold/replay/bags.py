@@ -54,7 +54,7 @@ def read_bag(
 
     Raises:
         EddiError: rosbags is not installed (I010), the bag cannot be read (I011), holds a topic
-            with another type than a configuration says (I012), or messages without a field that
+            with another type than in a configuration (I012), or messages without a field that
             an input needs (I017).
     """
     try:
@@ -111,7 +111,7 @@ def _absolute(topic: str) -> str:
 
 
 def _refuse_special(path: Path, place: Place) -> None:
-    """Refuse what would let rosbags wait or read for ever; what else is wrong, it says itself."""
+    """Refuse what would let rosbags wait or read for ever; it reports all other faults."""
     try:
         open_regular(path).close()
     except NotRegularError as special:
@@ -144,7 +144,7 @@ def _absent(place: Place, tape: Tape, wanted: Mapping[str, Sequence[_Wanted]]) -
 
 
 def _computed(place: Place, topics: Collection[str]) -> list[Problem]:
-    """Say which topics are not taken from the bag (I018)."""
+    """Report which topics are not taken from the bag (I018)."""
     if not topics:
         return []
     message = f"{', '.join(sorted(topics))} is published by a monitor here, not taken from the bag"
@@ -160,7 +160,7 @@ def _wrong_types(
             source, config = one.source, one.monitor.config
             if of != source.type and config is not None:
                 message = (
-                    f"{source.topic} is a {of} in the bag, the configuration says {source.type}"
+                    f"{source.topic} is a {of} in the bag, the configuration declares {source.type}"
                 )
                 index = config.config.SimulatorOutputs.index(source)
                 place = config.place("SimulatorOutputs", index, "type")

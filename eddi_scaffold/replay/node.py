@@ -82,7 +82,7 @@ class GivenInput(EDDIInputBase):
 
 
 class Node:
-    """One process of a monitor, which has received nothing as yet.
+    """One process of a monitor, which has received nothing yet.
 
     Args:
         eddi_input: an ``EDDIInput`` as a package has it: with a method ``processing``.

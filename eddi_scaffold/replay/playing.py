@@ -30,7 +30,7 @@ class Part:
     Attributes:
         name: for people; empty when it is the only one.
         running: the monitor; it begins anew.
-        node: it has received nothing as yet.
+        node: it has received nothing yet.
         rhythm: how it steps.
         sources: topic -> ids by which the node knows its messages.
         limits: id of a source -> the ages, in nanoseconds, that inputs allow it.

@@ -23,7 +23,7 @@ class Channel:
 
     Attributes:
         topic: its full name.
-        of: which message of the monitor: empty for the result, else what stands beside it.
+        of: which message of the monitor: empty for the result, else an additional one.
         only: id of the one message of several that goes here.
         path: to the one value of the message that goes here, empty for all of it.
         type: of the message.
@@ -71,20 +71,20 @@ class Publisher:
         self, running: RuntimeMonitor, output: Any, wanted: Collection[str]
     ) -> list[tuple[str, Message]]:
         """Return topic and message of all that a step publishes on the wanted topics."""
-        said: dict[str, Sequence[Message]] = {}
-        told: list[tuple[str, Message]] = []
+        made: dict[str, Sequence[Message]] = {}
+        published: list[tuple[str, Message]] = []
         for one in self.channels:
             if one.topic not in wanted:
                 continue
-            if one.of not in said:
-                said[one.of] = _said(running, output, one.of)
-            fitting = [m for m in said[one.of] if one.only in (None, getattr(m, "id", None))]
-            told += [(one.topic, picked) for m in fitting for picked in _picked(m, one)]
-        return told
+            if one.of not in made:
+                made[one.of] = _make_messages(running, output, one.of)
+            fitting = [m for m in made[one.of] if one.only in (None, getattr(m, "id", None))]
+            published += [(one.topic, picked) for m in fitting for picked in _picked(m, one)]
+        return published
 
 
-def _said(running: RuntimeMonitor, output: Any, of: str) -> Sequence[Message]:
-    """Return the result of a step as messages, or what stands beside it."""
+def _make_messages(running: RuntimeMonitor, output: Any, of: str) -> Sequence[Message]:
+    """Return the result of a step, or one of its additional messages, as messages."""
     trees = getattr(running, f"{of}_message")() if of else running.message(output)
     listed = trees if isinstance(trees, list) else [] if trees is None else [trees]
     return [message_of(tree) for tree in listed]

@@ -1,4 +1,4 @@
-"""What is said of monitors that a recording is played to."""
+"""What is reported of monitors that a recording is played to."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from eddi_runtime.monitor import Value
 
 _PATIENCE = 2.0
-"""Seconds of work after which a person is told how far it is."""
+"""Seconds of work after which progress is reported."""
 
 _NO_OTHER = "unknown inputs"
-"""The reason of a result that lacks inputs only: their names say more."""
+"""The reason of a result that only lacks inputs: their names are more precise."""
 
 
 def watched(play: Play, say: Callable[[str], None]) -> Play:
-    """Say from time to time how far a long recording is."""
+    """Report from time to time the progress of a long recording."""
     said = time.monotonic()
     for part, frame in play:
         yield part, frame
@@ -34,9 +34,9 @@ def watched(play: Play, say: Callable[[str], None]) -> Play:
 
 
 def steps(play: Play) -> Iterator[dict[str, Any]]:
-    """Yield time in seconds and output as JSON for each step; a step without output says why.
+    """Yield time in seconds and output as JSON for each step; a step without output has the reason.
 
-    Of several monitors, each says its name.
+    With several monitors, each entry has the name of its monitor.
     """
     for part, frame in play:
         running = part.running
@@ -57,8 +57,8 @@ def changes(play: Play) -> Iterator[str]:
     """Yield a line for the first step of each monitor, and for each with a new verdict.
 
     A verdict is what the kind calls one, the reason why it is not to be relied on, and which
-    inputs keep outputs from being given; not each digit. A line has every value of the step, says
-    why these inputs are not known, and what else is wrong.
+    inputs keep outputs from being given; not each digit. A line has every value of the step, the
+    reasons why these inputs are not known, and what else is wrong.
     """
     last: dict[str, object] = {}
     for part, frame in play:
@@ -80,7 +80,7 @@ def changes(play: Play) -> Iterator[str]:
 def table(play: Play) -> Iterator[str]:
     """Yield the lines of a CSV: time, then every named value of the output in each step.
 
-    Kinds whose results tell why they are not to be relied on have columns for it at the end:
+    Kinds whose results explain why they are not to be relied on have columns at the end:
     ``reason``, and ``unknown`` with the ids of inputs, blanks between them.
     """
     for number, (part, frame) in enumerate(play):
@@ -103,18 +103,18 @@ def picture(title: str, play: Play) -> str:
 
 
 def _omission(running: RuntimeMonitor) -> str:
-    """Return why there is no verdict, in words for people, where a kind says it."""
+    """Return why there is no verdict, as text for people, where a kind provides it."""
     say = getattr(running, "omission", None)
     return "" if say is None else str(say()[1])
 
 
 def _reason(output: object) -> str:
-    """Return why an output is not to be relied on, in a word; empty when it is, or says nothing."""
+    """Return why an output is not to be relied on, in a word; empty when it is."""
     return str(getattr(output, "reason", ""))
 
 
 def _facts(output: object) -> dict[str, Value]:
-    """Return what an output says of itself beside its values."""
+    """Return the additional fields of an output about itself."""
     found: dict[str, Value] = {}
     if hasattr(output, "reason"):
         found["reason"] = _reason(output)

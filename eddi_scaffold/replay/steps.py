@@ -26,7 +26,7 @@ ROWS = Rhythm(None, on_change=True)
 
 
 def rhythm_of(frequency: float, mode: str) -> Rhythm:
-    """Return the rhythm that a configuration says."""
+    """Return the rhythm of a configuration."""
     return Rhythm(1e9 / frequency, mode == "on_change")
 
 

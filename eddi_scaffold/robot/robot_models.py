@@ -21,7 +21,7 @@ from eddi_scaffold.source import read_source
 
 
 def beside(robot: Robot) -> RobotAdditions:
-    """Return what a system and its models say beside configurations.
+    """Return what a system and its models add to configurations.
 
     The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write.
     """
@@ -80,7 +80,7 @@ def check_robots(
         folder: directory of node models; without it the files are only read.
 
     Returns:
-        All problems, and what the models say beside configurations.
+        All problems, and what the models add to configurations.
     """
     problems: list[Problem] = []
     models = load_models(folder, systems=True) if folder is not None else None
@@ -125,7 +125,7 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
     try:
         source = read_source(path)
     except EddiError:
-        return  # said when the file itself is checked
+        return  # reported when the file itself is checked
     config = read_config(source)[0] if is_config(source) else None
     known = {topic.topic: topic for topic in outputs.topics}
     for index, entry in enumerate(config.config.SimulatorOutputs if config else ()):

@@ -203,7 +203,7 @@ def parse(
 
 
 def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: Document) -> None:
-    """Refuse filters that match nothing, and say what did not resolve: it may be why.
+    """Refuse filters that match nothing, and report what did not resolve: it may be the cause.
 
     Raises:
         EddiError: a glob matches nothing, or together they leave nothing.
@@ -223,7 +223,7 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
 
 
 def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> Absence:
-    """Tell why an entry is not written anew; what may be there all the same stays."""
+    """Explain why an entry is not rewritten; what may be there all the same stays."""
     criterion = outputs.left_out.get(old.topic)
     if not outputs.is_complete and not filters.wants(old.topic):
         criterion = "topics"

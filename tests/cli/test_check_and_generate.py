@@ -86,7 +86,7 @@ def test_a_platform_asks_whether_monitors_can_be_generated(tmp_path: Path) -> No
     assert run("check", "consert_a_config.yml", cwd=tmp_path).status == 0
     asked = run("check", "consert_a_config.yml", "--platform", "ros1", cwd=tmp_path)
     assert asked.status == 1
-    assert "error: the configuration does not say of what [G015]" in asked.err
+    assert "error: the configuration does not name its model [G015]" in asked.err
     assert run("check", MODEL, "--platform", "ros2", cwd=tmp_path).status == 2
 
 

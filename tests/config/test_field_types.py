@@ -82,7 +82,7 @@ def test_the_key_is_the_field_that_names_the_element(
             "points[here].x",
             (
                 "the elements are geometry_msgs/Point32, which have no name that [here] could be; "
-                'say the field, [field="here"], of: x, y, z'
+                'name the field, [field="here"], of: x, y, z'
             ),
         ),
         (
@@ -90,7 +90,7 @@ def test_the_key_is_the_field_that_names_the_element(
             "results[person].score",
             (
                 "the elements are vision_msgs/Hypothesis, which have no name that [person] "
-                'could be; say the field, [field="person"], of: id, score'
+                'could be; name the field, [field="person"], of: id, score'
             ),
         ),
         (

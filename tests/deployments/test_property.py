@@ -53,13 +53,13 @@ def test_silence_claims_nothing(shard: int) -> None:
         rng = Random(seed)
         check = Check(draft_of(rng), rng)
         violation = check.violation()
-        assert violation is None, _told(check.draft, f"seed {seed}: {violation}")
+        assert violation is None, _describe_draft(check.draft, f"seed {seed}: {violation}")
         total.add(check.count)
     print(total)
     assert total.compared > 20 * SIZE  # claims that hold although something is not known
 
 
-def _told(draft: Draft, about: str) -> str:
+def _describe_draft(draft: Draft, about: str) -> str:
     """Return the smallest deployment that a person has to look at."""
     small = smallest(draft, _fails)
     return f"{about}\n{text_of(small, 'found', _why(small))}"

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.positioned_yaml.writer import dump_plain
 from eddi_scaffold.problems import EddiError
@@ -129,7 +129,7 @@ def packages(
     except EddiError:
         return None
     try:
-        outcome = bring(folder / "out", assembly.packages[:1], template(), dry_run=True)
+        outcome = write_packages(folder / "out", assembly.packages[:1], template(), dry_run=True)
     except EddiError as refused:
         if "Manual edit" in str(assembly.packages[0].answers["inputs"]):
             return None  # an id that looks like one of our markers

@@ -291,7 +291,7 @@ def test_nothing_is_written_behind_a_link(tmp_path: Path, outside: Path) -> None
         (problem,) = refused.value.problems
         assert (problem.code, problem.message) == (
             "F002",
-            f"cannot write: {kind} stands in its place",
+            f"cannot write: {kind} is in its place",
         )
     assert sorted(path.name for path in root.iterdir()) == ["link", "null", "pipe"]
     assert list(outside.iterdir()) == []

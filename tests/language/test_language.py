@@ -50,7 +50,7 @@ CASES = {
         )
     ],
     "MAX(x, 5 s) > 1": [
-        "1:8 E005 the unit of a duration stands directly behind the number (write 5s)"
+        "1:8 E005 the unit of a duration must directly follow the number (write 5s)"
     ],
     "MAX(x, 0s) > 1": ["1:8 E005 a duration must be longer than 0"],
     "MAX(x, 50ms) > 1": ["1:8 E005 the window is shorter than one sample period (0.1 s)"],
@@ -80,7 +80,7 @@ CASES = {
     ],
     "CONST k = 5 CONST k = 6 x > k": ["1:19 E011 the name 'k' has two meanings"],
     "UNKNOWN == a": [
-        "1:1 E012 UNKNOWN is no literal, use KNOWN(...) (KNOWN(x) tells whether a value is known)"
+        "1:1 E012 UNKNOWN is no literal, use KNOWN(...) (KNOWN(x) tests whether a value is known)"
     ],
     "coverage > 5": ["1:1 E012 'coverage' is a reserved word, it cannot be a name"],
     "VAR not : BOOL": ["1:5 E012 'not' is a reserved word, it cannot be a name"],
@@ -95,18 +95,18 @@ CASES = {
     "x + y / 2 > 1": [
         (
             "1:5 W001 only this term is divided, not the whole sum "
-            "(put the sum in parentheses, or this term to say that it is meant so)"
+            "(put the sum in parentheses, or this term to show that it is intended)"
         )
     ],
     "EVENT e := a": [
         (
-            "1:7 W002 the event 'e' does not say what UNKNOWN means: EVIDENCE is used "
+            "1:7 W002 the event 'e' does not declare what UNKNOWN means: EVIDENCE is used "
             "(EVENT e (EVIDENCE): not active when UNKNOWN; (HAZARD): active)"
         )
     ],
     "VAR v : BOOL; v": [
         (
-            "1:5 W003 v has no TIMEOUT: nobody notices when its source falls silent "
+            "1:5 W003 v has no TIMEOUT: it goes unnoticed when its source falls silent "
             "(add TIMEOUT 500ms, or RATE 10 Hz)"
         )
     ],
@@ -128,7 +128,7 @@ def test_diagnostics(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("AVERAGE(x, 5s) > 1", "1:12 E005 AVERAGE needs a sampling rate (say it: --rate 10)"),
+        ("AVERAGE(x, 5s) > 1", "1:12 E005 AVERAGE needs a sampling rate (add --rate 10)"),
         ("VAR v : NUMBR TIMEOUT 1s", "1:9 E008 there is no type 'NUMBR' (did you mean 'NUMBER'?)"),
         ("VAR v : NUMBER UNIT mtr TIMEOUT 1s", "1:21 E009 there is no unit 'mtr'"),
         ("VAR v : BOOL RANGE 0 .. 1 TIMEOUT 1s", "1:9 E007 UNIT and RANGE are for numbers"),
@@ -141,7 +141,7 @@ def test_diagnostics(text: str) -> None:
         ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E011 the name 'A' has two meanings"),
         ("x[1.5] > 2", "1:3 E002 an index from 0 on or a key is expected, found '1.5'"),
         ("x > 1 AND x", "1:11 E008 'x' is a number elsewhere, but AND needs a boolean"),
-        ("KNOWN(x)", "1:7 E008 nothing says what 'x' is"),
+        ("KNOWN(x)", "1:7 E008 the type of 'x' is not known"),
         ("ENUM E { A } VAR v : E TIMEOUT 1s v < A", "1:37 E007 E cannot be ordered"),
     ],
 )

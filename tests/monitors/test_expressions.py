@@ -246,8 +246,8 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
             "",
             SAFETY,
             (
-                "c.yml:9:22 K046 input 'MotorIsCool': `event:` must say which event of "
-                "safety.events it is (events: hot, weak, cool, elsewhere)"
+                "c.yml:9:22 K046 input 'MotorIsCool': `event:` must name an event of "
+                "safety.events (events: hot, weak, cool, elsewhere)"
             ),
         ),
         (
@@ -284,7 +284,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
             "\n    event: cool\n    polarity: EVIDENCE",
             SAFETY,
             (
-                "c.yml:11:15 K043 input 'MotorIsCool': safety.events says HAZARD, "
+                "c.yml:11:15 K043 input 'MotorIsCool': safety.events declares HAZARD, "
                 "`polarity:` EVIDENCE (leave `polarity:` out)"
             ),
         ),

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import inventory
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.platforms import platforms
@@ -18,7 +18,7 @@ def test_a_package_without_its_records_needs_a_look(tmp_path: Path) -> None:
     platform = platforms()["plain"]
     monitors, problems = monitors_of(EXAMPLE, [], "ConSertB")
     packages = assemble(monitors, platform, tmp_path, problems).packages
-    bring(tmp_path, packages, own_template())
+    write_packages(tmp_path, packages, own_template())
     assert {entry.status.review for entry in inventory(tmp_path)} == {False}
     shutil.rmtree(tmp_path / "consertb" / ".eddi")
     (entry,) = inventory(tmp_path)

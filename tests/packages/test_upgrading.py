@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
@@ -32,7 +32,7 @@ provided_services:
 def generated(folder: Path, model: Path, marks: tuple[str, ...] = ()) -> None:
     platform = platforms()["plain"]
     monitors, problems = monitors_of(model, [], default_guarantees=marks)
-    bring(folder, assemble(monitors, platform, folder, problems).packages, own_template())
+    write_packages(folder, assemble(monitors, platform, folder, problems).packages, own_template())
 
 
 @pytest.fixture

@@ -130,7 +130,7 @@ BAD = {
     "a: 1\n---\nb: 1\n": (2, 1, "the file holds more than one document"),
     "a: b: c": (1, 5, "this is not YAML: mapping values are not allowed in this context"),
     "a: *b": (1, 4, "the alias *b has no anchor"),
-    "a: &b [*b]": (1, 8, "the alias *b stands inside of what it names"),
+    "a: &b [*b]": (1, 8, "the alias *b is inside the node that it refers to"),
     "? [a]\n: b": (1, 3, "a key must be text, not a list"),
     "a: !!python/name:os.system ''": (
         1,

@@ -40,7 +40,7 @@ BOM = b"\xef\xbb\xbf"
             ),
             (
                 "the XML declaration must be the first thing in the file; "
-                "move what stands before it below it"
+                "move the text before it below it"
             ),
         ),
         (
@@ -48,7 +48,7 @@ BOM = b"\xef\xbb\xbf"
             "m.xml:2: error X001: not well-formed: Start tag expected, '<' not found",
             (
                 "the XML declaration must be the first thing in the file; "
-                "move what stands before it below it"
+                "move the text before it below it"
             ),
         ),
         (b"", "m.xml:1: error X001: not well-formed: Document is empty", "the file is empty"),

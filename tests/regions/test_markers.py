@@ -99,7 +99,7 @@ def test_id_on_one_marker_is_enough() -> None:
         (f"{BEGIN}  # region: a\nx = 1  {END}\n", 2, "alone on its line"),
         (f"{BEGIN}  # region: a\n{END}  # region: b\n", 2, "give both the same id"),
         (f"{BEGIN}  # region: a sig: xyz\n{END}  # region: a\n", 1, "put the generated line back"),
-        (f"{BEGIN}\n{END}\n", 1, "must stand in a function"),
+        (f"{BEGIN}\n{END}\n", 1, "must be inside a function"),
         ("<!-- Manual edit begin | region: a --><x/>\n", 1, "alone on its line"),
         ("a\n<<<<<<< before updating\n", 2, "merge conflict"),
     ],

@@ -200,7 +200,7 @@ def check_settings_are_checked_all_at_once():
 def check_outputs_of_any_shape_pass_the_change_log():
     changes = health.Changes()
     said = []
-    changes._say = lambda name, active: said.append((name, active))
+    changes._log_change = lambda name, active: said.append((name, active))
     for output in (
         [{"id": "G", "active": False}],
         [{"id": "G", "active": False}],

@@ -78,7 +78,7 @@ class QuickWorld(World):
     renderings: Renderings
 
     def copy(self) -> Result:
-        generation._lay(self.renderings.rendered(self), self.package)
+        generation._copy_rendering(self.renderings.rendered(self), self.package)
         sync_package(self.package)
         return Result(0, "")
 
@@ -101,7 +101,7 @@ class QuickWorld(World):
 
         try:
             with patch.object(generation, "render", known):
-                outcome = generation.bring(self.root, [package], template)
+                outcome = generation.write_packages(self.root, [package], template)
         except EddiError as problem:
             return Result(2, str(problem))
         return Result(3 if outcome.attention else 0, " ".join(outcome.notes))

@@ -220,12 +220,12 @@ def test_broken_markers_are_told_by_plain_copier(
         n for n, text in enumerate(plain.text().split("\n"), 1) if "---Manual edit begin" in text
     )
     assert plain.copy().status == 0
-    _told(capfd.readouterr().err, line)
+    _assert_reported(capfd.readouterr().err, line)
     assert plain.update().status == 1
-    _told(capfd.readouterr().err, line)
+    _assert_reported(capfd.readouterr().err, line)
 
 
-def _told(words: str, line: int) -> None:
+def _assert_reported(words: str, line: int) -> None:
     assert re.search(r"^EDDIInput.py:\d+: error: ", words, re.MULTILINE)
     assert f"line {line}" in words
 

@@ -68,7 +68,7 @@ def element(of: str) -> str | None:
 
 
 def is_primitive(of: str) -> bool:
-    """Tell whether a type has no fields: ``bool``, ``float64``, ``string``, ..."""
+    """Return whether a type has no fields: ``bool``, ``float64``, ``string``, ..."""
     return of in _PYTHON_TYPES
 
 

@@ -1,4 +1,4 @@
-"""What the documentation of common messages says of a field: unit, range, no measurement."""
+"""Documented properties of the fields of common messages: unit, range, no measurement."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Documented:
         range: least and greatest measurement.
         limits: the same as paths of fields in the message.
         infinite: infinities are measurements.
-        unless: path of a field and the value by which it says that there is no measurement.
+        unless: path of a field and the value by which it marks that there is no measurement.
     """
 
     units: tuple[str, ...] = ()
@@ -42,7 +42,7 @@ def documented(
 ) -> Documented | None:
     """Return what is known of the field at the end of a path, ``None`` for nothing.
 
-    The outermost message that says something counts: an ``Imu`` knows more of its
+    The outermost message with an entry counts: an ``Imu`` knows more of its
     ``angular_velocity.x`` than a ``Vector3`` of its ``x``.
 
     Args:
@@ -85,14 +85,14 @@ def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
 
 @cache
 def _rows() -> Mapping[str, Mapping[str, Documented]]:
-    """Return message type -> path -> what its documentation says."""
+    """Return message type -> path -> its documentation."""
     found: dict[str, dict[str, Documented]] = {}
     of = ""
     for line in (files(__package__) / "units.txt").read_text("utf-8").splitlines():
         if line.startswith("    "):
             paths, _, text = line.strip().partition(": ")
-            said = _said(text)
-            found[of].update((path, said) for name in paths.split() for path in _paths(name))
+            documented = _parse_row(text)
+            found[of].update((path, documented) for name in paths.split() for path in _paths(name))
         elif line and not line.startswith("#"):
             of = line
             found[of] = {}
@@ -108,7 +108,7 @@ def _paths(name: str) -> Iterator[str]:
         yield f"{name[: match.start()]}[{number}]{name[match.end() :]}"
 
 
-def _said(text: str) -> Documented:
+def _parse_row(text: str) -> Documented:
     match = _ROW.fullmatch(text)
     assert match is not None, text
     units = () if match["unit"] == NONE else tuple(match["unit"].split("|"))

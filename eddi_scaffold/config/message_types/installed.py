@@ -1,6 +1,6 @@
 """Messages of the ROS packages on this machine: they serve checks, never what is generated.
 
-What stands in a package must not depend on the machine that made it.
+The contents of a package must not depend on the machine that generated it.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ class Accepted:
         what: the acceptance.
         topics: what its input is read from.
         claims: those that rest on it, of any participant.
-        place: where it is said.
+        place: its place.
     """
 
     monitor: str

@@ -1,7 +1,7 @@
-"""Age limits that nobody wrote, where the period of the publisher is known: 2.5 of its periods.
+"""Default age limits where the period of the publisher is known: 2.5 of its periods.
 
 A message of a monitor that has died counts by its age alone, so every input on a topic of a monitor
-needs a limit. For the topics of sensors nobody here knows the period.
+needs a limit. The period of the topics of sensors is not known here.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def with_default_ages(
         others: those that run beside them.
 
     Returns:
-        For each monitor ``None``, or its new configuration, and what is to be told of it (K053).
+        For each monitor ``None``, or its new configuration, and what to report of it (K053).
     """
     if not any(_lacks_some(one) for one in monitors):
         return [None] * len(monitors)
@@ -59,15 +59,17 @@ def _completed(
         entry.model_copy(update={"max_age": ages[entry.id]}) if entry.id in ages else entry
         for entry in config.EDDIInputs
     ]
-    told = [
-        _told(entry, member.config, index)
+    reported = [
+        _report_limit(entry, member.config, index)
         for index, entry in enumerate(entries)
         if entry.id in ages
     ]
-    return replace(member.config, config=config.model_copy(update={"EDDIInputs": entries})), told
+    return replace(
+        member.config, config=config.model_copy(update={"EDDIInputs": entries})
+    ), reported
 
 
-def _told(entry: Input, config: ConfigFile, index: int) -> Problem:
+def _report_limit(entry: Input, config: ConfigFile, index: int) -> Problem:
     message = (
         f"input {entry.id!r} has no max_age: it is unknown after {entry.max_age:g} s, "
         f"{_PERIODS} periods of the monitor that publishes it"

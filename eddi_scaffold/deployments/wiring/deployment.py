@@ -68,7 +68,7 @@ class Publisher:
 
     @property
     def message(self) -> str:
-        """Name of our message on it, or of the one that its value stands in."""
+        """Name of our message on it, or of the one that contains its value."""
         return self.publication.message.partition("/")[2]
 
 

@@ -1,4 +1,4 @@
-"""Whether each field that is read of a monitor's message says something only of what is known."""
+"""Check that each field that is read of a monitor's message depends only on what is known."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class _Read:
 
 
 def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
-    """Return which field of a monitor's message is read, ``None`` when it is nobody's."""
+    """Return which field of a monitor's message is read, ``None`` for other messages."""
     source, path = field
     publisher = deployment.publisher(member, source)
     if publisher is not None:
@@ -118,7 +118,7 @@ def _pattern(path: FieldPath) -> Iterator[str]:
 def _is_given(
     deployment: Deployment, member: Member, reading: Reading, given: Given, of: _Read
 ) -> bool:
-    """Tell whether a test beside makes sure that a field says something."""
+    """Return whether an accompanying test ensures that a field has a meaning."""
     for field, holds in reading.beside:
         if not holds(given.value) or holds(not given.value):
             continue

@@ -27,7 +27,7 @@ class Reading:
     Attributes:
         input: id.
         text: the field, as a person writes it.
-        place: where the configuration says so.
+        place: its place in the configuration.
         source: the message.
         path: into the message.
         holds: which values bring a claim of the monitor nearer.

@@ -100,7 +100,7 @@ def remembered(package: str, answers: Mapping[str, Any]) -> Participant | None:
 
 
 def _is_whole(found: Participant) -> bool:
-    """Tell whether what a package remembers can be followed; answers may be damaged."""
+    """Return whether what a package remembers can be followed; answers may be damaged."""
     try:
         supports([found])
     except (AttributeError, LookupError, TypeError, ValueError):

@@ -24,7 +24,7 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
 
 
 def shared_by_robots(members: Sequence[Member]) -> str | None:
-    """Say which topics of monitors two robots on one master would share; ``None`` for none."""
+    """Report which topics of monitors two robots on one master would share; ``None`` for none."""
     topics = {
         one.output.topic
         for member in members

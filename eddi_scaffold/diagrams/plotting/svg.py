@@ -26,7 +26,7 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
 
     Args:
         title: one line above.
-        tracks: from top to bottom; a heading stands where the group changes.
+        tracks: from top to bottom; a heading is shown where the group changes.
     """
     times = [t for track in tracks for t in (*track.times[:1], *track.times[-1:])]
     start, end = (min(times), max(times)) if times else (0.0, 1.0)

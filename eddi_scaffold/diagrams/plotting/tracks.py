@@ -23,7 +23,7 @@ class Track:
 
     Attributes:
         name: for people.
-        group: heading under which it stands (``inputs``, ``outputs``).
+        group: heading under which it is shown (``inputs``, ``outputs``).
         times: seconds, ascending.
         values: one per time.
     """

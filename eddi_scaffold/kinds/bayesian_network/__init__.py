@@ -1,4 +1,4 @@
-"""The kind ``bayesian_network``: exact posteriors, from what sensors say (D7.2 3.2)."""
+"""The kind ``bayesian_network``: exact posteriors, from sensor values (D7.2 3.2)."""
 
 from __future__ import annotations
 

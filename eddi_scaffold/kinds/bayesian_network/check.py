@@ -110,7 +110,7 @@ class _Check:
         shapes = [self._states_of(parent) for parent in draft.parents]
         names = [parent.text for parent in draft.parents]
         if draft.broken or None in shapes or len(set(names)) < len(names):
-            return None  # said before
+            return None  # reported before
         own = [state.text for state in draft.states]
         parents = [states for states in shapes if states is not None]
         if draft.values is None:

@@ -1,4 +1,4 @@
-"""What the messages of a network's monitor say."""
+"""Meaning of the messages of a network's monitor."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ MEANINGS: Meanings = {
         ),
     },
 }
-"""Message -> field, with all below it -> what it says."""
+"""Message -> field, with all below it -> its meaning."""
 
 
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:

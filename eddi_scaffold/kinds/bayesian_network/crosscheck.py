@@ -145,7 +145,7 @@ def _difference(
     try:
         ours = monitor.inference.posteriors(case)
     except InconsistentEvidenceError:
-        return 0.0  # pgmpy says so only where the contradiction touches what is asked
+        return 0.0  # pgmpy reports it only where the contradiction affects the query
     largest = 0.0
     for output in outputs:
         theirs = peer.posterior(output, case)

@@ -136,7 +136,7 @@ class _Entry:
         if "map" in self.given:
             for key in ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf"):
                 if key in self.given:
-                    self._error("B404", f"`{key}` has no meaning beside `map`", key)
+                    self._error("B404", f"`{key}` has no meaning together with `map`", key)
 
     def _input(self) -> str | None:
         name = self.given.get("input")

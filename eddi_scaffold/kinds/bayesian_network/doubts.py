@@ -1,4 +1,4 @@
-"""Evidence that says less than it seems to."""
+"""Evidence that is weaker than it seems."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def doubts(
     for one in thresholds:
         if one.node in observed:
             message = f"evidence {one.id!r}: the node {one.node!r} may be observed itself"
-            hint = "while it is, the threshold says what was observed; while not, any state may be"
+            hint = "while it is, the threshold uses the observation; otherwise any state may be"
             yield warning("B424", message, one.place, hint)
     accepted = {one.node for one in declarations if one.data.get("missing") == "prior"}
     yield from _too_many(network, [n for n in observed if n not in accepted], options)

@@ -113,7 +113,7 @@ class _Reader:
             if not broken and table is not None:
                 values, places = table
             elif not broken:
-                broken = True  # names are missing: said elsewhere
+                broken = True  # names are missing: reported elsewhere
         return Draft(
             node.name,
             node.name,
@@ -141,7 +141,7 @@ class _Reader:
             if key in found:
                 first = self.document.place(found[key][0]).line
                 message = (
-                    f"{self._shown(parents, key)} of {node.name!r} stands in two rows, first in "
+                    f"{self._shown(parents, key)} of {node.name!r} has two rows, first in "
                     f"line {first}"
                 )
                 self.findings.error("B123", message, row)

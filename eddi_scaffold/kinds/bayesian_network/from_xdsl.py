@@ -121,7 +121,7 @@ class _Reader:
     def _noisy_max(
         self, words: list[str], states: list[str], parents: list[str], element: Element
     ) -> tuple[str, ...] | None:
-        """Return the whole table; ``None`` when states are missing, which is said elsewhere."""
+        """Return the whole table; ``None`` when states are missing, which is reported elsewhere."""
         cards = [len(self.states.get(parent, ())) for parent in parents]
         if min([len(states), *cards]) < 2:
             return None

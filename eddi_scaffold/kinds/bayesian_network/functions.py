@@ -187,7 +187,7 @@ def modules(model: NetworkModel) -> Sequence[EditableModule]:
 
 
 def readme(model: NetworkModel) -> Sequence[str]:
-    """Return what the package's README says about the network."""
+    """Return the text about the network for the package's README."""
     settings = settings_of(model)
     width = settings.width
     observed = (
@@ -210,7 +210,7 @@ def readme(model: NetworkModel) -> Sequence[str]:
 
 
 def _evidence(thresholds: Sequence[Threshold]) -> Sequence[str]:
-    """Return what the package's README says about the evidence."""
+    """Return the text about the evidence for the package's README."""
     if not thresholds:
         return ()
     text = (

@@ -12,7 +12,7 @@ from eddi_scaffold.problems import Problem, info
 def without_influence(
     network: Network, outputs: Sequence[str], observed: Sequence[str], options: Options
 ) -> Iterable[Problem]:
-    """Tell of observed nodes that no output depends on (B305)."""
+    """Report observed nodes that no output depends on (B305)."""
     if not options.inputs:
         return
     for name in observed:

@@ -24,7 +24,7 @@ _GUARDS = ("isnan", "isfinite", "isinf")
 
 @dataclass(frozen=True)
 class _Method:
-    """One method ``node_<name>``: what stands before its region, and in it."""
+    """One method ``node_<name>``: the code before its region, and in it."""
 
     name: str
     outcomes: tuple[str, ...]
@@ -33,7 +33,7 @@ class _Method:
 
 
 def is_config_module(name: str) -> bool:
-    """Tell whether a file is the module in which people write, by its name."""
+    """Return whether a file is the module in which people write, by its name."""
     return PurePath(name).name == FILE
 
 

@@ -1,4 +1,4 @@
-"""The ways through a hand-written body, as far as its text tells."""
+"""The paths through a hand-written body, as far as its text shows them."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Chain:
     Attributes:
         line: of the ``if``.
         tests: conditions, in order.
-        blocks: what stands below each.
+        blocks: the code below each.
         otherwise: the ``else``; empty when there is none.
     """
 
@@ -96,7 +96,7 @@ def statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
 
 
 def sets_outcome(statement: ast.stmt) -> TypeGuard[Outcome]:
-    """Tell whether a statement is ``outcome_<state> = ...``."""
+    """Return whether a statement is ``outcome_<state> = ...``."""
     if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
         return False
     target = statement.targets[0]
@@ -104,7 +104,7 @@ def sets_outcome(statement: ast.stmt) -> TypeGuard[Outcome]:
 
 
 def flags_output(statement: ast.stmt) -> bool:
-    """Tell whether a statement is ``is_bn_output = ...`` with something else than False."""
+    """Return whether a statement is ``is_bn_output = ...`` with something else than False."""
     if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
         return False
     target, value = statement.targets[0], statement.value
@@ -126,7 +126,7 @@ def constant(value: ast.expr) -> float | None:
 
 
 def is_zero(statement: Outcome) -> bool:
-    """Tell whether an outcome is set to 0."""
+    """Return whether an outcome is set to 0."""
     return constant(statement.value) == 0.0
 
 
@@ -146,7 +146,7 @@ def chains(body: Sequence[ast.stmt]) -> Iterator[Chain]:
 
 
 def through(body: Sequence[ast.stmt]) -> frozenset[Way] | None:
-    """Return the ways through a body; ``None`` when the text alone does not tell."""
+    """Return the paths through a body; ``None`` when the text alone does not show them."""
     try:
         ends: set[Way] = set()
         return _follow(body, frozenset([Way()]), ends) | ends

@@ -25,7 +25,7 @@ string[] unobserved
 # Every input that the network observes is known, and the state of its node as well.
 bool valid
 # Inputs without a usable value, whatever the configuration accepts in their place; a node that
-# only a hand-written method observes stands here by its own name.
+# only a hand-written method observes is listed here by its own name.
 string[] unknown_inputs
 # Nodes that may be in one of several states, because a value lies within the hysteresis after a
 # gap: `Near: Yes, No`. The posterior takes the first.

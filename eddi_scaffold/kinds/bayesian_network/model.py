@@ -91,7 +91,7 @@ class Network:
 
 @dataclass(frozen=True)
 class Named:
-    """A name and where it stands."""
+    """A name and its place."""
 
     text: str
     place: Place
@@ -105,7 +105,7 @@ class Draft:
         id: empty when the file gives none.
         values: texts of the numbers in the order of the table; ``None``: there are none.
         rows: place of each row, if the reader knows it; else that of the values.
-        broken: the reader has said what is wrong with the table.
+        broken: the reader has reported what is wrong with the table.
     """
 
     id: str

@@ -15,7 +15,7 @@ _ASCII_ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 def identifiers(names: Iterable[str]) -> list[str]:
     """Return the part behind ``node_`` or ``outcome_`` for each name, unique, in order.
 
-    Letters of any script stay, as in SESAME D7.2; what cannot stand in an identifier becomes an
+    Letters of any script stay, as in SESAME D7.2; what is not allowed in an identifier becomes an
     underscore, and who comes later to a taken name gets a number.
     """
     taken: set[str] = set()

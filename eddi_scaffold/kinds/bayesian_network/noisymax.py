@@ -20,7 +20,7 @@ _TOLERANCE = 1e-6
 
 
 class NoisyMaxError(ValueError):
-    """The numbers are no noisy-MAX; the message says why."""
+    """The numbers are not a noisy-MAX; the message explains why."""
 
 
 def noisy_max_table(
@@ -30,7 +30,7 @@ def noisy_max_table(
 
     Args:
         parameters: texts of the columns, one after the other.
-        strengths: for each parent, the order of its states; empty: as they stand.
+        strengths: for each parent, the order of its states; empty: as given.
         cards: number of states of each parent.
         own: number of states of the node.
 
@@ -88,7 +88,7 @@ def _orders(strengths: Sequence[str], cards: Sequence[int]) -> Iterator[list[int
             raise NoisyMaxError(f"the strengths of parent {number + 1} are no order of its states")
         order = [int(text) for text in texts]
         if any(order[order[state]] != state for state in order):
-            # which of two readings SMILE means shows only here, and no file tells
+            # which of two readings SMILE means shows only here, and in no file
             raise NoisyMaxError(f"the strengths of parent {number + 1} can be read in two ways")
         yield order
 

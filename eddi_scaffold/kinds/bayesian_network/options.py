@@ -1,4 +1,4 @@
-"""What a configuration says to a network: outputs, observed nodes, evidence, discretisation."""
+"""Options of a network in a configuration: outputs, observed nodes, evidence, discretisation."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Settings:
         renamed: node -> its former name; its hand-written body moves along.
         evidence: ``evidence_mode``, ``on_inconsistent`` and ``explain``.
         width: what inference will cost.
-        thresholds: what is given as evidence for ConSerts.
+        thresholds: the evidence for ConSerts.
     """
 
     outputs: tuple[str, ...]
@@ -61,7 +61,7 @@ class Settings:
 
 
 NetworkModel = TypedModel[Network, Settings]
-"""A network; its options are what a configuration says to it."""
+"""A network; its options come from a configuration."""
 
 
 def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
@@ -199,7 +199,7 @@ def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
 def _judged_by_default(
     inputs: Sequence[ModelInput], feeding: Container[str]
 ) -> tuple[ModelInput, ...]:
-    """Say that any default of what feeds a node may make evidence active before a message."""
+    """Declare that any default of what feeds a node may make evidence active before a message."""
     return tuple(
         replace(one, is_good=lambda _: True) if one.id in feeding else one for one in inputs
     )
@@ -208,7 +208,7 @@ def _judged_by_default(
 def _with_uses(
     inputs: Sequence[ModelInput], declarations: Sequence[Declaration]
 ) -> tuple[ModelInput, ...]:
-    """Say of inputs that are mapped which values say something: the others leave a node open."""
+    """Set for mapped inputs which values are observations: the others leave a node open."""
     mapped = {
         one.input: [value for value, _ in one.data["map"]]
         for one in declarations

@@ -19,7 +19,7 @@ def diagram(model: NetworkModel) -> Diagram:
     network = model.data
     settings = settings_of(model)
     edges = tuple(DiagramEdge(parent, node.id) for node in network.nodes for parent in node.parents)
-    text = f"{len(network.nodes)} nodes, {len(edges)} edges; parents stand above their children"
+    text = f"{len(network.nodes)} nodes, {len(edges)} edges; parents are above their children"
     nodes = tuple(
         _node(node, settings, configured=model.options is not None) for node in network.nodes
     )

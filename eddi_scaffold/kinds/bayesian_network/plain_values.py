@@ -12,14 +12,14 @@ TRUTH = {"true": True, "false": False}
 
 
 def is_number(value: object) -> bool:
-    """Tell whether a value is a number that a double can hold; NaN and infinity are."""
+    """Return whether a value is a number that a double can hold; NaN and infinity are."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return isinstance(value, float) or abs(value) <= sys.float_info.max
 
 
 def is_raw(value: object) -> bool:
-    """Tell whether an input can have this value and JSON can hold it."""
+    """Return whether an input can have this value and JSON can hold it."""
     if isinstance(value, bool | str):
         return True
     return isinstance(value, int | float) and is_number(value) and math.isfinite(value)

@@ -1,4 +1,4 @@
-"""What the messages of a ConSert monitor say, and what its guarantees rest on."""
+"""Meaning of the messages of a ConSert monitor, and dependencies of its guarantees."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MEANINGS: Meanings = {
         )
     },
 }
-"""Message -> field -> what it says."""
+"""Message -> field -> its meaning."""
 
 
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:

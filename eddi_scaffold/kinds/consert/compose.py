@@ -32,10 +32,10 @@ class Composition:
         order: instance names, providers first; those that could not be accepted are missing.
         bindings: (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which
             depends on the instance itself.
-        unmatched_demands: ids of demands that nobody in the set fulfils, as ``INSTANCE/ID``
+        unmatched_demands: ids of demands that no ConSert in the set fulfils, as ``INSTANCE/ID``
             where several instances have a demand of that id.
-        unmatched_services: ids of required services that nobody in the set provides, likewise.
-        reasons: one sentence for each thing that stands in the way.
+        unmatched_services: ids of required services that no ConSert in the set provides, likewise.
+        reasons: one sentence for each obstacle.
         problems: instance names that are used twice (C027).
     """
 
@@ -267,7 +267,7 @@ def _waiting(
     needs: Sequence[_Need],
     rounds: Mapping[str, int],
 ) -> Iterator[str]:
-    """Say which ConSerts wait for others that cannot be accepted, and who wait for each other."""
+    """Report ConSerts that wait for others that cannot be accepted, or for each other."""
     waits: dict[str, tuple[str, ...]] = {name: () for name, _ in instances}
     for need in needs:
         if need.instance not in rounds and not _is_met(need, rounds):

@@ -1,7 +1,7 @@
 """Default guarantees marked from outside: ``--default-guarantee [CONSERT/]ID``.
 
 Source: DEIS 2019 knows default guarantees, which hold always; neither the EDDI nor the YAML of
-SESAME D7.2 can say which they are, and not everybody may change the file.
+SESAME D7.2 can mark them, and not everybody may change the file.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ _INFINITY = Bound("inf", math.inf)
 
 @dataclass(frozen=True)
 class EnglishDimension:
-    """What one text says.
+    """Meaning of one text.
 
     Attributes:
         dimension: the dimension.
@@ -69,7 +69,7 @@ def _objection(subject: str, rest: str, bound: re.Match[str] | None) -> str | No
     unit = bound.group(2)
     if unit is not None and find_unit(unit) is None:
         return f'the unit "{unit}" is unknown'
-    return None if class_name(subject) else "nothing stands before the operator"
+    return None if class_name(subject) else "there is nothing before the operator"
 
 
 def _binary(statement: str) -> BinaryDimension:

@@ -1,4 +1,4 @@
-"""What a ConSert monitor must be told: its demands and its evidence."""
+"""Inputs of a ConSert monitor: its demands and its evidence."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def inputs(consert: ConSert) -> Sequence[ModelInput]:
 
 
 def covered_text(dimension: Dimension) -> str:
-    """Say in one line what counts as good: ``Distance in [0, 5) m``."""
+    """Describe in one line what counts as good: ``Distance in [0, 5) m``."""
     if isinstance(dimension, BinaryDimension):
         return dimension.type
     if isinstance(dimension, CategoricalDimension):

@@ -67,7 +67,7 @@ def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None
 
 
 def fits(given: Dimension, wanted: Dimension) -> bool:
-    """Tell whether a dimension of a guarantee satisfies one of a demand."""
+    """Return whether a dimension of a guarantee satisfies one of a demand."""
     if type(given) is not type(wanted) or given.type != wanted.type:
         return False
     if isinstance(given, CategoricalDimension) and isinstance(wanted, CategoricalDimension):
@@ -88,7 +88,7 @@ def _spans(dimension: NumericDimension) -> list[Span]:
 
 
 def _reason(wanted: Dimension, given: Dimension, name: str, demand: str) -> tuple[int, str]:
-    """Say why a dimension does not fit; the rank grows with the difference."""
+    """Explain why a dimension does not fit; the rank grows with the difference."""
     title = f"dimension {wanted.type}"
     if type(given) is not type(wanted) or given.type != wanted.type:
         kind = _KINDS[type(wanted)]

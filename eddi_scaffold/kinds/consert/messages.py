@@ -2,7 +2,7 @@
 
 ``Guarantee`` and ``ConSertOutput`` are frozen: packages made by the tools of SESAME D7.2 and
 their consumers use them, and any change of a field changes the MD5 and cuts all of them off.
-Facts that D7.2 does not publish stand in messages of their own.
+Facts that D7.2 does not publish are in separate messages.
 """
 
 from __future__ import annotations

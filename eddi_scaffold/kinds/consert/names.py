@@ -81,17 +81,17 @@ def setter(id_: str) -> str:
 
 
 def is_identifier(id_: str) -> bool:
-    """Tell whether an id consists of ASCII letters, digits and ``_``, no digit first."""
+    """Return whether an id consists of ASCII letters, digits and ``_``, no digit first."""
     return IDENTIFIER.fullmatch(id_) is not None
 
 
 def is_usable(id_: str) -> bool:
-    """Tell whether an identifier can be derived: there is an ASCII letter or digit."""
+    """Return whether an identifier can be derived: there is an ASCII letter or digit."""
     return re.search(r"[A-Za-z0-9]", id_) is not None
 
 
 def is_reserved(name: str) -> bool:
-    """Tell whether generated code cannot use a name as it is."""
+    """Return whether generated code cannot use a name as it is."""
     return name in RESERVED or name.startswith("__")
 
 
@@ -104,7 +104,7 @@ def identifier(id_: str) -> str:
     """Return an identifier for an id that becomes no attribute: the id itself wherever possible.
 
     Characters outside ``[A-Za-z0-9_]`` become ``_``, a leading digit gets a ``_`` before it, and
-    a reserved word one behind. What :func:`attribute` makes of an input is told there.
+    a reserved word one behind. The docstring of :func:`attribute` describes its result.
     """
     name = re.sub(r"[^A-Za-z0-9_]", "_", id_)
     return escaped(f"_{name}" if not name or name[0].isdigit() else name)

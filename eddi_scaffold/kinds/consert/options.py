@@ -1,4 +1,4 @@
-"""What a configuration says to a ConSert: which ids it publishes, how inputs are filtered."""
+"""Options of a ConSert in a configuration: published ids, filters of inputs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Path sets: the minimal sets of leaves whose being TRUE makes a node TRUE.
 
-ConSerts have no negation, so these sets say all about a node. They are found from the leaves
+ConSerts have no negation, so these sets describe a node completely. They are found from the leaves
 upwards by MOCUS (Fussell and Vesely 1972): union for And, collection for Or, absorption after
 each step. Sets are bit masks over the leaves in file order.
 """
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.model import ConSert
 
 CAP = 256
-"""Most sets that are kept for one node; beyond it nothing is said about the node."""
+"""Most sets that are kept for one node; beyond it nothing is reported about the node."""
 
 _BUDGET = 3_000_000
 
@@ -122,7 +122,7 @@ def minimal(masks: Iterable[int], work: Work) -> Sets | None:
 
 
 def implies(first: Sets, second: Sets) -> bool:
-    """Tell whether the second holds whenever the first does."""
+    """Return whether the second holds whenever the first does."""
     return all(any(other & mask == other for other in second) for mask in first)
 
 

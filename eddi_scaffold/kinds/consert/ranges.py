@@ -28,7 +28,7 @@ class Span:
 
 
 def exact(bound: Bound) -> Exact:
-    """Return the bound exactly as its decimal text says; infinities stay floats."""
+    """Return the bound as the exact value of its decimal text; infinities stay floats."""
     if math.isinf(bound.value):
         return bound.value
     if bound.value == 0.0:  # also 1e-999999999, with which exact arithmetic would not end
@@ -49,12 +49,12 @@ def span(one: Range, factor: Fraction = Fraction(1)) -> Span:
 
 
 def is_nan(bound: Bound) -> bool:
-    """Tell whether a bound is not a number."""
+    """Return whether a bound is not a number."""
     return math.isnan(bound.value)
 
 
 def is_empty(one: Range) -> bool:
-    """Tell whether no number lies in a range."""
+    """Return whether no number lies in a range."""
     exact_span = span(one)
     if exact_span.closed:
         return exact_span.start > exact_span.end
@@ -86,7 +86,7 @@ def merged(spans: Iterable[Span]) -> list[Span]:
 
 
 def is_inside(inner: Iterable[Span], outer: Iterable[Span]) -> bool:
-    """Tell whether every number of ``inner`` is one of ``outer``."""
+    """Return whether every number of ``inner`` is one of ``outer``."""
     outside = merged(outer)
     return all(any(_contains(o, i) for o in outside) for i in merged(inner))
 

@@ -63,7 +63,7 @@ def _node(node: Evidence | Demand | Guarantee) -> Json:
 
 
 def _trace(place: Place) -> Json:
-    """Return where the element stands in the model's file, for traceability."""
+    """Return the place of the element in the model's file, for traceability."""
     found = {"path": place.path, "line": place.line}
     return {key: value for key, value in found.items() if value is not None}
 

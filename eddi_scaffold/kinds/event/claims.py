@@ -1,4 +1,4 @@
-"""What the messages of an event monitor say, and what its events rest on."""
+"""Meaning of the messages of an event monitor, and dependencies of its events."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (Tr
 
 
 def meanings(document: JsonValue | None, event: str | None) -> Meanings:
-    """Return what the fields of an ``EventOutput`` say.
+    """Return the meaning of the fields of an ``EventOutput``.
 
     Args:
         document: the ``model`` part of ``config/model.json``; ``None``: not at hand.
@@ -33,7 +33,7 @@ def _active(document: JsonValue | None, event: str | None) -> Meaning:
     on_topic = [one for one in document["form"]["outputs"] if event in (None, one["id"])]
     polarities = {one["polarity"] for one in on_topic}
     if len(polarities) != 1:
-        refused = "what `active` says when it is unknown depends on the event"
+        refused = "the value of `active` when it is unknown depends on the event"
         return Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
     (polarity,) = polarities
     return Meaning(
@@ -48,7 +48,7 @@ _REFUSED = {
     "HAZARD": "`active` of the HAZARD {} is true also when it is unknown",
 }
 _INSTEAD = {
-    "EVIDENCE": "`verdict == 0`, or an event of its own that says NOT",
+    "EVIDENCE": "`verdict == 0`, or a separate event with NOT",
     "HAZARD": "`verdict == 2`, or an EVIDENCE event of its own",
 }
 

@@ -20,7 +20,7 @@ from eddi_scaffold.units import accepted
 
 NAME = "event"
 DEFAULT_RATE = 10.0
-"""Steps per second where no configuration says another number."""
+"""Steps per second where no configuration gives another number."""
 _TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
 _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
@@ -145,7 +145,7 @@ def _one_topic(
     """Warn where the latest message of a topic may be that of another event."""
     if len(analysis.events) > 1 and None in parts:
         message = f"{len(analysis.events)} events share one topic: the latest message is of any"
-        hint = "give each event an output of its own: `event: ID` beside `topic:`"
+        hint = "give each event a separate output: `event: ID` with `topic:`"
         yield warning("W005", message, model.place, hint)
 
 

@@ -42,7 +42,7 @@ def check_system(system: System) -> list[Problem]:
 
 
 def _open_ports(system: System) -> Iterator[Problem]:
-    """Refuse evidence from trees that leave out what nobody has connected."""
+    """Refuse evidence from trees that leave out unconnected ports."""
     if not system.thresholds:
         return
     for component in used(system).components.values():
@@ -54,7 +54,7 @@ def _open_ports(system: System) -> Iterator[Problem]:
             gate = tree.gates.get(key)
             if gate is not None and not gate.of:
                 message = (
-                    f"port {gate.name!r} has no input: what it stands for is left out, so that no "
+                    f"port {gate.name!r} has no input: what it represents is left out, so that no "
                     f"threshold may trust p_fail of {system.top!r}"
                 )
                 hint = "connect it in the model, or take it out there"
@@ -144,9 +144,9 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
 
 
 def _empty(gate: Gate) -> Iterator[Problem]:
-    """Refuse a gate of nothing; of a port of an EDDI the reader has said it (X017)."""
+    """Refuse a gate without inputs; a port of an EDDI is reported by the reader (X017)."""
     if not gate.is_port:
-        message = f"gate {gate.name!r} has no input: a gate of nothing never occurs"
+        message = f"gate {gate.name!r} has no input: a gate without inputs never occurs"
         hint = "list its inputs, or take it out"
         if gate.place.path is None:
             hint = "list its inputs in `of:`, take it out, or write an event with `p: 0` instead"

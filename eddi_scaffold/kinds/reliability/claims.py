@@ -1,4 +1,4 @@
-"""What the messages of a reliability monitor say."""
+"""Meaning of the messages of a reliability monitor."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MEANINGS: Meanings = {
         ),
     },
 }
-"""Message -> field -> what it says."""
+"""Message -> field -> its meaning."""
 
 
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:

@@ -130,13 +130,13 @@ class Laws:
             self._findings.warning("R003", message, element, hint)
 
     def _unit(self, element: Element, *, of_rate: bool) -> str | None:
-        """Return the unit that stands at the element or at what contains it."""
+        """Return the unit of the element, or of the nearest element that contains it."""
         node: Element | None = element
         while node is not None:
             unit = self.key_value(node, "unit")
             fits = unit and (of_rate == (rate_factor(unit) is not None))
             if unit and (fits or (rate_factor(unit) is None and not is_time_unit(unit))):
-                return unit  # a unit that nobody knows is said
+                return unit  # an unknown unit is reported
             time = self.key_value(node, "timeUnit")
             if time:
                 return f"1/{time}" if of_rate else time

@@ -43,7 +43,7 @@ def read_system(
     Args:
         values: the keys with their places.
         library: systems that ``model: NAME`` of an entry may name.
-        base: what stands there already, and is changed; None: nothing.
+        base: the existing content, which is changed; None: nothing.
 
     Returns:
         The system, None after an error (R001, R002, R004, R011, R015), and all problems.

@@ -168,7 +168,7 @@ def _only_top(name: str, entry: Values, gates: dict[str, Gate]) -> str | None:
 
 
 def _declare(entry: Values, gates: dict[str, Gate], events: dict[str, Event], top: str) -> None:
-    """Report names that nobody defines."""
+    """Report names without a definition."""
     known = [*gates, *events]
     if top not in known:
         entry.unknown("top", top, "gate", known)

@@ -1,4 +1,4 @@
-"""The functions of the kind: what is read, found and told."""
+"""The functions of the kind: reading, checks and reports."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def configure(
     if system is None:
         return None, problems
     system = used(with_rate(system, options.frequency)) if not _broken(system) else system
-    # what stood in the file already is said by check
+    # what was in the file before is reported by check
     before = set(check(model))
     problems += [one for one in check_system(system) if one.level == "error" or one not in before]
     if has_errors(problems):
@@ -161,14 +161,14 @@ def _never(system: System) -> list[Problem]:
 
 
 def check(model: ReliabilityModel) -> Sequence[Problem]:
-    """Return what is wrong with the models, whatever the configuration says."""
+    """Return what is wrong with the models, regardless of the configuration."""
     system = model.data
     problems = check_system(system)
     return problems if has_errors(problems) else [*problems, *_never(system)]
 
 
 def inputs(model: ReliabilityModel) -> Sequence[ModelInput]:
-    """Return what the monitor must be told."""
+    """Return the inputs that the monitor needs."""
     return inputs_of(used(model.data))
 
 
@@ -182,7 +182,7 @@ def outputs(model: ReliabilityModel) -> Sequence[ModelOutput]:
 
 
 def ids(model: ReliabilityModel) -> Mapping[str, Sequence[str]]:
-    """Return the thresholds that the message tells of."""
+    """Return the thresholds that the message contains."""
     return {"evidence": [one.id for one in model.data.thresholds]}
 
 

@@ -1,4 +1,4 @@
-"""What a monitor must be told: one input per motor, level, temperature, event."""
+"""Inputs of a monitor: one per motor, level, temperature, event."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def inputs_of(system: System) -> list[ModelInput]:
 
 
 def _is_coherent(system: System) -> bool:
-    """Tell whether a failure of a part never makes the system better: AND, OR and VOTE only."""
+    """Return whether a failure of a part never makes the system better: AND, OR and VOTE only."""
     trees = [c.content for c in system.components.values() if isinstance(c.content, FaultTree)]
     return all(gate.type in _COHERENT for tree in trees for gate in tree.gates.values())
 
 
 def _with_uses(one: ModelInput) -> ModelInput:
-    """Say that a threshold gains only from parts that work, where that is one of two values."""
+    """Declare that a threshold gains only from parts that work, where that is one of two values."""
     if one.type != "bool" or one.is_good is None:
         return one
     return replace(one, uses=(Use(one.is_good),))

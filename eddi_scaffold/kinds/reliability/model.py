@@ -45,7 +45,7 @@ class Event:
 
     Attributes:
         name: for people; its id is the key in the tree.
-        observed: an input says whether it has happened.
+        observed: an input reports whether it has happened.
         age: hours that it had run before the mission; None: as long as the tree.
     """
 
@@ -61,7 +61,7 @@ class Gate:
     """A gate; ``of`` are ids of events and gates, ``k`` only for VOTE (None: not given).
 
     Attributes:
-        is_port: it passes on what other models of an EDDI may say, or nobody.
+        is_port: it passes on what other models of an EDDI may provide; it may be unconnected.
     """
 
     name: str
@@ -140,7 +140,7 @@ class Component:
         type: one of ``TYPES``.
         content: of a chain or a tree.
         values: the numbers of the other types, in h, 1/h and degC.
-        uses: models that it is made of (those of a tree stand in its events).
+        uses: models that it is made of (those of a tree are in its events).
     """
 
     name: str
@@ -187,7 +187,7 @@ class System:
         mission_end: the mission's end is an input.
         thresholds: evidence.
         worst_case: evidence follows the worst case of unknown inputs instead of going away.
-        max_gap: seconds between two steps that are still usual; None: as ``usual_gap`` says.
+        max_gap: seconds between two steps that are still usual; None: the value of ``usual_gap``.
         quantum: seconds of one step of the chains.
     """
 

@@ -50,7 +50,7 @@ def picture(name: str, system: System) -> Diagram:
 
 
 def _top(system: System, name: str) -> str:
-    """Return the node that stands for the failure of a model."""
+    """Return the node that represents the failure of a model."""
     content = system.components[name].content
     if isinstance(content, Chain):
         return f"{name}:{content.fail[0]}" if content.fail else name

@@ -1,4 +1,4 @@
-"""A system in words: what ``show`` prints and what stands in a package's README."""
+"""Text description of a system, for ``show`` and for a package's README."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the runtime says of a system at the start of the mission: the same code as on the robot."""
+"""Results of the runtime for a system at the start of the mission, with the code of the robot."""
 
 from __future__ import annotations
 
@@ -132,5 +132,5 @@ def _no_data(_: str) -> bytes:
 
 
 def _start(system: System) -> dict[str, Any]:
-    """Return inputs that say that all is in order."""
+    """Return inputs that report no failure."""
     return {one.id: one.sample for one in inputs_of(used(system))}

@@ -1,4 +1,4 @@
-"""A map of plain values with places: every look at it says what is wrong, all at once."""
+"""A map of plain values with places: every access reports what is wrong, all at once."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from eddi_scaffold.quantities import (
 )
 
 KEY = -1
-"""Last part of a path that asks where a key stands, not its value."""
+"""Last part of a path that refers to the place of a key, not of its value."""
 _Read = Callable[[object], Quantity]
 
 
@@ -36,7 +36,7 @@ class Values:
 
     Args:
         data: the plain values.
-        find: path of keys and positions -> where it stands; ``KEY`` behind it: where its key does.
+        find: path of keys and positions -> its place; with ``KEY`` at the end: that of its key.
         path: of this map.
         problems: where findings go.
     """
@@ -58,11 +58,11 @@ class Values:
 
     @property
     def errors(self) -> int:
-        """How many errors were found so far: tells a caller whether its part has one."""
+        """Number of errors found so far, so that a caller knows whether its part has one."""
         return sum(one.level == "error" for one in self.problems)
 
     def place(self, *keys: str | int) -> Place:
-        """Return where something in this map stands."""
+        """Return the place of something in this map."""
         return self._find(*self._path, *keys)
 
     def names(self) -> list[str]:
@@ -70,7 +70,7 @@ class Values:
         return [str(key) for key in self._data]
 
     def has(self, key: str) -> bool:
-        """Tell whether a key stands there with a value."""
+        """Return whether a key is there with a value."""
         return self._data.get(key) is not None
 
     def value(self, key: str, default: Any = None) -> Any:

@@ -1,7 +1,7 @@
 """The kind ``safeml``: does what a perception component sees still look like its reference?
 
 SESAME D7.2 section 3.4. The statistics are those of the literature, not the sums of the SafeML
-library, whose distribution nobody knows.
+library, whose distribution is not known.
 """
 
 from __future__ import annotations

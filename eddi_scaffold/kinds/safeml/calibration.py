@@ -2,7 +2,7 @@
 
 Samples of a robot resemble their neighbours, which tests for independent samples take for a
 difference. So windows slide over the part of the file that is not the reference, and the largest
-statistic of all tests in each of them says what correct behaviour looks like.
+statistic of all tests in each of them shows what correct behaviour looks like.
 """
 
 from __future__ import annotations

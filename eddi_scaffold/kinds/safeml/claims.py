@@ -1,4 +1,4 @@
-"""What the messages of a SafeML monitor say."""
+"""Meaning of the messages of a SafeML monitor."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def _fields(message: str) -> dict[str, Meaning]:
         ),
         "odd_violation": Meaning(
             given=(Given(message, "omission", value=False),),
-            refused="`odd_violation` says nothing while there is no verdict",
-            instead=f"{_IN_SCOPE}, or `NOT omission` beside it",
+            refused="`odd_violation` has no meaning while there is no verdict",
+            instead=f"{_IN_SCOPE}, or `NOT omission` with it",
         ),
     }
 
@@ -34,7 +34,7 @@ MEANINGS: Meanings = {
         ),
     },
 }
-"""Message -> field -> what it says."""
+"""Message -> field -> its meaning."""
 
 
 def limits(document: Mapping[str, Any]) -> Mapping[str, float]:

@@ -1,4 +1,4 @@
-"""The functions of the kind: what is read, found and told."""
+"""The functions of the kind: reading, checks and reports."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from eddi_scaffold.source import Source, beside, read_source
 NAME = "safeml"
 DEFAULT_INPUT = "sample"
 _PERIODS = 10
-"""Steps without a sample after which a window is too old, unless ``max_age`` says otherwise."""
+"""Steps without a sample after which a window is too old, unless ``max_age`` is given."""
 
 _DOUBLE = "std_msgs/Float64"
 
@@ -39,7 +39,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
         text = f"reference_sample_file {settings.reference_sample_file!r}: {reasons}"
-        hint = "it is looked for beside this file"
+        hint = "it is looked for next to this file"
         return Reading((), (error("L004", text, where, hint),))
     if reference is None:
         return Reading((), tuple(in_order(found)))
@@ -48,7 +48,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
 
 
 def check(model: SafeMLModel) -> Sequence[Problem]:
-    """Return what is wrong with tests and thresholds, whatever the configuration says."""
+    """Return what is wrong with tests and thresholds, regardless of the configuration."""
     return _planned(model, single=model.data.settings.input_dtype == "float32").problems
 
 
@@ -80,7 +80,7 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
 
 
 def _is_single(inputs: Sequence[DeclaredInput]) -> bool:
-    """Tell whether numbers may come as float32, the usual type of messages.
+    """Return whether numbers may come as float32, the usual type of messages.
 
     Rounding both the reference and what comes as float64 does no harm; comparing what was rounded
     with what was not does.

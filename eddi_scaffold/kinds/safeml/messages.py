@@ -1,7 +1,7 @@
 """ROS messages of SafeML monitors.
 
 ``SafeMLOutput`` is frozen: packages made by the tools of SESAME D7.2 use it, and any change of a
-field changes the MD5 and cuts them off. Facts that D7.2 does not publish stand in a message of
+field changes the MD5 and cuts them off. Facts that D7.2 does not publish are in a message of
 their own.
 """
 

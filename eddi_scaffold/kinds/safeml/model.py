@@ -44,7 +44,7 @@ class Settings:
             theoretical ones (``iid``), or as the length of the reference allows (``auto``).
         calibration_stride: distance of successive calibration windows.
         stride: only every so manieth sample enters the window.
-        on_omission: whether the last verdict stands while there is none (``hold``).
+        on_omission: whether the last verdict is kept while there is none (``hold``).
         max_age: seconds without a sample after which the window is emptied; ``None``: ten periods
             of the monitor.
         input_dtype: ``auto``: by the type of the message.
@@ -69,7 +69,7 @@ class Settings:
     places: Mapping[str, Place] = field(default_factory=dict, compare=False, hash=False)
 
     def place(self, key: str) -> Place:
-        """Return where a key stands, or the file where it does not."""
+        """Return the place of a key, or the file if the key is absent."""
         return self.places.get(key, self.places.get("", Place()))
 
 

@@ -1,4 +1,4 @@
-"""From a reference and a configuration to tests and thresholds, with all that is to be said."""
+"""Derive tests and thresholds from a reference and a configuration, with all problems."""
 
 from __future__ import annotations
 

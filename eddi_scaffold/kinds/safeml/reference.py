@@ -1,4 +1,4 @@
-"""Reading the reference sample, and saying in clear words why a file is none.
+"""Read the reference sample, and report clearly why a file is not one.
 
 The file is what ``numpy.savetxt(name, a, delimiter=",")`` writes: a row is a sample, in time order.
 """

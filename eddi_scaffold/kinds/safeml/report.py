@@ -56,7 +56,7 @@ def readme(plan: Plan, frequency: float | None) -> Sequence[str]:
             "of one tested value (normally distributed)"
         )
     verdict = (
-        f"`omission` says that there is no verdict; then `odd_violation` is {held}. Evidence is "
+        f"`omission` means that there is no verdict; then `odd_violation` is {held}. Evidence is "
         "`NOT omission AND NOT odd_violation` (`in_scope` of the status message), never "
         "`NOT odd_violation` alone."
     )
@@ -64,7 +64,7 @@ def readme(plan: Plan, frequency: float | None) -> Sequence[str]:
 
 
 def false_alarms(plan: Plan, frequency: float | None) -> str:
-    """Say how often correct behaviour counts as a violation."""
+    """Report how often correct behaviour counts as a violation."""
     level = plan.settings.significance_level
     share = f"of correct steps, at most about {_percent(level)} are false violations"
     if frequency is None:

@@ -31,7 +31,7 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 class _Wrong(Exception):  # noqa: N818 - control flow inside this module
-    """A value is not what its key expects; the text says what would be."""
+    """A value is not what its key expects; the text states what is expected."""
 
 
 def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:
@@ -98,7 +98,7 @@ def _number(node: Node) -> float:
     return value
 
 
-def _whole(low: int, high: int, expected: str) -> Callable[[Node], int]:
+def _read_integer(low: int, high: int, expected: str) -> Callable[[Node], int]:
     def read(node: Node) -> int:
         try:
             value = _number(node)
@@ -115,7 +115,7 @@ def _components(node: Node) -> int | None:
     if is_null(node):
         return None
     expected = "a whole number of components, or null to test the features themselves,"
-    return _whole(0, 10**9, expected)(node) or None
+    return _read_integer(0, 10**9, expected)(node) or None
 
 
 def _between(expected: str, high: float) -> Callable[[Node], float]:
@@ -167,7 +167,9 @@ def _metric(node: Node) -> str:
 
 _FROM_1 = "a whole number from 1 on"
 _KEYS: Mapping[str, Callable[[Node], Any]] = {
-    "window_size": _whole(1, MAX_WINDOW, f"a whole number of samples from 1 to {MAX_WINDOW}"),
+    "window_size": _read_integer(
+        1, MAX_WINDOW, f"a whole number of samples from 1 to {MAX_WINDOW}"
+    ),
     "reference_sample_file": _text("the name of a CSV file"),
     "significance_level": _between("a probability between 0 and 1", 1.0),
     "distance_metric": _metric,
@@ -175,8 +177,8 @@ _KEYS: Mapping[str, Callable[[Node], Any]] = {
     "standardize": _boolean,
     "residual_test": _boolean,
     "calibration": _one_of("auto", "stream", "iid"),
-    "calibration_stride": _whole(1, 10**9, _FROM_1),
-    "stride": _whole(1, 10**6, _FROM_1),
+    "calibration_stride": _read_integer(1, 10**9, _FROM_1),
+    "stride": _read_integer(1, 10**6, _FROM_1),
     "on_omission": _one_of("hold", "clear"),
     "max_age": _between("a number of seconds above 0", 1e18),
     "input_dtype": _one_of("auto", "float32", "float64"),

@@ -93,7 +93,7 @@ def _log_ratio(mantissa: float, exponent: int, total: int) -> float:
 
 
 def can_fire(metric: Metric, n: int, m: int, level: float) -> bool:
-    """Tell whether a window that is wholly beyond the reference would be a violation."""
+    """Return whether a window that is wholly beyond the reference would be a violation."""
     if metric == "ks":
         # both complete separations together: 2 / C(n + m, m)
         log_total = math.lgamma(n + m + 1) - math.lgamma(n + 1) - math.lgamma(m + 1)

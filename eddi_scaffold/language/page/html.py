@@ -15,7 +15,7 @@ TITLE = "Event Creator"
 
 @dataclass(frozen=True)
 class Page:
-    """What stands on the page.
+    """The contents of the page.
 
     Attributes:
         text: the events.
@@ -25,7 +25,7 @@ class Page:
         signal: recorded values as CSV.
         asked: something was asked for: there is a result.
         problems: what is wrong.
-        lines: what is told of a checked text.
+        lines: report on a checked text.
         files: what was generated.
         plot: SVG of the signal and the verdicts, empty for none.
         error_at: offset of the first error in the text, ``None`` for none.

@@ -54,7 +54,7 @@ def open_server(
         port: 0 for any that is free.
         read_signal: reads recorded values.
         seconds: within which a request has come and its answer is taken, or the connection ends.
-        connections: at once; a further one is told to come back.
+        connections: at once; a further one is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).
@@ -99,7 +99,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._guarded(self._post)
 
     def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - its name there
-        """Say nothing: the terminal belongs to the command."""
+        """Log nothing: the terminal belongs to the command."""
 
     def _guarded(self, respond: Any) -> None:
         try:
@@ -186,13 +186,13 @@ class _Handler(BaseHTTPRequestHandler):
             raise _Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)
         body = self.rfile.read(length)
         if len(body) < length:
-            raise _Refused(HTTPStatus.BAD_REQUEST, "the body is shorter than it says")
+            raise _Refused(HTTPStatus.BAD_REQUEST, "the body is shorter than its Content-Length")
         return body
 
     def _length(self) -> int:
         said = self.headers.get_all("Content-Length", [])
         if "Transfer-Encoding" in self.headers or not said:
-            raise _Refused(HTTPStatus.LENGTH_REQUIRED, "how long the body is must be said")
+            raise _Refused(HTTPStatus.LENGTH_REQUIRED, "a Content-Length is required")
         if len(said) > 1 or not _LENGTH.fullmatch(said[0]):
             raise _Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is no number of bytes")
         return int(said[0])

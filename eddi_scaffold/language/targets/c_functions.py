@@ -272,7 +272,7 @@ static double stddev_value(const event_ring *r, const double *means, const doubl
 }
 """
 _COVERED = """\
-/* All samples and which are known; the windows over the known ones stand beside. */
+/* All samples and which are known; the windows over the known ones are separate. */
 static void covered_add(event_ring *r, int64_t *ts, bool *ks, uint32_t capacity, int64_t t,
                         int64_t start, bool known)
 {

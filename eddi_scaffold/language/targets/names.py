@@ -1,4 +1,4 @@
-"""Names of a model as identifiers of a target: each is another one, whatever the model says."""
+"""Names of a model as identifiers of a target: all are different, whatever the model contains."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def _variables(model: MonitorModel) -> list[str]:
         lines += [f'        """Return {one.description}.', ""]
         lines += ["        None, NaN and what is of a wrong type are UNKNOWN."]
         if one.stamped:
-            lines += ["        (value, t_ns) says when it was sampled; without it: now."]
+            lines += ["        (value, t_ns) gives the time of the sample; without it: now."]
         lines += ['        """']
         body = [f"        raise NotImplementedError({python_literal(one.input.name)})"]
         lines += region(f"variable:{one.input.name}", body, indent="        ")
@@ -95,7 +95,7 @@ def _functions(model: MonitorModel) -> list[str]:
             used.update(dict.fromkeys(reversed(found.__mro__[:-1])))
         if node.op in BUFFERED and node.coverage is not None:
             used[windows.Covered] = None
-    # As they stand in the library: a base class comes first.
+    # In the order of the library: a base class comes first.
     order = sorted(used, key=lambda cls: (cls.__module__ == stacks.__name__, _line(cls)))
     lines = _title(2, "Functions")
     if _needs_reductions(model):

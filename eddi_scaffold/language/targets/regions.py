@@ -19,7 +19,7 @@ _DEFAULT = re.compile(
     r"raise NotImplementedError\([^\n]*\)|pass|\(void\)t_ns;"
     r"|(?:\(void\)stamp;[^\n]*\n\s*)?return (?:NAN|EVENT_UNKNOWN|-1);"
 )
-"""Bodies that nobody wrote: a region that goes with one of them is no loss."""
+"""Default bodies: a region that is removed with one of them is no loss."""
 _HASH_MARKER = re.compile(r"(?m)^(\s*)#  (?=-{3,}\s*Manual edit (?:begin|end))")
 
 
@@ -50,7 +50,7 @@ def keep_regions(new: str, old: str, name: str) -> Kept:
 
     Args:
         new: the new text.
-        old: what stands in the file now.
+        old: the present content of the file.
         name: of the file, for messages.
 
     Raises:

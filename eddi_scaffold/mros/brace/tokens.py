@@ -67,24 +67,24 @@ class Braces:
         return self.text.place(self.offset)
 
     def is_word(self, *words: str) -> bool:
-        """Tell whether one of these words comes next."""
+        """Return whether one of these words comes next."""
         kind, value, _ = self._tokens[self._at]
         return kind == "word" and value in words
 
     def is_punct(self, mark: str) -> bool:
-        """Tell whether this punctuation comes next."""
+        """Return whether this punctuation comes next."""
         kind, value, _ = self._tokens[self._at]
         return kind == "punct" and value == mark
 
     def is_before(self, mark: str) -> bool:
-        """Tell whether this punctuation comes after the next token."""
+        """Return whether this punctuation comes after the next token."""
         if self._at + 1 >= len(self._tokens):
             return False
         kind, value, _ = self._tokens[self._at + 1]
         return kind == "punct" and value == mark
 
     def at_end(self) -> bool:
-        """Tell whether nothing comes any more."""
+        """Return whether nothing comes any more."""
         return self._tokens[self._at][0] == "end"
 
     def fail(self, *expected: str) -> NoReturn:
@@ -228,7 +228,7 @@ class Braces:
 
 
 def unescaped(quoted_text: str) -> str:
-    r"""Return the content of a quoted text: ``\x`` stands for x."""
+    r"""Return the content of a quoted text: ``\x`` means x."""
     inner = quoted_text[1:-1]
     return _ESCAPE.sub(r"\1", inner) if "\\" in inner else inner
 

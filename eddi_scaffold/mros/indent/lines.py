@@ -38,7 +38,7 @@ class Line:
         indent: columns before the first token.
         dash: it begins with ``-``, which is not among the tokens.
         offset: of the first character that is not white space.
-        tokens: what stands on it.
+        tokens: its content.
         below: the lines of its block.
     """
 
@@ -50,7 +50,7 @@ class Line:
 
     @property
     def is_mark(self) -> bool:
-        """Whether it is the ``---`` with which YAML files begin; it says nothing."""
+        """Whether it is the ``---`` with which YAML files begin; it has no meaning."""
         return [token[1] for token in self.tokens] == [_MARK] and not self.below
 
 
@@ -183,11 +183,11 @@ class Words:
         return self.text.place(self.offset)
 
     def at_end(self) -> bool:
-        """Tell whether the line has no more tokens."""
+        """Return whether the line has no more tokens."""
         return self._at >= len(self.line.tokens)
 
     def is_punct(self, mark: str) -> bool:
-        """Tell whether this punctuation comes next."""
+        """Return whether this punctuation comes next."""
         return not self.at_end() and self.line.tokens[self._at][:2] == ("punct", mark)
 
     def accept_punct(self, mark: str) -> bool:

@@ -96,7 +96,7 @@ class _ModelReader:
             ):
                 if key == "node":
                     node_name = rest.name("the name of the node")
-                    blocks.append(inner)  # its sections may stand deeper than itself
+                    blocks.append(inner)  # its sections may be indented deeper than itself
                 elif key in _SECTIONS:
                     interfaces += [self._interface(one, _SECTIONS[key]) for one in inner.below]
                 else:

@@ -107,7 +107,7 @@ def _used(monitor: Monitor, source_id: str) -> bool:
 
 
 def _takes_every(monitor: Monitor, source_id: str) -> bool:
-    """Tell whether some input takes every message of this topic, not the latest one."""
+    """Return whether some input takes every message of this topic, not the latest one."""
     return any(
         binding.model.every_message and binding.requires[:1] and binding.requires[0].id == source_id
         for binding in monitor.inputs

@@ -85,7 +85,7 @@ def _manifests(source: Path) -> Iterator[str]:
 
 
 def _is_ours(package: Path) -> bool:
-    """Tell whether a package was generated, also where it is installed."""
+    """Return whether a package was generated, also where it is installed."""
     try:
         manifest = (package / "package.xml").read_text("utf-8", "replace")
     except OSError:  # of the time before catkin, which is older than ours

@@ -38,7 +38,7 @@ def by_key(items: Iterable[T], key: str, wanted: Union[str, int]) -> T:
 
 
 def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
-    """Return the value that stands where ``wanted`` stands in the list of names.
+    """Return the value at the position of ``wanted`` in the list of names.
 
     Raises:
         LookupError: there is no such name, or there are two, or as many names as values there
@@ -53,7 +53,7 @@ def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
 
 
 def follow(message: Any, path: Iterable[Step]) -> Any:
-    """Return what stands at the end of a path in a message.
+    """Return the value at the end of a path in a message.
 
     A step is the name of a field, an index, ``[key, wanted]`` (see ``by_key``), or
     ``[values, names, wanted]`` (see ``by_name``).
@@ -76,7 +76,7 @@ def follow(message: Any, path: Iterable[Step]) -> Any:
 
 
 def gather(message: Any, path: Sequence[Step]) -> List[Any]:
-    """Return all that stands at the end of a path with ``["*"]``, every element of a list.
+    """Return all values at the end of a path with ``["*"]``, every element of a list.
 
     ``["*", first, last]`` is a part of a list, both ends included. An element that cannot be
     followed further is None.

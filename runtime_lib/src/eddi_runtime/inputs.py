@@ -1,4 +1,4 @@
-"""What a monitor is told: the description of each input and the base class of ``EDDIInput``."""
+"""Inputs of a monitor: the description of each and the base class of ``EDDIInput``."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class InputSpec(NamedTuple):
         every_message: the attribute holds the list of all values since the last step.
         expression: what ``expression`` computes: forms of ``eddi_runtime.expressions``, and
             ``names``: first word of a variable -> ``message`` or ``input``, and its id.
-        accepts: keys by which the configuration accepts a value of it that nobody vouches for;
+        accepts: keys by which the configuration accepts a value of it that is not confirmed;
             ``max_age: none`` is not repeated here.
     """
 
@@ -76,7 +76,7 @@ class InputState(NamedTuple):
 class Messages(List[Any]):
     """The values of all messages since the last step, oldest first: empty when none has come.
 
-    What tells it from one message that is a list itself.
+    The class distinguishes it from one message that is a list itself.
     """
 
 
@@ -86,7 +86,7 @@ _NEW = InputState("missing", "no message yet")
 def accepted(specs: Sequence[InputSpec], eddi_input: Any) -> Tuple[str, ...]:
     """Return ``input: key`` for each key of the inputs that is in use in this step; never raises.
 
-    Where nobody watches the messages (``states``), no input is known to rest on such a key.
+    Where the messages are not watched (``states``), no input is known to rest on such a key.
 
     Args:
         specs: of a monitor.
@@ -188,7 +188,7 @@ class EDDIInputBase:
                     after = InputState("invalid", "left at None", after.age, errors)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = _invalid(problem, before)
-        # Missing from the start: the default stands.
+        # Missing from the start: the default is kept.
         if after.state != "ok" and not (after.state == before.state == "missing"):
             setattr(self, attribute, None)
         self.states[input_id] = after
@@ -202,7 +202,7 @@ class EDDIInputBase:
     ) -> None:
         """Call ``process`` once for each new message of the first id; never raises.
 
-        The attribute becomes ``Messages``, the values oldest first; None stands in it for a
+        The attribute becomes ``Messages``, the values oldest first; None represents a
         message that ``process`` could not use. Of the other ids the latest message is passed.
         It is None as a whole while a message is missing, or when the latest is too old.
         """
@@ -263,7 +263,7 @@ class EDDIInputBase:
     def __reason(self, input_id: str) -> str:
         """Return why an expression gives nothing."""
         compiled = self.__expressions.get(input_id)
-        return getattr(compiled, "reason", "") or "unknown as yet"
+        return getattr(compiled, "reason", "") or "not known yet"
 
     def __received(
         self,

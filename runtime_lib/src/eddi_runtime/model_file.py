@@ -34,7 +34,7 @@ class ModelFile:
         id: the model's id.
         digest: SHA-256 of the content, as the file states it.
         source: where the model was generated from.
-        inputs: what the monitor must be told, in the order of the file.
+        inputs: the inputs of the monitor, in the order of the file.
         model: the kind's own part.
         settings: the kind's settings.
         data: name -> bytes of a bulk file beside the model; raises ModelError when there is none.
@@ -68,11 +68,11 @@ def read_model(path: Union[str, Path]) -> ModelFile:
 
 
 def parse_model(text: str, name: str = "<text>", data: Data = None) -> ModelFile:
-    """Check the text of a model file; ``name`` stands in the errors.
+    """Check the text of a model file; ``name`` is used in errors.
 
     Args:
         text: the JSON text.
-        name: stands in the errors.
+        name: used in errors.
         data: bulk files that belong to the model, by name.
 
     Raises:
@@ -119,7 +119,7 @@ def _no_constant(text: str) -> NoReturn:
 def _beside(folder: Path) -> Callable[[str], bytes]:
     def read(name: str) -> bytes:
         if _DATA_FILE.fullmatch(name) is None:
-            raise ModelError("", f"{name!r} is no name of a file beside the model")
+            raise ModelError("", f"{name!r} is not the name of a file next to the model")
         try:
             return (folder / name).read_bytes()
         except OSError as problem:
@@ -150,7 +150,9 @@ def _model_file(document: Any, path: str, data: Callable[[str], bytes]) -> Model
     except (ValueError, RecursionError) as problem:
         raise ModelError("", f"the file is damaged: {problem}") from None
     if digest != actual:
-        raise ModelError("", f"the content was changed: it says sha256 {digest}, has {actual}")
+        raise ModelError(
+            "", f"the content was changed: it states sha256 {digest}, but has {actual}"
+        )
     return ModelFile(
         path=path,
         kind=take(document, "kind", str, where),

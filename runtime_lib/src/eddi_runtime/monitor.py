@@ -35,7 +35,7 @@ class Standing(NamedTuple):
     """What one guarantee, threshold or event came to in the last step, for people.
 
     Attributes:
-        what: word for it, ``guarantee``; empty where its id says it.
+        what: word for it, ``guarantee``; empty where its id shows it.
         id: as in the model.
         active: as it is published.
         lacks: inputs that keep it from being otherwise, each with the reason in words.
@@ -92,7 +92,7 @@ class Monitor(Protocol):
     def message(self, output: Any) -> Union[Tree, List[Tree], None]:
         """Return what ``execute_step`` gave as a message tree with checked values.
 
-        A list of trees when one step gives several messages; None when nothing is to be said.
+        A list of trees when one step gives several messages; None when nothing is to be published.
         """
 
     def status_message(self) -> Optional[Tree]:

@@ -1,4 +1,4 @@
-"""Helpers for tests of monitors: a clock that stands still and inputs without a robot."""
+"""Helpers for tests of monitors: a manual clock and inputs without a robot."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .monitor import Monitor
 
 
 class FakeClock:
-    """A clock in seconds that only moves when it is told to: ``clock()`` reads it."""
+    """A clock in seconds that only moves when it is set: ``clock()`` reads it."""
 
     def __init__(self, now: float = 0.0) -> None:
         self.now = now

@@ -28,7 +28,7 @@ def test_a_chain_that_was_seen_to_fail_stays_failed():
     assert one.latched() == {"chain": 2}
     assert one.fault_counts() == {"a": 2}
     step(one, 0.6, a=True)
-    assert "works again; ignored, for want of `repair: true`" in one.faults()["a"]
+    assert "works again; ignored without `repair: true`" in one.faults()["a"]
     one.reset()
     assert step(one, a=True).valid
 

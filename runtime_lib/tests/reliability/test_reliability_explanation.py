@@ -62,7 +62,7 @@ def test_what_is_lost_ignored_or_beyond_its_range_is_said():
         "  go is not active",
         "  t is unknown: 120 is above t_max (85 degC); it counts as unknown",
         "  u is unknown",
-        "  lost: it says that what failed works again; ignored, for want of `repair: true`",
+        "  lost: it reports that a failed part works again; ignored without `repair: true`",
         "  model cpu: p_fail 0.0163",
     ]
     assert lines[-1] == "  model tree: ignored once that something failed works again"

@@ -339,7 +339,7 @@ WRONG = {
     "a probability in component 'tree' is above 1": tree([event("fixed", 1.1)], []),
     "the law 'magic' in component 'tree' is not known": tree([event("magic", 1.1)], []),
     "the law 'weibull' in component 'tree' has 1 numbers": tree([event("weibull", 1.1)], []),
-    "component 'tree' uses 'x', which does not stand before it": tree(
+    "component 'tree' uses 'x', which is not defined before it": tree(
         [event("model", model="x")], []
     ),
     "the input 'm0' of the model is not declared": tree([event("fixed", 0.1, input="m0")], []),

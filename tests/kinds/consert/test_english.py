@@ -67,7 +67,7 @@ def test_a_bound_without_unit_is_numeric_without_unit() -> None:
         ("Delay < 3,5 ms", "Delay35Ms", '"3,5 ms" is no number with a unit'),
         ("Delay == 3 ms", "Delay3Ms", "there is no operator <=, >=, <, > or bound to"),
         ("Delay <== 3 ms", "Delay3Ms", '"= 3 ms" is no number with a unit'),
-        ("< 3 ms", "3Ms", "nothing stands before the operator"),
+        ("< 3 ms", "3Ms", "there is nothing before the operator"),
     ],
 )
 def test_a_bound_that_cannot_be_read_is_binary_with_a_remark(

@@ -52,7 +52,7 @@ def test_redundant_leaf_and_gate():
     model = consert(["G"], [("o", "Or")], "a>o b>o a>G o>G")
     assert found(model) == [
         ("info", "S002", "no guarantee depends on 'b', although it is connected"),
-        ("info", "S002", "gate 'o' changes nothing beside the other inputs"),
+        ("info", "S002", "gate 'o' changes nothing given the other inputs"),
     ]
 
 

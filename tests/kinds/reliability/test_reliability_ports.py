@@ -29,6 +29,6 @@ def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
     (one,) = problems
     assert (one.code, one.place.line) == ("R005", 10)
     assert one.message == (
-        "port 'Port' has no input: what it stands for is left out, so that no threshold may "
+        "port 'Port' has no input: what it represents is left out, so that no threshold may "
         "trust p_fail of 'T'"
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import bring
+from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
@@ -33,7 +33,7 @@ def generated(inputs: Path, packages: Path, name: str) -> Path:
     config.write_text(CONNECTED.replace("id: scope", f"id: {name}"))
     monitors, problems = monitors_of(None, [config])
     made = assemble(monitors, platforms()["plain"], packages, problems)
-    bring(packages, made.packages, own_template())
+    write_packages(packages, made.packages, own_template())
     return config
 
 
@@ -50,7 +50,7 @@ def test_a_newer_file_reaches_its_package(tmp_path: Path) -> None:
     assert levels(tmp_path / "out", model) == {"scope": 0.2}
     assert levels(tmp_path / "out", model, config) == {"scope": 0.2}
     (group,) = groups(tmp_path / "out", [])
-    bring(group.root, targets(group, model, [])[0], own_template())
+    write_packages(group.root, targets(group, model, [])[0], own_template())
     written = (tmp_path / "out" / "scope" / "reference.csv").read_bytes()
     assert written == (tmp_path / "in" / "reference.csv").read_bytes()
 

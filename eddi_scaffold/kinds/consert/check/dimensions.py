@@ -63,7 +63,7 @@ def _categorical(dimension: CategoricalDimension, what: str, place: Place) -> It
         yield _nothing_covered(dimension, what, place)
     for category, count in Counter(dimension.covered).items():
         if count > 1:
-            message = f"category {shown(category)} stands {count} times in {what}: read once"
+            message = f"category {shown(category)} occurs {count} times in {what}: read once"
             yield warning("C023", message, place)
 
 

@@ -65,7 +65,7 @@ def _nodes(consert: ConSert) -> Iterator[tuple[NodeKind, str, Place]]:
 
 
 def _repeated_ids(consert: ConSert) -> Iterator[Problem]:
-    """Report the ids that stand for two things, in the order of the file (C007)."""
+    """Report the ids that are used for two things, in the order of the file (C007)."""
     groups: tuple[list[tuple[str, str, Place]], ...] = (
         list(_nodes(consert)),
         [("required service", s.id, s.place) for s in consert.required_services],
@@ -99,7 +99,7 @@ def _edges(consert: ConSert, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]
         text = f"edge from {shown(edge.source)} to {shown(edge.target)}"
         yield from _edge(edge, text, kinds, near)
         if (edge.source, edge.target) in seen:
-            yield warning("C023", f"{text} stands here again: read once", edge.place)
+            yield warning("C023", f"{text} is repeated: read once", edge.place)
         seen.add((edge.source, edge.target))
 
 
@@ -148,7 +148,7 @@ def _support(guarantee: Guarantee, fed: set[str]) -> Iterator[Problem]:
 
 
 def _unreached(consert: ConSert, reachable: set[str]) -> Iterator[Problem]:
-    if not consert.guarantees:  # C026 says it once
+    if not consert.guarantees:  # C026 reports it once
         return
     for kind, id_, place in _nodes(consert):
         if id_ not in reachable:

@@ -1,8 +1,8 @@
 """Static checks of one ConSert, S001 to S007: what its author may not have meant.
 
-They say what follows from the trees, whatever the evidence: constants, redundancy, implication
-and single points of failure. Findings that need more than :data:`paths.CAP` path sets are left
-out, and S000 says so.
+They report what follows from the trees, regardless of the evidence: constants, redundancy,
+implication and single points of failure. Findings that need more than :data:`paths.CAP` path sets
+are left out, and S000 reports it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _MOST_GUARANTEES = 64
 
 
 def static_checks(consert: ConSert) -> list[Problem]:
-    """Return what can be said about a checked ConSert without running it."""
+    """Return the findings about a checked ConSert that need no run."""
     sets = path_sets(consert)
     guarantees = {guarantee.id: guarantee for guarantee in consert.guarantees}
     return [
@@ -99,7 +99,7 @@ def _redundant_gates(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator
     for gate in consert.gates:
         fed = [target for target in targets[gate.id] if target in reachable]
         if fed and inputs[gate.id] and all(gate.id in idle[target] for target in fed):
-            message = f"gate {shown(gate.id)} changes nothing beside the other inputs"
+            message = f"gate {shown(gate.id)} changes nothing given the other inputs"
             yield info("S002", message, gate.place)
 
 

@@ -170,7 +170,7 @@ def _described(element: Element, findings: Findings) -> tuple[Dimension, ...]:
 
 
 def is_older(part: Element, findings: Findings) -> bool:
-    """Tell whether a part of a ConSert is of the older dialect: ``configurations / conSert``."""
+    """Return whether a part of a ConSert is of the older dialect: ``configurations / conSert``."""
     consert = part.getparent()
     owner = consert.getparent() if consert is not None else None
     return owner is not None and names.CONFIGURATIONS.accepts(findings.document.feature(owner))

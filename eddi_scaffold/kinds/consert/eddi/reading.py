@@ -1,7 +1,7 @@
 """ConSerts from EDDI XML: the extension of SESAME D7.2 (Figs 4 and 36) and the older dialect.
 
-What only XML can get wrong is said here (codes X and C003, C006, C007 of the XML form); what
-ConSerts of any source can get wrong is said by ``check``.
+What only XML can get wrong is reported here (codes X and C003, C006, C007 of the XML form); what
+ConSerts of any source can get wrong is reported by ``check``.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def _check_class(element: Element, findings: Findings) -> None:
 
 
 def _check_untyped(document: EddiDocument, findings: Findings) -> None:
-    """Refuse packages that hold ConSerts and do not say that they are ConSert packages."""
+    """Refuse packages that contain ConSerts and are not declared as ConSert packages."""
     for package in document.packages():
         if not document.class_of(package).name and any(
             names.CONSERTS.accepts(document.feature(child)) for child in package.iterchildren()

@@ -57,7 +57,7 @@ class Shape:
         """Read a map: C003 for anything else, C002 for missing and C004 for unknown keys.
 
         Args:
-            node: what stands in the file.
+            node: the content of the file.
             what: what it is, for messages.
             mandatory: keys that it must have.
             optional: keys that it may have.

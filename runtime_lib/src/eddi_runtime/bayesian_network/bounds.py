@@ -41,7 +41,7 @@ class Bounds:
         """Return (lowest, highest) of each probability; None if no combination is possible.
 
         Args:
-            states: as ``Engine.infer`` takes them; what stands there for an open node is ignored.
+            states: as ``Engine.infer`` takes them; the state of an open node is ignored.
             weights: likelihoods, as ``Engine.infer`` takes them.
             opened: the nodes whose states are not known; at most ``COMBINATIONS`` in all.
         """

@@ -20,7 +20,7 @@ ERROR = "error"
 
 
 class Claim(NamedTuple):
-    """What a threshold said in the last step.
+    """Result of a threshold in the last step.
 
     Attributes:
         id: of the threshold.
@@ -108,7 +108,7 @@ class Claims:
             one.step(0, math.nan, usable=False)
 
     def rows(self) -> List[Claim]:
-        """Return what each threshold said in the last step."""
+        """Return the result of each threshold in the last step."""
         bounds = self._bounds or [(math.nan, math.nan)] * len(self._thresholds)
         return [
             Claim(one.limits.id, evidence.active, *pair, self._why(one, evidence, pair))

@@ -19,7 +19,7 @@ class Declaration:
     """How the values of an input become states of a node.
 
     Attributes:
-        missing: number that stands for "not observed": the number of states.
+        missing: number that represents "not observed": the number of states.
         edges: of the bins, ascending, in the unit after scale and offset; None: a map.
         order: state of each bin, from low to high.
         closed_right: an edge belongs to the bin below it.
@@ -55,7 +55,7 @@ def read_declaration(given: Mapping[str, Any], states: Sequence[str], name: str)
 
     Args:
         given: as in the model file. ``map`` is a list of pairs (value, state), or an object whose
-            keys are texts; None stands for an absent key.
+            keys are texts; None represents an absent key.
         states: names of the states of the node.
         name: of the node, for errors.
 

@@ -44,7 +44,7 @@ class DirectReader:
         return len(self._states)
 
     def knows(self, raw: object) -> bool:
-        """Tell whether a value says something; see ``Reader``."""
+        """Return whether a value is an observation; see ``Reader``."""
         try:
             return self._judged(raw) is not None
         except EvidenceError:

@@ -214,7 +214,7 @@ def _positive(network: Network, plan: Plan) -> bool:
 
 
 def _may_underflow(part: _Part, weights: Mapping[int, Sequence[float]]) -> bool:
-    """Tell whether a product that is zero or tiny may be so by rounding alone."""
+    """Return whether a product that is zero or tiny may be so by rounding alone."""
     least = part.least
     for position in part.positions.intersection(weights):
         least += math.log2(min(one for one in weights[position] if one > 0.0))

@@ -1,4 +1,4 @@
-"""What numbers, one per state of a node, say about it; what SESAME D7.2 made of them is kept too.
+"""Evidence from numbers, one per state of a node; the reading of SESAME D7.2 is kept, too.
 
 Virtual evidence is a likelihood, P(observation | state), as in Pearl 1988, section 2.2.2, and in
 GeNIe; a posterior cannot be forced.
@@ -22,11 +22,11 @@ class EvidenceError(ValueError):
 
 
 class InconsistentEvidenceError(ValueError):
-    """The evidence has probability zero: the network says that it cannot happen."""
+    """The evidence has probability zero: it is impossible in the network."""
 
 
 def finding(values: Sequence[Any], states: Sequence[str], *, virtual: bool = True) -> Finding:
-    """Return what one number per state says.
+    """Return the finding in one number per state.
 
     All zero: nothing. One other than zero: that state for sure, whatever the number. Several:
     likelihoods, of which only the ratios count.
@@ -73,7 +73,7 @@ def _judged(numbers: List[float], *, virtual: bool) -> Finding:
 def outcomes_finding(
     outcomes: Mapping[str, object], states: Sequence[str], *, virtual: bool = True
 ) -> Finding:
-    """Return what a dictionary from states to numbers says (SESAME D7.2 Fig 15); see ``finding``.
+    """Return the finding in a dictionary from states to numbers (SESAME D7.2 Fig 15).
 
     Raises:
         EvidenceError: as ``finding`` does, or the keys are not the states of the node.

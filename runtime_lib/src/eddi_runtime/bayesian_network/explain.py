@@ -15,7 +15,7 @@ _ALL_KNOWN = Facts(valid=True, unknown_inputs=(), undecided={}, accepted=())
 
 @dataclass(frozen=True)
 class Explanation:
-    """What stands behind the posteriors of one step.
+    """Explanation of the posteriors of one step.
 
     Attributes:
         evidence: observed node -> its state, or its likelihoods (the largest is 1).
@@ -24,7 +24,7 @@ class Explanation:
             evidence and without that of this node, 0 to 1; the largest over the outputs. Empty if
             the evidence has probability zero.
         facts: which inputs are known, and what is accepted for others.
-        claims: what each threshold says.
+        claims: the result of each threshold.
     """
 
     evidence: Mapping[str, Union[str, Tuple[float, ...]]]

@@ -102,7 +102,7 @@ def components(
 def with_all_observed(shape: Shape, part: Component) -> Tuple[Component, ...]:
     """Split a part for the steps in which each of its inputs is observed.
 
-    An input that is an output too keeps its axis: its row tells how likely its states were.
+    An input that is an output too keeps its axis: its row gives the probabilities of its states.
     """
     given = frozenset(part.inputs).difference(part.outputs)
     return tuple(

@@ -8,8 +8,9 @@ from typing import Optional, Sequence, Tuple
 class Hysteresis:
     """Which bin is kept from one value to the next.
 
-    After a gap nobody knows which bin was left, so a value near an edge may belong to either side,
-    until a value is in one bin whatever was before. The time before the first value is a gap, too.
+    After a gap it is not known which bin was left, so a value near an edge may belong to either
+    side, until a value is in one bin whatever was before. The time before the first value is a
+    gap, too.
 
     Args:
         edges: of the bins, ascending.

@@ -27,7 +27,7 @@ class Inference:
         self._numbers = {name: node for node, name in enumerate(network.shape.names)}
 
     def covers(self, outputs: Iterable[int], observable: Iterable[int]) -> bool:
-        """Tell whether these outputs and observable nodes were foreseen."""
+        """Return whether these outputs and observable nodes were foreseen."""
         engine = self.engine
         return set(outputs) <= set(engine.outputs) and set(observable) <= set(engine.observable)
 

@@ -53,7 +53,7 @@ class _Table(NamedTuple):
 
 
 def fits(program: Program, network: Network, part: Component) -> bool:
-    """Tell whether the tables of a part are small."""
+    """Return whether the tables of a part are small."""
     cards = network.shape.cards
     for message in program.messages.values():
         cases = size_of(message.inputs, program.cases)
@@ -108,7 +108,7 @@ class JointTables:
 
     @property
     def positive(self) -> bool:
-        """Tell whether no case has probability zero."""
+        """Return whether no case has probability zero."""
         return all(min(table.values) > 0.0 for table in self._tables)
 
     def soft(self, states: States, weights: Weights) -> Rows:
@@ -116,7 +116,7 @@ class JointTables:
 
         Args:
             states: state of each observable node of the network by position; the number of its
-                states stands for "not observed" and for virtual evidence.
+                states represents "not observed" and virtual evidence.
             weights: position -> likelihoods.
         """
         return [

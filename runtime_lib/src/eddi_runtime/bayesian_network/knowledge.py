@@ -37,7 +37,7 @@ class Step:
 
 
 class Facts(NamedTuple):
-    """What can be said of the inputs of a step.
+    """What is known about the inputs of a step.
 
     Attributes:
         valid: all of them are known, and so are the states of their nodes.
@@ -88,7 +88,7 @@ class Knowledge:
         self._missing: Tuple[int, ...] = ()
 
     def covers(self, nodes: Iterable[int]) -> bool:
-        """Tell whether nodes are known to be inputs."""
+        """Return whether nodes are known to be inputs."""
         return self._nodes.issuperset(nodes)
 
     def prepare(self, engine: Engine, nodes: Iterable[int] = ()) -> None:
@@ -153,7 +153,7 @@ class Knowledge:
 
 
 def _judged(source: Source, raw: object, step: Step, position: int) -> Tuple[bool, str]:
-    """Tell whether a value is known, and which key was needed for it."""
+    """Return whether a value is known, and which key was needed for it."""
     reading = step.weights.get(position, step.states[position])
     try:
         return source.reader.knows(raw), source.reader.accepted(raw, reading)

@@ -50,7 +50,7 @@ class Program(NamedTuple):
     """What is to be done for some outputs.
 
     Attributes:
-        messages: by edge; each stands behind its parts.
+        messages: by edge; each comes after its parts.
         answers: output -> the message into its leaf.
         evidence: for a part without outputs: the two messages whose product, summed, is the
             probability of the evidence (one of them for a single leaf).

@@ -13,7 +13,7 @@ from .model import Network
 
 
 class Answer:
-    """What the methods of one step said.
+    """Results of the methods of one step.
 
     Attributes:
         findings: node -> its evidence; nodes that were left at zero are not in it.
@@ -35,7 +35,7 @@ class Answer:
         states: List[int],
         weights: Dict[int, List[float]],
     ) -> None:
-        """Put what the methods said in the place of what was declared.
+        """Replace what was declared by the results of the methods.
 
         Args:
             positions: node -> its position among the observable ones.
@@ -43,7 +43,7 @@ class Answer:
             states: of the observable nodes; changed.
             weights: likelihoods, by position; changed.
         """
-        for node in self.problems:  # it would have said what is not known
+        for node in self.problems:  # it would have set what is not known
             if node in positions:
                 position = positions[node]
                 states[position] = missing[position]
@@ -71,7 +71,7 @@ class Methods:
     """The methods of an object, one per node that has one.
 
     Attributes:
-        observed: nodes whose method sets an outcome, as far as the source tells.
+        observed: nodes whose method sets an outcome, as far as the source shows it.
         doubtful: nodes whose method may set one, although its source does not show it.
         outputs: nodes whose method sets ``is_bn_output``.
     """
@@ -94,13 +94,13 @@ class Methods:
             observed, output = _assigned(tree)
             self.observed.update([node] if observed else [])
             self.outputs.update([node] if output else [])
-            # What cannot change is asked once: mostly the methods that nobody has written in.
+            # What cannot change is asked once: mostly methods without hand-written code.
             if not _is_constant(tree) or self._ask_one(node, name, self._constant):
                 self._names.append((node, name))
                 self.doubtful.update([] if _returns_outcomes(tree) else [node])
 
     def ask(self, eddi_input: object) -> Answer:
-        """Call every method that may change what it says, once.
+        """Call every method that may change its result, once.
 
         What one raises is noted and its node is not observed.
         """
@@ -151,7 +151,7 @@ def _source(hooks: Any, name: str) -> ast.Module:
 
 
 def _is_constant(tree: ast.Module) -> bool:
-    """Tell whether a method returns nothing but constants, so that each call says the same."""
+    """Return whether a method returns only constants, so that each call gives the same."""
     if len(tree.body) != 1 or not isinstance(tree.body[0], ast.FunctionDef):
         return False
     method = tree.body[0]
@@ -185,7 +185,7 @@ def _is_text(item: ast.stmt) -> bool:
 
 
 def _assigned(tree: ast.AST) -> Tuple[bool, bool]:
-    """Tell whether a method sets an outcome and whether it sets the flag, by its source.
+    """Return whether a method sets an outcome and whether it sets the flag, by its source.
 
     A wrong answer costs one slow step, when the first evidence comes. Without source: (False,
     False).
@@ -201,7 +201,7 @@ def _assigned(tree: ast.AST) -> Tuple[bool, bool]:
 
 
 def _returns_outcomes(tree: ast.Module) -> bool:
-    """Tell whether a method returns its variables ``outcome_*`` and nothing else."""
+    """Return whether a method returns its variables ``outcome_*`` and nothing else."""
     found = [item.value for item in ast.walk(tree) if isinstance(item, ast.Return)]
     dicts = [one.elts[-1] for one in found if isinstance(one, ast.Tuple) and one.elts]
     return bool(found) and len(dicts) == len(found) and all(map(_is_of_outcomes, dicts))

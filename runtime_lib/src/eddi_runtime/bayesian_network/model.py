@@ -45,10 +45,10 @@ class BayesianNetworkModel:
         discretisation: node -> declaration, as in the file.
         direct: node -> id of the input that holds its state or likelihoods.
         virtual: several non-zero outcomes are likelihoods; False: D7.2's rule.
-        on_inconsistent: what is given on evidence of probability zero: ``silent``, ``prior`` or
+        on_inconsistent: the result on evidence of probability zero: ``silent``, ``prior`` or
             ``hold``.
         explain: the status message has the relevance of each observed node.
-        thresholds: what is given as evidence for ConSerts.
+        thresholds: the evidence for ConSerts.
     """
 
     network: Network

@@ -257,11 +257,11 @@ class BayesianNetworkMonitor(Monitor):
         return out.evidence_message(self.model_id, self.facts(), self.claims())
 
     def claims(self) -> List[Claim]:
-        """Return what each threshold said in the last step, in the order of the configuration."""
+        """Return the last result of each threshold, in the order of the configuration."""
         return [] if self._claims is None else self._claims.rows()
 
     def beside_json(self) -> Dict[str, Any]:
-        """Return what is said beside the posteriors, as ``json`` can write it."""
+        """Return the results in addition to the posteriors, as ``json`` can write them."""
         return out.evidence_json(self.facts(), self.claims()) if self._claims is not None else {}
 
     def standings(self) -> List[Standing]:

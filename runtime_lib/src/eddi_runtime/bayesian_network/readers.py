@@ -26,7 +26,7 @@ class Reader(Protocol):
     """Turns one input into evidence on one node.
 
     Attributes:
-        timed: it must be told the time.
+        timed: it needs the time.
         doubtful: it may leave several states possible.
         prior_accepted: while the input is unknown, the prior of the node is accepted in its place.
         possible: states in which the node may be, if there are several, in spite of the one that
@@ -45,7 +45,7 @@ class Reader(Protocol):
         """Return the evidence when there is no value."""
 
     def knows(self, raw: object) -> bool:
-        """Tell whether a value by itself says something about the node."""
+        """Return whether a value by itself is an observation of the node."""
 
     def accepted(self, raw: object, reading: Reading) -> str:
         """Return the key by which a value counted as what was read of it; empty for none."""
@@ -143,7 +143,7 @@ class Discretiser:
         return self._without(now)
 
     def knows(self, raw: object) -> bool:
-        """Tell whether a value says something; see ``Reader``."""
+        """Return whether a value is an observation; see ``Reader``."""
         state, value = self._judged(raw)
         return value is not None or state not in (_ABSENT, self._missing)
 

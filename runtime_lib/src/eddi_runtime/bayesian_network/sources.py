@@ -22,7 +22,7 @@ class Source(NamedTuple):
 def make_sources(model: BayesianNetworkModel, specs: Sequence[InputSpec]) -> Tuple[Source, ...]:
     """Return the declared ways to the observed nodes, by node.
 
-    A discretisation goes before a direct way. If the model says which nodes are observed, the
+    A discretisation goes before a direct way. If the model declares which nodes are observed, the
     others are left out.
 
     Raises:

@@ -39,7 +39,7 @@ class Width(NamedTuple):
 
     @property
     def too_large(self) -> bool:
-        """Tell whether such a network is refused."""
+        """Return whether such a network is refused."""
         return self.largest > TOO_LARGE
 
 

@@ -1,7 +1,7 @@
 """Compiling a graph to one function: read the inputs, judge them, evaluate, return active flags.
 
 The source text holds generated identifiers and numbers only. Ids, categories and types are in the
-function's namespace; attribute names stand in the text when they are plain ASCII identifiers
+function's namespace; attribute names are in the text when they are plain ASCII identifiers
 (LOAD_ATTR is several times faster than getattr), else they are read by getattr with a constant.
 """
 

@@ -100,7 +100,7 @@ def _leaves(model: Mapping[str, Any], inputs: Tuple[InputSpec, ...]) -> Tuple[Le
 
 def _leaf(item: Any, name: str, spec: InputSpec, *, is_demand: bool) -> Leaf:
     where = f"{name!r}"
-    # A demand is told whether some guarantee that fulfils it is active, whatever its dimension.
+    # A demand gets whether some guarantee that fulfils it is active, whatever its dimension.
     dimension = None if is_demand else take(item, "dimension", dict, where)
     kind = "binary" if dimension is None else take(dimension, "kind", str, where)
     if spec.factor is not None and kind != "numeric":
@@ -137,7 +137,7 @@ def _interval(item: Any, where: str, factor: Optional[Tuple[int, int]]) -> Inter
 
 
 def _bound(text: str, where: str) -> Tuple[str, Optional[Fraction]]:
-    """Return the text and its exact value, ``None`` where a double says it all (0, infinity)."""
+    """Return the text and its exact value, ``None`` where a double is exact (0, infinity)."""
     if len(text) > _MAX_BOUND or not _BOUND.fullmatch(text):
         raise ModelError("", f"a bound of {where} is not a decimal number: {text[:40]!r}")
     value = float(text)

@@ -44,7 +44,7 @@ def build(
 
     Args:
         model_file: the model.
-        hooks: not used: all code of a person stands in EDDIInput.
+        hooks: not used: all hand-written code is in EDDIInput.
         allow_unsupported: build guarantees without support and gates without input as the
             constants that they are in SESAME's first tool; for tests of the evaluation only.
 
@@ -273,7 +273,7 @@ class ConSertMonitor:
         """Return an output as a ``ConSertOutput`` tree; never raises.
 
         Only a bool is taken as active: a row that a person's code has spoilt is published as not
-        active, and ``output_faults`` says so.
+        active, and ``output_faults`` reports it.
         """
         tree, self._output_faults = output_message(output, self.published_ids)
         return tree
@@ -347,7 +347,7 @@ def _standing(
 
 
 def _state(source: object, input_id: str) -> Optional[Reason]:
-    """Return what ``EDDIInputBase`` says of an input without a value; None when it says nothing."""
+    """Return the reason of ``EDDIInputBase`` for an input without a value, if any."""
     try:
         found: Any = source.states.get(input_id)  # type: ignore[attr-defined]  # asked, not known
         if found is None or found.state == "ok":

@@ -16,7 +16,7 @@ from ..plain_values import plain, show
 FALSE, UNKNOWN, TRUE = 0, 1, 2
 NAMES = ("FALSE", "UNKNOWN", "TRUE")
 
-# Why a leaf has its value; plain texts, they stand in reports.
+# Why a leaf has its value; plain texts, they are used in reports.
 GOOD, NOT_COVERED, MISSING, NAN, FAULT = "good", "false", "missing", "nan", "fault"
 
 Judgement = Tuple[int, str]
@@ -54,13 +54,13 @@ class Interval:
     closed: bool
 
     def covers(self, number: float) -> bool:
-        """Tell whether a number other than NaN lies in the range."""
+        """Return whether a number other than NaN lies in the range."""
         return self.start <= number and (number <= self.end if self.closed else number < self.end)
 
 
 @dataclass(frozen=True)
 class BinaryLeaf:
-    """A leaf that is told True or False: binary evidence, or any demand."""
+    """A leaf with the value True or False: binary evidence, or any demand."""
 
     id: str
 
@@ -77,7 +77,7 @@ class BinaryLeaf:
 
 @dataclass(frozen=True)
 class CategoricalLeaf:
-    """A leaf that is told a text, which should be among the covered ones."""
+    """A leaf with a text as value, which should be among the covered ones."""
 
     id: str
     covered: FrozenSet[str]
@@ -96,7 +96,7 @@ class CategoricalLeaf:
 
 @dataclass(frozen=True)
 class NumericLeaf:
-    """A leaf that is told a number, which should lie in one of the ranges.
+    """A leaf with a number as value, which should lie in one of the ranges.
 
     Attributes:
         ranges: in the unit of the input (a factor is already in the bounds).

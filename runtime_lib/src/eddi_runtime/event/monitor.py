@@ -29,7 +29,7 @@ def build(
 
     Args:
         model_file: the model.
-        hooks: not used: all code of a person stands in EDDIInput.
+        hooks: not used: all hand-written code is in EDDIInput.
 
     Raises:
         ModelError: the model is wrong.
@@ -81,7 +81,7 @@ class EventMonitor:
         is UNKNOWN. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE.
 
         Args:
-            eddi_input: holds one attribute per input; its ``states`` tell how old each is.
+            eddi_input: holds one attribute per input; its ``states`` hold the age of each.
             t_ns: time in nanoseconds; None: the machine's monotonic clock. What is no whole number
                 is no time: all events are UNKNOWN in this step, which the windows do not see.
 
@@ -130,7 +130,7 @@ class EventMonitor:
         return self._output_faults
 
     def status_message(self) -> Optional[Tree]:
-        """Return None: the outputs say all there is to say."""
+        """Return None: the outputs are complete."""
         return None
 
     def standings(self) -> List[Standing]:
@@ -189,7 +189,7 @@ class EventMonitor:
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
-        told = (
+        unusable = (
             (spec.id, fault(one, raw))
             for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
         )
@@ -198,7 +198,7 @@ class EventMonitor:
             for used, reason in zip(self._sampling.uses, self._sampling.reasons)
             if self._raw[used[0]] is not None
         )
-        return {name: reason for name, reason in (*reduced, *told) if reason}
+        return {name: reason for name, reason in (*reduced, *unusable) if reason}
 
     def _stamps(self, eddi_input: object, t: int) -> List[Optional[int]]:
         """Return when each variable was sampled."""
@@ -251,7 +251,7 @@ def _read(eddi_input: object, spec: InputSpec) -> Any:
 
 
 def _stamp(eddi_input: Any, input_id: str, t: int) -> Optional[int]:
-    """Return when the input's sample was received, None when nobody says."""
+    """Return when the input's sample was received, None when that is not known."""
     try:
         return stamp_at(t, eddi_input.states[input_id].age)
     except Exception:  # noqa: BLE001 - any object may be given as input

@@ -1,7 +1,7 @@
 """Elements of lists: what raw values are, what can be done with one, and with all of them.
 
 Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene). The text below the
-imports stands in generated modules as it is here.
+imports is copied into generated modules unchanged.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def truth_of(raw: object) -> int:
 
 
 def number_in(raw: object) -> float:
-    """Return the number that a text says in decimal, NaN for UNKNOWN."""
+    """Return the number that a text represents in decimal, NaN for UNKNOWN."""
     text = raw.strip(" \t") if isinstance(raw, str) else ""
     plain = text.lstrip("+-") if len(text) <= MAX_TEXT else ""
     if not plain or not (plain[0].isdigit() or plain[0] == ".") or "_" in plain:

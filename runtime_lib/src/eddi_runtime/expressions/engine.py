@@ -72,7 +72,7 @@ def _step_lines(form: Form) -> List[str]:
 
 
 def stamp_at(t: int, age: Optional[float]) -> Optional[int]:
-    """Return when a sample of an age was made; None when nobody says, which counts as now.
+    """Return when a sample of an age was made; None when that is not known, which counts as now.
 
     One that can be of any age lies in the future: behind no limit, and nothing is asked of it.
     """

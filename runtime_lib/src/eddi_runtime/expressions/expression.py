@@ -25,7 +25,7 @@ class Source(NamedTuple):
         id: of the SimulatorOutput, or of another input.
         path: into its message (``access.follow``); empty: the value itself.
         checks: when it is a measurement: ``within`` with the paths of two limits, ``unless`` with
-            a path and the value that says that it is none.
+            a path and the value that marks that it is none.
     """
 
     id: str
@@ -173,7 +173,7 @@ def source_of(name: str) -> Source:
 
 
 def _source(name: str, paths: Mapping[str, Any]) -> Source:
-    """Return where a variable comes from; names with keys are told by the document."""
+    """Return where a variable comes from; names with keys are in the document."""
     head = source_of(name.partition(".")[0].partition("[")[0]).id
     return Source(head, tuple(paths[name])) if name in paths else source_of(name)
 
@@ -195,7 +195,7 @@ def _measured(message: Any, source: Source) -> Any:
     """Return a value of a message.
 
     Raises:
-        LookupError: it is not there, or the message says that it was not measured.
+        LookupError: it is missing, or the message marks it as not measured.
     """
     value = read_path(message, source.path)
     for check in source.checks:
@@ -206,7 +206,7 @@ def _measured(message: Any, source: Source) -> Any:
 
 
 def _is_measurement(message: Any, value: Any, check: Sequence[Any]) -> bool:
-    """Tell whether a message says that a value of it was measured."""
+    """Return whether a message marks a value of it as measured."""
     if check[0] == "unless":
         return bool(follow(message, check[1]) != check[2])
     low, high = (follow(message, path) for path in check[1:])

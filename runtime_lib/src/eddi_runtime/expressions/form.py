@@ -1,6 +1,6 @@
 """The intermediate form of events: a typed expression graph in JSON, checked before it is used.
 
-``nodes`` stand in the order of evaluation, each argument before its use; equal sub-expressions are
+``nodes`` are in the order of evaluation, each argument before its use; equal sub-expressions are
 one node. No name takes part in the evaluation: variables are numbered.
 """
 
@@ -88,7 +88,7 @@ class Variable(NamedTuple):
         infinite: infinity is a value.
         literals: texts of an ENUM.
         stamped: the time of its sample is asked for (AGE or TIMEOUT).
-        text: it comes as a text that says a number in decimal.
+        text: it comes as a text that represents a number in decimal.
         reduction: how it is made of the lists of a message; None: it comes as it is.
     """
 
@@ -168,7 +168,7 @@ def read_form(document: Mapping[str, Any]) -> Form:
     where = "the form"
     if take(document, "version", int, where) != VERSION:
         raise ModelError("", f"the form has another version than {VERSION}")
-    period = _whole(take(document, "period", int, where), "period", 0)
+    period = _check_bounds(take(document, "period", int, where), "period", 0)
     rows = take(document, "nodes", list, where)
     aged = {row.get("value") for row in rows if isinstance(row, dict) and row.get("op") == "age"}
     variables = tuple(
@@ -189,7 +189,7 @@ def read_form(document: Mapping[str, Any]) -> Form:
 
 def used_variables(form: Form) -> List[List[int]]:
     """Return for each output the numbers of the variables that it depends on, in order."""
-    masks: List[int] = []  # of each node, whose operands stand before it
+    masks: List[int] = []  # of each node, whose operands are before it
     for node in form.nodes:
         mask = 1 << int(node.value) if node.op in ("variable", "age") else 0
         for k in node.args:
@@ -199,7 +199,7 @@ def used_variables(form: Form) -> List[List[int]]:
     return [[k for k in count if masks[output.node] >> k & 1] for output in form.outputs]
 
 
-def _whole(value: int, name: str, least: int) -> int:
+def _check_bounds(value: int, name: str, least: int) -> int:
     if not least <= value <= MAX_NS:
         raise ModelError("", f"{name} {value} is out of bounds")
     return value
@@ -222,7 +222,7 @@ def _variable(item: Any, where: str, *, aged: bool) -> Variable:
         limits = (_finite(limits[0], where), _finite(limits[1], where))
     timeout = item.get("timeout")
     if timeout is not None:
-        _whole(take(item, "timeout", int, where), "timeout", 1)
+        _check_bounds(take(item, "timeout", int, where), "timeout", 1)
     literals = item.get("literals", [])
     if not isinstance(literals, list) or not all(isinstance(one, str) for one in literals):
         raise ModelError("", f"'literals' of {where} is not a list of texts")
@@ -295,7 +295,7 @@ def _index(row: Any, where: str, end: int) -> int:
 
 
 def _window(op: str, row: Any, where: str, period: int) -> Dict[str, Any]:
-    length = _whole(take(row, "window", int, where), "window", max(1, period))
+    length = _check_bounds(take(row, "window", int, where), "window", max(1, period))
     found: Dict[str, Any] = {"window": length}
     if period == 0:
         raise ModelError("", f"{where} has a window, but there is no period")

@@ -1,8 +1,8 @@
 """Reductions of lists: the nearest obstacle of a scan, the share of a condition that holds.
 
 A reduction sees the lists and numbers of one message and gives one value. Every operation is done
-on whole columns, one after the other. The text below the imports stands in generated modules as it
-is here.
+on whole columns, one after the other. The text below the imports is copied into generated modules
+unchanged.
 """
 
 from __future__ import annotations

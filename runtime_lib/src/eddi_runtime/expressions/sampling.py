@@ -29,7 +29,7 @@ class Sampling:
     Attributes:
         inputs: what the host gives, once each, in the order of the variables.
         uses: for each variable the numbers of the inputs that it is made of.
-        reasons: for each variable why it was UNKNOWN in the last step, as far as its lists say.
+        reasons: for each variable why it was UNKNOWN in the last step, as far as its lists show it.
     """
 
     def __init__(self, form: Form) -> None:

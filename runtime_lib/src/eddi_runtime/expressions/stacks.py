@@ -4,7 +4,7 @@ The old samples carry what was gathered from the newest of them on, the new ones
 since: the value is one of each, so that a spike that has left leaves no error behind. When the old
 ones have run out, the new ones become old: O(1) amortised, as many steps as samples at the worst.
 
-The classes stand in generated modules as they are here (``inspect.getsource``).
+The classes are copied into generated modules unchanged (``inspect.getsource``).
 """
 
 from __future__ import annotations

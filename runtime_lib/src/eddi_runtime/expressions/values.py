@@ -1,9 +1,9 @@
 """Three-valued numbers and truth values for hand-written code around events.
 
-Generated code does not compute with them: they stand at the interface only. In SESAME D7.2's
+Generated code does not compute with them: they are used at the interface only. In SESAME D7.2's
 sample an UNKNOWN comparison counts as true; here it is no Python condition at all.
 
-The classes stand in generated modules as they are here (``inspect.getsource``).
+The classes are copied into generated modules unchanged (``inspect.getsource``).
 """
 
 from __future__ import annotations
@@ -63,11 +63,11 @@ class BoolVal:
         return self.truth == 2
 
     def is_true(self) -> bool:
-        """Tell whether it is TRUE: the question to ask for evidence."""
+        """Return whether it is TRUE: the question to ask for evidence."""
         return self.truth == 2
 
     def is_false(self) -> bool:
-        """Tell whether it is FALSE: the question to ask for the absence of a hazard."""
+        """Return whether it is FALSE: the question to ask for the absence of a hazard."""
         return self.truth == 0
 
     def __bool__(self) -> bool:

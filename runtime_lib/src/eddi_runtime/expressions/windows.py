@@ -4,7 +4,7 @@ A window at time t holds the samples in (t - length, t]. It is full when the tim
 sample (after the start, a gap, or a clock that went back) is at least ``need`` = length - period.
 An UNKNOWN sample is NaN; it makes the window UNKNOWN as long as it is inside.
 
-The classes stand in generated modules as they are here (``inspect.getsource``).
+The classes are copied into generated modules unchanged (``inspect.getsource``).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Window:
         length: nanoseconds.
         need: time since the first sample from which on it is full.
         bad: time of the last sample that makes it UNKNOWN.
-        capacity: samples that fit; a host may step twice as often as the rate says.
+        capacity: samples that fit; a host may step at twice the rate.
         overflows: how often the oldest sample had to go too early. The window is UNKNOWN until
             the time of the overflow has left it.
     """

@@ -44,7 +44,7 @@ class _Seen(NamedTuple):
 
 
 class _Reasons(NamedTuple):
-    """What the monitor said when it was asked last.
+    """The last report of the monitor.
 
     Attributes:
         at: monotonic seconds.
@@ -247,9 +247,9 @@ class Changes:
         before, self._last = self._last, now
         for name, active in now.items():
             if before is not None and before.get(name, active) is not active:
-                self._say(name, active)
+                self._log_change(name, active)
 
-    def _say(self, name: str, active: bool) -> None:
+    def _log_change(self, name: str, active: bool) -> None:
         second = time.monotonic()
         if second - self._window >= 1.0:
             hidden = self._lines - _CHANGES_PER_S

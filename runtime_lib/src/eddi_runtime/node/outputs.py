@@ -56,7 +56,7 @@ def beside(monitor: Any, name: str) -> Trees:
     """
     make = getattr(monitor, f"{name}_message", None)
     if make is None:
-        raise MessageError(f"the monitor gives no message {name!r} beside its result")
+        raise MessageError(f"the monitor gives no message {name!r} in addition to its result")
     trees: Trees = make()
     return trees
 
@@ -64,7 +64,7 @@ def beside(monitor: Any, name: str) -> Trees:
 def check_outputs(
     converter: Converter, result: Trees, monitor: Any, outputs: Iterable[Output]
 ) -> None:
-    """Check that the messages of the workspace can carry what the monitor says.
+    """Check that the messages of the workspace can carry what the monitor publishes.
 
     Args:
         converter: of the node.

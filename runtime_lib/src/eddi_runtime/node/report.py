@@ -1,6 +1,6 @@
-"""What the diagnostics say about one monitor: pure functions from facts to levels and words.
+"""Diagnostics of one monitor: pure functions from facts to levels and messages.
 
-Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" are said of when a
+Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" refer to when a
 message came, "satisfied" and "good" only of evidence that speaks for a guarantee.
 """
 
@@ -157,19 +157,19 @@ def report(
 
 
 def because(fact: InputFact) -> str:
-    """Say in one line why an input is not fresh, with the topics that are to blame."""
+    """Return in one line why an input is not fresh, with the topics that are late or missing."""
     if fact.state == LATCHED:
         return "age unknown"
     if fact.state not in (WAITING, NEVER, LATE):
         return fact.reason
-    said = []
+    parts = []
     absent = ", ".join(one.topic for one in fact.sources if one.age is None)
     if absent and fact.state == WAITING:
-        said.append(f"waiting for first message of {absent}")
+        parts.append(f"waiting for first message of {absent}")
     elif absent:
-        said.append(f"never received since start: {absent}")
-    said += [_late(one, fact.limit) for one in fact.sources if _is_late(one, fact.limit)]
-    return ", ".join(said) or fact.reason
+        parts.append(f"never received since start: {absent}")
+    parts += [_late(one, fact.limit) for one in fact.sources if _is_late(one, fact.limit)]
+    return ", ".join(parts) or fact.reason
 
 
 def _is_late(source: SourceFact, limit: Union[float, str, None]) -> bool:
@@ -191,14 +191,16 @@ def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
         one: a guarantee, threshold or event.
         inputs: input id -> what is known of it.
     """
-    said = [one.reason] if one.reason else []
+    parts = [one.reason] if one.reason else []
     for name, why in one.lacks[:_NAMED]:
         fact = inputs.get(name)
-        told = "" if fact is None or fact.state == FRESH else because(fact)
-        said.append(f"{name}: {told or why}")
+        late = "" if fact is None or fact.state == FRESH else because(fact)
+        parts.append(f"{name}: {late or why}")
     if len(one.lacks) > _NAMED:
-        said.append(f"and {len(one.lacks) - _NAMED} more inputs")
-    return ": ".join(["active" if one.active else "inactive", *(["; ".join(said)] if said else ())])
+        parts.append(f"and {len(one.lacks) - _NAMED} more inputs")
+    return ": ".join(
+        ["active" if one.active else "inactive", *(["; ".join(parts)] if parts else ())]
+    )
 
 
 def _standing_value(one: Standing, inputs: Mapping[str, InputFact]) -> Tuple[str, str]:

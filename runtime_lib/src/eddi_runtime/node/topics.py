@@ -33,7 +33,7 @@ class Output(NamedTuple):
         type: ROS message class of the message.
         status_topic: ROS name of the facts behind the result, ``None`` for none.
         status_type: its message class (with a header), ``None`` for none.
-        field: where the value stands that is published alone, as ``data`` of a message of
+        field: place of the value that is published alone, as ``data`` of a message of
             std_msgs: names of fields, positions and ``("id", id)``; empty: the whole message.
         only: id of the one message, of several in a step, that goes here; ``None``: all.
         of: which message of the monitor: empty for the result, else the name of one beside it

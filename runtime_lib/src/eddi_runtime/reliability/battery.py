@@ -100,7 +100,9 @@ class Battery(Component):
         band = 4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1
         if band > self._band and not self._repair:
             self.latched += 1
-            self._say(self._level, "it rises to a higher band; ignored, for want of `repair: true`")
+            self._report_fault(
+                self._level, "it rises to a higher band; ignored without `repair: true`"
+            )
             return None if self._missed else level
         self._band, self._missed = band, False
         return level

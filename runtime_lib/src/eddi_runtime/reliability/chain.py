@@ -121,7 +121,7 @@ class Chain:
         return Seen(mask, unknown, bounds, worst, powers, block, fatal, alive)
 
     def observation(self, mask: np.ndarray) -> Observation:
-        """Return what known inputs say that leave the states of a mask."""
+        """Return the observation by known inputs that leave the states of a mask."""
         inside = np.flatnonzero(mask)
         if not len(inside):
             return Observation(mask, min(self.fail), fatal=False, alive=False)

@@ -11,10 +11,10 @@ from .estimate import Estimate, Moment, Values
 from .limit import Limit
 
 Known = Mapping[str, Estimate]
-"""Model -> what it said in this step."""
+"""Model -> what it reported in this step."""
 
 NOTHING: Mapping[str, str] = MappingProxyType({})
-AGAIN = "it says that what failed works again; ignored, for want of `repair: true`"
+AGAIN = "it reports that a failed part works again; ignored without `repair: true`"
 
 
 def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
@@ -36,10 +36,10 @@ class Component:
 
     @property
     def grows(self) -> bool:
-        """Tell whether what lies ahead never gets less probable with the horizon."""
+        """Return whether what lies ahead never gets less probable with the horizon."""
         return True
 
-    def _say(self, name: str, text: str) -> None:
+    def _report_fault(self, name: str, text: str) -> None:
         self.said = {**self.said, name: text}
 
     def _most(self, values: Values, limit: Limit) -> Tuple[float, bool]:
@@ -48,7 +48,7 @@ class Component:
         if value is not None:
             return value, True
         if fault:
-            self._say(limit.name, fault)
+            self._report_fault(limit.name, fault)
         return limit.worst, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:

@@ -110,7 +110,7 @@ class Propulsion(Component):
         if self._failed[motor] and value is not False and not self._repair:
             if value is True:
                 self.latched += 1
-                self._say(self._inputs[motor][0], AGAIN)
+                self._report_fault(self._inputs[motor][0], AGAIN)
             return False
         self._failed[motor] = value is False
         return value

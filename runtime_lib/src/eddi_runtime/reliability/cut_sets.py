@@ -61,7 +61,7 @@ def minimal_cut_sets(
         The sets; None when there are more than ``limit`` on the way, or it takes more work.
 
     Raises:
-        ValueError: the tree is not coherent, so that a set of events does not say enough.
+        ValueError: the tree is not coherent, so that a set of events is not sufficient.
     """
     if not diagram.coherent:
         raise ValueError("a tree with NOT or XOR has no minimal cut sets")
@@ -120,7 +120,7 @@ def cut_sets_of_gates(
         work.
 
     Raises:
-        ValueError: the tree is not coherent, so that a set of events does not say enough.
+        ValueError: the tree is not coherent, so that a set of events is not sufficient.
     """
     used = sorted(reached(events, gates, top))
     if any(gates[n - events].type not in COHERENT for n in used if n >= events):

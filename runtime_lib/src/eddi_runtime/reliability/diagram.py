@@ -192,7 +192,7 @@ class _Builder:
 
     def _gate(self, gate: Gate, done: Dict[int, int]) -> int:
         below = [done[n] for n in gate.of]
-        # from behind: later inputs stand deeper, so each step only adds nodes on top
+        # from behind: later inputs are deeper, so each step only adds nodes on top
         if gate.type == "NOT":
             return self._ite(below[0], FALSE, TRUE) if below else FALSE
         if gate.type == "VOTE":

@@ -1,4 +1,4 @@
-"""What each model says in a step, and when the step is."""
+"""Result of each model in a step, and the time of the step."""
 
 from __future__ import annotations
 

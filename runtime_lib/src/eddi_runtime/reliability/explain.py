@@ -1,4 +1,4 @@
-"""What stands behind a result: what is known, what is not, and what matters most."""
+"""Explanation of a result: what is known, what is not, and what matters most."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class Explanation:
-    """What stands behind the result of one step.
+    """Explanation of the result of one step.
 
     Attributes:
         result: of the step.

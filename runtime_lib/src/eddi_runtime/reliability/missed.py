@@ -40,7 +40,7 @@ class Missed:
         moved = self._chain.after(self.beliefs, moment.quanta)
         left = [self._left(moved, one) for one in seen.completions]
         reason = "" if any(len(rows) for rows in left) else INCONSISTENT
-        self.beliefs = hull(np.concatenate(list(map(self._whole, left, seen.completions))))
+        self.beliefs = hull(np.concatenate(list(map(self._believe, left, seen.completions))))
         self.lost = any(one.fatal or (self.lost and not one.alive) for one in seen.completions)
         if seen.unknown:
             return Estimate(*seen.bounds[moment.at], seen.unknown, reason)
@@ -56,7 +56,7 @@ class Missed:
             return np.vstack([left, self._chain.sure_of(one.worst)])
         return left
 
-    def _whole(self, left: np.ndarray, one: Observation) -> np.ndarray:
+    def _believe(self, left: np.ndarray, one: Observation) -> np.ndarray:
         """Return what is believed after an observation, also when it leaves nothing."""
         return hull(left) if len(left) else self._chain.sure_of(one.worst)[np.newaxis]
 

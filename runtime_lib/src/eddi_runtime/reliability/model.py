@@ -39,7 +39,7 @@ class Plan(NamedTuple):
         quantum_ns: nanoseconds of one step of the chains.
         thresholds: in the order of the model.
         worst_case: evidence follows the worst case of unknown inputs.
-        max_gap_ns: a longer time between two steps is said.
+        max_gap_ns: a longer time between two steps is reported.
     """
 
     components: Mapping[str, Component]
@@ -58,7 +58,7 @@ def read_plan(model: Mapping[str, Any]) -> Plan:
     """Read and compile a model.
 
     Raises:
-        ModelError: something is missing or wrong; the reason says what.
+        ModelError: something is missing or wrong; the reason describes it.
     """
     where = "the model"
     moving = take(model, MISSION_END, bool, where)
@@ -98,7 +98,7 @@ def _threshold(item: Any) -> Threshold:
 
 
 class _Reader:
-    """Makes components, each of what stands before it."""
+    """Makes components, each from the ones before it."""
 
     def __init__(self, quantum: float, horizons: Horizons) -> None:
         self.components: Dict[str, Component] = {}
@@ -137,7 +137,7 @@ class _Reader:
 
     def _used(self, name: str, where: str) -> str:
         if name not in self.components:
-            raise ModelError("", f"{where} uses {name!r}, which does not stand before it")
+            raise ModelError("", f"{where} uses {name!r}, which is not defined before it")
         self._own += self.uses[name]
         return name
 

@@ -35,7 +35,7 @@ def build(
 
     Args:
         model_file: the model.
-        hooks: not used: all code of a person stands in EDDIInput.
+        hooks: not used: all hand-written code is in EDDIInput.
 
     Raises:
         ModelError: the model is wrong.
@@ -274,7 +274,7 @@ class ReliabilityMonitor:
         )  # fmt: skip
 
     def status_message(self) -> Optional[Tree]:
-        """Return None: the output says all there is to say."""
+        """Return None: the output is complete."""
         return None
 
     def standings(self) -> List[Standing]:

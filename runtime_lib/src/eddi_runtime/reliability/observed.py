@@ -84,7 +84,7 @@ class MarkovChain(Component):
         given = dict(zip(self._names, verdicts))
         for state, name, negated in self._observe:
             if state in self.chain.fail and given[name] is negated:
-                self._say(name, AGAIN)
+                self._report_fault(name, AGAIN)
         return sure(1.0, 0.0, 0.0, INCONSISTENT)
 
     def _bounded(self, moment: Moment, seen: Seen) -> Estimate:

@@ -1,4 +1,4 @@
-"""What a step gives, and how it is told to programs, plots and ROS."""
+"""Result of a step, and its form for programs, plots and ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the inputs say of a chain in a step."""
+"""Observations of a chain in a step."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ KEPT = 64
 
 
 class Observation(NamedTuple):
-    """What known inputs say of a chain.
+    """Observations of a chain by known inputs.
 
     Attributes:
         mask: one 1.0 or 0.0 per state, whether it is consistent with the inputs.
@@ -27,7 +27,7 @@ class Observation(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What the inputs say of a chain, and what follows from it in every step.
+    """Observations of a chain, and what follows from them in every step.
 
     Attributes:
         mask: one 1.0 or 0.0 per state, whether it is consistent with the inputs; None: all are.
@@ -39,8 +39,8 @@ class Seen(NamedTuple):
             and to the belief at the end; None: each step by itself.
         fatal: nothing but failure is consistent.
         alive: failure is not consistent, something else is.
-        completions: what the inputs may say with what is not known; what others would say is made
-            of these. Empty where nobody asks.
+        completions: possible observations with what is not known; the others are made
+            of these. Empty where it is not needed.
     """
 
     mask: Optional[np.ndarray]

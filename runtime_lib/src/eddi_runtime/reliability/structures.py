@@ -28,7 +28,7 @@ def motors_of(configuration: str) -> Optional[int]:
 
 
 def operational(configuration: str, failed: Failed) -> bool:
-    """Tell whether a frame flies with these motors failed."""
+    """Return whether a frame flies with these motors failed."""
     name = _usual(configuration)
     if name == "PNPN":
         return not failed

@@ -31,7 +31,7 @@ class Event(NamedTuple):
             ``model`` (of another model), ``PAND`` or ``POR`` (rates of the inputs, 1/h).
         values: numbers of the law.
         model: name of the model.
-        input: id of the input that says whether it has happened; None: not observed.
+        input: id of the input that reports whether it has happened; None: not observed.
         age: hours that it had run before the start of the mission.
     """
 
@@ -75,7 +75,7 @@ class FaultTree(Component):
         repair: an event that has happened may be undone.
         limit: nodes of the diagram.
         cut_sets: all minimal cut sets of a coherent tree whose diagram would be too large: its
-            probability is then told by bounds.
+            probability is then given by bounds.
 
     Raises:
         TooLargeError: the diagram has more nodes than the limit.
@@ -121,7 +121,7 @@ class FaultTree(Component):
 
     @property
     def grows(self) -> bool:
-        """Tell whether the tree is coherent."""
+        """Return whether the tree is coherent."""
         return self._bounded is not None or self._diagram.coherent
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
@@ -179,7 +179,7 @@ class FaultTree(Component):
             name = self.events[i].input
             if value is False and name is not None:
                 self.latched += 1
-                self._say(name, AGAIN)
+                self._report_fault(name, AGAIN)
             return True
         self._failed[i] = value is True
         return value

@@ -17,7 +17,7 @@ from .arrays import Array, Backend
 
 
 class _Groups(NamedTuple):
-    """The values that stand in the reference more than once; each array is (K, Q).
+    """The values that occur in the reference more than once; each array is (K, Q).
 
     Attributes:
         below: reference values below the group.

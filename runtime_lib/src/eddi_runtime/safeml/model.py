@@ -30,7 +30,7 @@ class SafeMLModel(NamedTuple):
         significance_level: per step, over all tests.
         threshold: of every test; n m D for ``ks``.
         threshold_theoretical: the same for independent samples.
-        hold: the last verdict stands while there is none; else it becomes false.
+        hold: the last verdict is kept while there is none; else it becomes false.
         max_age: seconds without a sample after which the window is emptied; ``None``: never.
         array_backend: library of the arrays.
     """

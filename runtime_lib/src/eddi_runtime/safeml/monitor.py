@@ -29,7 +29,7 @@ def build(
 
     Args:
         model_file: the model.
-        hooks: not used: all code of a person stands in EDDIInput.
+        hooks: not used: all hand-written code is in EDDIInput.
 
     Raises:
         ModelError: the model is wrong, or the reference is not the one of the thresholds.
@@ -175,7 +175,7 @@ class SafeMLMonitor:
         )
 
     def _too_old(self, now: int) -> bool:
-        """Tell whether the window is too old; a clock that jumped back begins the age anew."""
+        """Return whether the window is too old; a clock that jumped back begins the age anew."""
         if self._accepted_ns is None or self._model.max_age is None:
             return False
         self._accepted_ns = min(self._accepted_ns, now)
@@ -239,7 +239,7 @@ class SafeMLMonitor:
     def message(self, output: Any) -> Tree:
         """Return a result as a ``SafeMLOutput`` tree; never raises.
 
-        What a person's code has spoilt is published as an omission; ``output_faults`` says so.
+        What hand-written code has spoilt is published as an omission; ``output_faults`` reports it.
         """
         tree, faults = result.output_message(output, self._model.significance_level)
         self._output_faults = tuple(faults)

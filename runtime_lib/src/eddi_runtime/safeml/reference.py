@@ -8,7 +8,7 @@ from typing import Any, List, Tuple
 import numpy as np
 
 BLANKS = " \t\v\f"
-"""What may stand around a number, as ``float`` has it for ASCII."""
+"""Characters allowed around a number, as in ``float`` for ASCII."""
 
 _LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
 

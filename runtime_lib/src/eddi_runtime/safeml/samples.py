@@ -1,4 +1,4 @@
-"""What the robot says -> samples: any value is taken, and what is no sample is counted as such."""
+"""Turn values of the robot into samples: any value is taken, and invalid ones are counted."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _array(message: Any) -> Any:
     """Return numbers as float64 (), (d,) or (r, d).
 
     Raises:
-        _NoNumbersError: it is anything else; says what.
+        _NoNumbersError: it is anything else; the text names it.
     """
     of = type(message).__name__
     shape: Any = None

@@ -1,4 +1,4 @@
-"""How a node ends: once, soon, and with a status that says why.
+"""End of a node: once, soon, and with a status that gives the reason.
 
 rospy's own shutdown talks to the ROS master without a time limit; a master that hangs, or a host
 that vanished, would keep the process (and roslaunch) waiting.

@@ -79,7 +79,7 @@ class Peer:
 
 
 def answers_as(uri: str, node: str, caller: str) -> bool:
-    """Tell whether a living node of this name answers at an address.
+    """Return whether a living node of this name answers at an address.
 
     A dead registration may point to a port that another node has by now, hence the name is
     asked for too; ``getName`` exists in rospy only, where it is missing ``getPid`` decides.

@@ -21,7 +21,7 @@ _POLL_S = 0.2
 
 
 class StartError(Exception):
-    """The node must not start; the text says why and is meant for a person."""
+    """The node must not start; the text gives the reason for the user."""
 
 
 def node_name(name: str) -> str:
@@ -37,20 +37,20 @@ def wait_for_master(node: str) -> Peer:
     if not str(uri).startswith(("http://", "https://")):
         raise StartError(f"ROS_MASTER_URI is no http address: {uri}")
     master = Peer(uri, node)
-    told = False
+    reported = False
     while True:
         try:
             master.call("getPid")
         except Refused:  # noqa: PERF203 - waits anyway
             return master
         except Unreachable as error:
-            if not told:
-                told = True
-                _say(node, f"the ROS master does not answer, waiting for it ({error})")
+            if not reported:
+                reported = True
+                _write_to_stderr(node, f"the ROS master does not answer, waiting for it ({error})")
             time.sleep(_POLL_S)
         else:
-            if told:
-                _say(node, "the ROS master answers")
+            if reported:
+                _write_to_stderr(node, "the ROS master answers")
             return master
 
 
@@ -100,7 +100,7 @@ def model_file(given: Optional[str], script_file: str, package: str) -> Path:
     return Path(given)
 
 
-def _say(node: str, text: str) -> None:
+def _write_to_stderr(node: str, text: str) -> None:
     # rospy's log goes nowhere before init_node.
     sys.stderr.write(f"{node}: {text}\n")
     sys.stderr.flush()

@@ -56,7 +56,7 @@ class _Slot:
 def _stamped_age(message: Any) -> float:
     """Return how old a message is by its header; one from the future may be of any age, too."""
     made = getattr(getattr(message, "header", None), "stamp", None)
-    if not made or not rospy.rostime.is_rostime_initialized():  # a stamp of zero says nothing
+    if not made or not rospy.rostime.is_rostime_initialized():  # a stamp of zero is no time
         return UNKNOWN_AGE
     age = float((rospy.Time.now() - made).to_sec())
     return age if age >= 0.0 else UNKNOWN_AGE

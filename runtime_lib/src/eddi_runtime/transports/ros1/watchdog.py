@@ -1,7 +1,7 @@
-"""Looks at the ROS master every few seconds, in a thread of its own.
+"""Check the ROS master every few seconds, in a thread of its own.
 
-A rospy node registers once. When roscore is restarted the node stays unknown for ever and nobody
-says so. The watchdog notices it and registers the node again, or ends the process so that
+A rospy node registers once. When roscore is restarted the node stays unknown forever, without any
+report. The watchdog detects it and registers the node again, or ends the process so that
 ``respawn`` brings it back. It also finds a second node of the same name and publishers whose
 message type does not fit.
 """
@@ -175,7 +175,7 @@ def _own_topics() -> List[str]:
 
 
 def reregister(master: Peer, node: str, own_uri: str) -> None:
-    """Tell a master everything that rospy's own start told the former one.
+    """Register everything at a new master that rospy's own start registered at the former one.
 
     The topic manager and the service manager are inner parts of rospy (ros_comm 1.15.15): a test
     guards this function per version.

@@ -15,7 +15,7 @@ from conserta.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):
-    """Subscribes the evidence, runs one monitor step per period, publishes the result."""
+    """Subscribe to the evidence, run one monitor step per period, publish the result."""
 
     NAME = 'conserta'
     FREQUENCY = 10.0

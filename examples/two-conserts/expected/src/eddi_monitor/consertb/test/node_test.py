@@ -12,7 +12,7 @@ import rostest
 
 
 class NodeTest(unittest.TestCase):
-    """The node publishes before any evidence has come."""
+    """The node publishes before any evidence has arrived."""
 
     def test_publishes_at_once(self):
         rospy.wait_for_message('consertb/guarantees', eddi_messages.msg.ConSertOutput, timeout=30)

@@ -4,7 +4,7 @@ from eddi_runtime.places import find_model
 
 
 class EDDIMonitor:
-    """Runs the model; `monitor` offers more than a step: faults() and, of most kinds, explain()."""
+    """Run the model; `monitor` offers more than a step: faults() and, of most kinds, explain()."""
 
     def __init__(self, model=None):
         """Load the model from the given path, by default from the package's config folder."""
