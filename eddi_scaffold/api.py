@@ -14,7 +14,7 @@ from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import Model, Reading
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import Outcome, bring
+from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import root_below
 from eddi_scaffold.platforms import chosen
@@ -100,7 +100,7 @@ def generate(
     root = root_below(folder, target.root)
     monitors, problems = monitors_of(model, configs)
     packages = assemble(monitors, target, root, problems).packages
-    return bring(root, packages, own_template(), dry_run=dry_run)
+    return write_packages(root, packages, own_template(), dry_run=dry_run)
 
 
 def run(

@@ -51,7 +51,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
         fields_of: message type -> its fields, ``None`` when they are not known.
 
     Raises:
-        FieldPathError: the path leads nowhere; the message reports where it ends and lists the fields.
+        FieldPathError: the path leads nowhere; the message reports where it ends, with the fields.
     """
     taken: list[Step] = []
     of, parent = message, message
