@@ -5,10 +5,10 @@ from . import eddi_runtime
 
 
 class EDDIMonitor:
-    """Runs the model; `monitor` offers more than a step: faults() and, of most kinds, explain()."""
+    """Run the model; `monitor` offers more than a step: faults() and, of most kinds, explain()."""
 
     def __init__(self, model=None):
-        """Load the model from the given path, by default the file beside this module."""
+        """Load the model from the given path, by default the file next to this module."""
         beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'model.json')
         self.monitor = eddi_runtime.load(model or beside)
 

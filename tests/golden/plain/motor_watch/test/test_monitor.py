@@ -15,7 +15,7 @@ from motor_watch.EDDIMonitor import EDDIMonitor  # noqa: E402
 
 
 class MonitorTest(unittest.TestCase):
-    """What must hold whatever the robot does."""
+    """Properties that hold regardless of the robot."""
 
     def setUp(self):
         self.eddi_monitor = EDDIMonitor()
