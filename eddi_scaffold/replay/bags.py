@@ -17,7 +17,6 @@ from eddi_scaffold.problems import (
     EddiError,
     Place,
     Problem,
-    did_you_mean,
     error,
     has_errors,
     info,
@@ -164,7 +163,7 @@ def _wrong_types(
                 )
                 index = config.config.SimulatorOutputs.index(source)
                 place = config.place("SimulatorOutputs", index, "type")
-                yield error("I012", message, place, did_you_mean(of, [source.type]))
+                yield error("I012", message, place, f"write `type: {of}` if the bag is right")
 
 
 def written_by_hand(monitor: Monitor) -> list[str]:

@@ -50,7 +50,6 @@ class Standing(NamedTuple):
 
 
 _FOLDER = [str(Path(__file__).parent)]
-_NO_KINDS = frozenset(["node", "transports"])
 
 
 class Monitor(Protocol):
@@ -149,7 +148,7 @@ def build(model_file: ModelFile, hooks: Any = None) -> Monitor:
         raise ModelError(model_file.path, problem.reason) from None
 
 
-_NO_KINDS = frozenset({"expressions", "ros1"})
+_NO_KINDS = frozenset({"expressions", "node", "transports"})
 """Folders beside those of the kinds."""
 
 
