@@ -226,7 +226,7 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
             of = "elements" if window is None else "samples"
             text = f"{coverage:.0%} of the {of} for all of them"
             found[Silence(f"COVERAGE {coverage:g}", text, window, at)] = None
-        elif variable.get("infinite"):
+        if variable.get("infinite"):
             found[Silence("ALLOW INF", "an infinite value", None, at)] = None
     return list(found)
 

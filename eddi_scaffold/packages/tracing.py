@@ -50,7 +50,7 @@ class Trace:
         model: id of the model.
         file: model file it was generated from.
         sha256: digest of that file's bytes.
-        model_sha256: digest of ``config/model.json``, which the monitor checks when it starts.
+        model_sha256: digest of the package's ``model.json``, which the monitor checks when it starts.
         outputs: topics it publishes.
         facts: lines about the whole, such as the result of a cross-check.
         rows: elements in the order of the model.
@@ -91,7 +91,7 @@ class Trace:
         head = [
             f"{self.package}: {self.kind} {self.model}",
             f"  generated from {self.file} (sha256 {self.sha256})",
-            f"  config/model.json has sha256 {self.model_sha256}",
+            f"  model.json has sha256 {self.model_sha256}",
         ]
         head += [f"  publishes {topic}" for topic in self.outputs]
         head += [f"  {fact}" for fact in self.facts]

@@ -198,7 +198,7 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
         (row,) = monitor.execute_step(SimpleNamespace(**{name: values}), second * 10**9)
         return row["active"], monitor.accepted()
 
-    assert said([1.0, 2.0, None], 0) == (True, ("free: COVERAGE 0.5",))
+    assert said([1.0, 2.0, None], 0) == (True, ("free: COVERAGE 0.5", "free: ALLOW INF"))
     assert said([0.1, 0.2, 0.3], 1) == (False, ())
     damaged = json.loads(made.model_json)
     damaged["model"]["accepts"] = {"free": 3}
