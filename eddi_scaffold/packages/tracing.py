@@ -50,7 +50,7 @@ class Trace:
         model: id of the model.
         file: model file it was generated from.
         sha256: digest of that file's bytes.
-        model_sha256: digest of the package's ``model.json``, which the monitor checks when it starts.
+        model_sha256: digest of its ``model.json``, which the monitor checks when it starts.
         outputs: topics it publishes.
         facts: lines about the whole, such as the result of a cross-check.
         rows: elements in the order of the model.

@@ -17,6 +17,8 @@ from eddi_scaffold.packages.examples import names
 from tests.cli.command import ROOT, Result, example, files_below, run
 from tests.diagnosed import assert_example
 
+pytestmark = pytest.mark.slow
+
 COMMANDS = [
     *(
         "example",

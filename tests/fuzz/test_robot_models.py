@@ -19,6 +19,8 @@ from tests.mros.test_outputs import ARM, LASERS, NODES
 from tests.mros.test_reading import BRACE, INDENT, MODEL
 from tests.shared_data import shared
 
+pytestmark = pytest.mark.slow
+
 OWN = [("rossystem", BRACE), ("rossystem", INDENT), ("rossystem", LASERS), ("rossystem", ARM)]
 OWN += [("ros", MODEL), ("ros1", NODES)]
 LIMIT = 1.0

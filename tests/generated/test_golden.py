@@ -14,6 +14,8 @@ import pytest
 from tests.checkouts import HERE, Checkout, tree, without_origin
 from tests.kinds.examples import EXAMPLES
 
+pytestmark = pytest.mark.slow
+
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 PLAIN = HERE / "tests" / "golden" / "plain"
 MODELS = HERE / "tests" / "golden" / "models"

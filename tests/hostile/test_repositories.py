@@ -12,6 +12,8 @@ from tests.cli.command import run
 from tests.hostile import repositories
 from tests.hostile.world import World
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     "hostile", [*repositories.BUILDERS, *repositories.OTHERS], ids=lambda build: build.__name__

@@ -11,6 +11,8 @@ import pytest
 
 from tests.cli.command import ROOT, files_below, run
 
+pytestmark = pytest.mark.slow
+
 EVENTS = """\
 CONST limit = 80
 VAR motor.data : NUMBER UNIT degC TIMEOUT 500ms

@@ -12,6 +12,8 @@ from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 
+pytestmark = pytest.mark.slow
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "two-conserts" / "two_conserts.xml"
 DEFAULT = """
 guarantees:

@@ -15,6 +15,8 @@ import pytest
 from eddi_scaffold.platforms import names, owner_of, platforms
 from tests.checkouts import HERE, Checkout, checkout, git, run, tree, without_origin
 
+pytestmark = pytest.mark.slow
+
 TOY = Path(__file__).with_name("toy")
 TEMPLATES = ("robot", "fleet")
 PLATFORM = "eddi_scaffold/platforms/amiga_500/"

@@ -10,6 +10,8 @@ from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands l
 from tests.cli.command import ROOT, example, files_below, run
 from tests.diagnosed import assert_example
 
+pytestmark = pytest.mark.slow
+
 SOURCES = ("two_conserts.xml", "-c", "consert_a_config.yml")
 BODY = "self.RtE_A_E0 = RtE_E0.data"
 DEMAND = "self.RtE_A_D0 = by_id(consertb.guarantees, 'System_A_G0_c2').active"

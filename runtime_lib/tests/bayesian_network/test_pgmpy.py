@@ -15,6 +15,8 @@ from eddi_runtime.bayesian_network.engine import Engine
 
 from runtime_lib.tests.bayesian_network.networks import furthest
 
+pytestmark = pytest.mark.slow
+
 SETS = 200
 """Half with hard evidence only, half with virtual evidence as well."""
 SMALL = ("asia", "cancer", "earthquake", "sachs", "survey", "child")

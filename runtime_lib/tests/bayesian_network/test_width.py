@@ -14,6 +14,8 @@ from eddi_runtime.documents import ModelError
 
 from runtime_lib.tests.bayesian_network.networks import grid, monitor, network, node
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_chain_is_narrow():
     chain = grid(1, 300)

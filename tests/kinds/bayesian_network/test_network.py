@@ -40,6 +40,8 @@ from tests.kinds.bayesian_network.networks import (
     running,
 )
 
+pytestmark = pytest.mark.slow
+
 EXAMPLE = ROOT / "examples" / "pedestrian"
 
 

@@ -14,6 +14,8 @@ from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
 from tests.kinds.bayesian_network.networks import networks
 
+pytestmark = pytest.mark.slow
+
 TEXTS = {"xdsl": to_xdsl, "xmlbif": to_xmlbif}
 
 

@@ -35,6 +35,8 @@ from eddi_scaffold.problems import has_errors
 from eddi_scaffold.source import Source
 from tests.kinds.consert.example import ROVER
 
+pytestmark = pytest.mark.slow
+
 TRICKY = [
     "On",
     "no",

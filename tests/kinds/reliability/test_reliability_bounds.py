@@ -25,6 +25,8 @@ from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 
+pytestmark = pytest.mark.slow
+
 EVENTS = 7
 
 

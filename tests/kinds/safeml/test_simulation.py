@@ -13,6 +13,8 @@ from eddi_scaffold.kinds.safeml.model import Metric
 from eddi_scaffold.kinds.safeml.thresholds import theoretical
 from tests.kinds.safeml.simulation import WINDOW, Rows, planned, power, process, rate
 
+pytestmark = pytest.mark.slow
+
 METRICS: tuple[Metric, ...] = ("ks", "cvm", "ad")
 
 
