@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 from eddi_scaffold.language.diagnostics import Findings
 
 TokenKind = Literal["word", "number", "text", "symbol", "end"]
+_KINDS: Mapping[str, TokenKind] = {
+    "word": "word",
+    "number": "number",
+    "text": "text",
+    "symbol": "symbol",
+}
+"""Group of the pattern below -> kind of the token."""
 RESERVED = frozenset(
     {
         *("AND", "OR", "XOR", "NOT", "IMPLIES", "TRUE", "FALSE", "UNKNOWN"),
@@ -70,8 +78,8 @@ def tokens_of(text: str, findings: Findings) -> tuple[Token, ...]:
     """Return the tokens of a text; characters outside the language are E001 and left out."""
     found: list[Token] = []
     for match in _TOKEN.finditer(text):
-        if match.lastgroup in ("number", "word", "text", "symbol"):
-            kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # one of these four
+        kind = _KINDS.get(match.lastgroup or "")
+        if kind is not None:
             found.append(Token(kind, match.group(), match.start(), match.end()))
         elif match.lastgroup == "other":
             char = match.group()

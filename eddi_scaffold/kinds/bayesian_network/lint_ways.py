@@ -117,9 +117,10 @@ def constant(value: ast.expr) -> float | None:
     if isinstance(value, ast.UnaryOp) and isinstance(value.op, ast.USub):
         number = constant(value.operand)
         return None if number is None else -number
-    if isinstance(value, ast.Constant) and type(value.value) in (int, float):
+    written = value.value if isinstance(value, ast.Constant) else None
+    if isinstance(written, int | float) and not isinstance(written, bool):
         try:
-            return float(value.value)  # type: ignore[arg-type]  # a number, see above
+            return float(written)
         except OverflowError:
             return None
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 from eddi_scaffold.mros.brace.tokens import Braces, either
 from eddi_scaffold.mros.model import (
@@ -104,9 +105,9 @@ class _ModelReader:
         if braces.accept("FromGitRepo"):
             braces.name("the address of a repository")
         elif braces.accept("Specs", "spec"):
-            braces.block(lambda: draft.specs.append(self._spec()))
+            draft.specs += braces.block(self._spec)
         elif braces.accept("artifact"):
-            braces.block(lambda: draft.artifacts.append(self._artifact()))
+            draft.artifacts += braces.block(self._artifact)
         elif braces.is_word("Artifact"):
             draft.artifacts.append(self._artifact())
             braces.accept_punct(",")
@@ -147,15 +148,9 @@ class _ModelReader:
             section = braces.accept(*_SECTIONS)
             if section is not None:
                 kind, entry, type_word = _SECTIONS[section]
-                braces.block(
-                    lambda kind=kind, entry=entry, word=type_word: interfaces.append(  # type: ignore[misc]  # bound now
-                        self._interface(kind, entry, word)
-                    )
-                )
+                interfaces += braces.block(partial(self._interface, kind, entry, type_word))
             elif braces.accept("Parameters", "parameter"):
-                found: list[int] = []
-                braces.block(lambda found=found: found.append(self._parameter()))  # type: ignore[misc]  # bound now
-                parameters += len(found)
+                parameters += len(braces.block(self._parameter))
             else:
                 break
             braces.accept_punct(",")
@@ -204,9 +199,7 @@ class _ModelReader:
             part = braces.accept(*_PARTS)
             if part is None:
                 break
-            fields: list[Field] = []
-            if not braces.accept("MessageDefinition"):
-                braces.block(lambda fields=fields: fields.append(self._field()))  # type: ignore[misc]  # bound now
+            fields = [] if braces.accept("MessageDefinition") else braces.block(self._field)
             sections.append((part, tuple(fields)))
         braces.close("}", opened, *either(_PARTS))
         return Spec(kind, name, tuple(sections), line, col)

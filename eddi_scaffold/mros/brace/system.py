@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 
 from eddi_scaffold.mros.brace.tokens import Braces, either
 from eddi_scaffold.mros.model import (
@@ -147,23 +148,17 @@ class _SystemReader:
         namespace = from_node = None
         interfaces: list[SystemInterface] = []
         parameters = 0
-
-        def parameter() -> None:
-            nonlocal parameters
-            self._node_parameter()
-            parameters += 1
-
         while True:
             section = braces.accept(*_SECTIONS, *_OLD_SECTIONS)
             if section is not None:
                 of = _SECTIONS.get(section) or _OLD_SECTIONS[section]
-                braces.block(lambda of=of: interfaces.append(self._interface(of)))  # type: ignore[misc]  # bound now
+                interfaces += braces.block(partial(self._interface, of))
             elif braces.accept("NameSpace"):
                 namespace = braces.name("a namespace")
             elif braces.accept("FromRosNode"):
                 from_node = braces.name("a reference to a node")
             elif braces.accept("RosParameters"):
-                braces.block(parameter)
+                parameters += len(braces.block(self._node_parameter))
             else:
                 break
         known = ["NameSpace", "FromRosNode", *_SECTIONS, "RosParameters"]
@@ -219,9 +214,7 @@ class _SystemReader:
         braces = self.braces
         if not braces.is_punct("("):
             return (braces.name("component.interface"),)
-        found: list[str] = []
-        braces.block(lambda: found.append(braces.name("component.interface")), "(")
-        return tuple(found)
+        return tuple(braces.block(lambda: braces.name("component.interface"), "("))
 
 
 def last_part(ref: str) -> str:

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from typing import NoReturn
+from typing import NoReturn, TypeVar
 
 from eddi_scaffold.mros.text import Text, alternatives, quoted
 from eddi_scaffold.problems import nearest
+
+T = TypeVar("T")
 
 _TOKEN = re.compile(
     r"""(?:\s+|//[^\n]*|/\*[\s\S]*?\*/)*
@@ -163,15 +165,17 @@ class Braces:
         self._at += 1
         return unescaped(value)
 
-    def block(self, read: Callable[[], None], opening: str = "{") -> None:
+    def block(self, read: Callable[[], T], opening: str = "{") -> list[T]:
         """Read ``{ element ,? ... }``: a comma may be missing, and one may follow the last."""
+        elements: list[T] = []
         opened = self.open(opening)
         closing = _CLOSING[opening]
         while not self.accept_punct(closing):
             if self.at_end() or any(map(self.is_punct, "})]")):
                 self.close(closing, opened)
-            read()
+            elements.append(read())
             self.accept_punct(",")
+        return elements
 
     def skip_group(self) -> None:
         """Take a balanced group of brackets.
