@@ -275,6 +275,10 @@ def _none(_: Model) -> Any:
     return ()
 
 
+def _not_in_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]) -> Reading:
+    return Reading((), ())
+
+
 def _no_meanings(_document: JsonValue | None, _part: str | None) -> Meanings:
     return {}
 
@@ -301,7 +305,7 @@ class Functions(Generic[M]):
     """What a kind does with its models, which are of the type ``M``.
 
     Attributes:
-        read_eddi: EDDI document -> models and problems.
+        read_eddi: EDDI document -> models and problems; by default an EDDI has none of them.
         read_file: such a file -> models and problems.
         check: problems of one model that the readers do not see (static checks).
         counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
@@ -337,13 +341,13 @@ class Functions(Generic[M]):
             kind, ``None`` where it does, or where nothing is asked of that input.
     """
 
-    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading]
     read_file: Callable[[Source, Sequence[str]], Reading]
     counts: Callable[[M], Mapping[str, int]]
     outline: Callable[[M], Sequence[str]]
     export: Callable[[M], Mapping[str, str]]
     inputs: Callable[[M], Sequence[ModelInput]]
     runtime_model: Callable[[M], dict[str, JsonValue]]
+    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading] = _not_in_eddi
     check: Callable[[M], Sequence[Problem]] = _none
     beside: Callable[[M], Mapping[str, str]] = _nothing
     configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is

@@ -7,7 +7,7 @@ claim, with the sign of everything above it: ``NOT``, the left side of ``IMPLIES
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import eq, ge, gt, le, lt, ne
 from typing import Any
@@ -119,17 +119,9 @@ class _Walk:
 
     def _anything(self, root: int) -> Iterator[tuple[str, Use]]:
         """Return every variable below a node, in any value."""
-        waiting, seen = [root], set()
-        while waiting:
-            number = waiting.pop()
-            if number in seen:
-                continue
-            seen.add(number)
-            node = self._nodes[number]
+        for node in nodes_below(self._nodes, root, _SILENT):
             if node["op"] == "variable":
                 yield from ((name, Use()) for name in inputs_of(self._variables[node["value"]]))
-            elif node["op"] not in _SILENT:
-                waiting += reversed(node.get("args", ()))
 
     def _counted(self, node: Mapping[str, Any]) -> tuple[int, bool] | None:
         """Return what a comparison counts, and whether more of it brings the comparison about."""
@@ -183,6 +175,28 @@ def inputs_of(variable: Mapping[str, Any]) -> Sequence[str]:
     return [one["name"] for one in reduction["inputs"]]
 
 
+def nodes_below(
+    nodes: Sequence[Mapping[str, Any]], root: int, ends: Container[str] = ()
+) -> Iterator[Mapping[str, Any]]:
+    """Yield a node of a form and all below it, each once, in the order of the text.
+
+    Args:
+        nodes: of the form.
+        root: where to begin.
+        ends: operations whose arguments are left out.
+    """
+    waiting, seen = [root], set()
+    while waiting:
+        number = waiting.pop()
+        if number in seen:
+            continue
+        seen.add(number)
+        node = nodes[number]
+        yield node
+        if node["op"] not in ends:
+            waiting += reversed(node.get("args", ()))
+
+
 @dataclass(frozen=True)
 class Silence:
     """What a condition accepts of silence.
@@ -207,15 +221,8 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
     of them, ``ALLOW INF`` an infinite value.
     """
     found: dict[Silence, None] = {}
-    waiting, seen = [root], set()
-    while waiting:
-        number = waiting.pop()
-        if number in seen:
-            continue
-        seen.add(number)
-        node = form["nodes"][number]
+    for node in nodes_below(form["nodes"], root):
         op, at = node["op"], (node["at"][0], node["at"][1])
-        waiting += reversed(node.get("args", ()))
         variable = form["variables"][node["value"]] if op == "variable" else {}
         coverage = node.get("coverage") or variable.get("reduction", {}).get("coverage")
         if op in ("known", "known_bool", "known_enum", "age"):

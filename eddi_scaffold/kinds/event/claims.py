@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.claims import Acceptance, Meaning, Meanings, Use
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.language.uses import Silence, accepted, inputs_of, lasts, uses
+from eddi_scaffold.language.uses import Silence, accepted, inputs_of, lasts, nodes_below, uses
 
 _VERDICT = Meaning(
     (1,),
@@ -95,20 +95,10 @@ def support(document: JsonValue) -> Mapping[str, frozenset[str]]:
     names = [inputs_of(variable) for variable in form["variables"]]
     return {
         output["id"]: frozenset(
-            name for k in _variables(form["nodes"], output["node"]) for name in names[k]
+            name
+            for node in nodes_below(form["nodes"], output["node"])
+            if node["op"] in ("variable", "age")
+            for name in names[node["value"]]
         )
         for output in form["outputs"]
     }
-
-
-def _variables(nodes: Any, root: int) -> Iterable[int]:
-    waiting, seen = [root], set()
-    while waiting:
-        number = waiting.pop()
-        if number in seen:
-            continue
-        seen.add(number)
-        node = nodes[number]
-        if node["op"] in ("variable", "age"):
-            yield node["value"]
-        waiting += node.get("args", ())

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from eddi_scaffold.kinds import Functions, Reading
+from eddi_scaffold.kinds import Functions
 from eddi_scaffold.kinds.event.claims import acceptances, limits, meanings, support
 from eddi_scaffold.kinds.event.model import (
     configure,
@@ -17,17 +15,8 @@ from eddi_scaffold.kinds.event.model import (
     read_file,
     readme,
 )
-from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.source import Source
-
-
-def _read_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]) -> Reading:
-    """Return nothing: the metamodel of EDDI XML has no conditional events."""
-    return Reading((), ())
-
 
 FUNCTIONS = Functions(
-    read_eddi=_read_eddi,
     read_file=read_file,
     counts=counts,
     outline=outline,

@@ -16,7 +16,6 @@ from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order
-from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.source import Source, beside, read_source
 
 NAME = "safeml"
@@ -161,13 +160,7 @@ def _planned(model: SafeMLModel, *, single: bool) -> Planned:
     return plan(model.data.settings, model.data.reference, single=single)
 
 
-def _read_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]) -> Reading:
-    """An EDDI holds no reference samples."""
-    return Reading((), ())
-
-
 FUNCTIONS = Functions(
-    read_eddi=_read_eddi,
     read_file=read_file,
     check=check,
     counts=counts,

@@ -9,7 +9,6 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.config.schema import Config, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
-from eddi_scaffold.identifiers import full_topic
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import Monitor
@@ -162,11 +161,11 @@ def _check(
         message = "EDDIOutputs names no topic: the result would not be published"
         hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
         yield error("K030", message, config.place("EDDIOutputs"), hint)
-    heard = {full_topic(one.topic, "", monitor.package) for one in config.config.SimulatorOutputs}
+    heard = {monitor.topic(one.topic) for one in config.config.SimulatorOutputs}
     types: dict[str, str] = {}
     for one in published:
         written = one.output.topic
-        topic = full_topic(written, "", monitor.package)
+        topic = monitor.topic(written)
         if topic in heard:
             message = f"the monitor would listen to its own output {written}"
             yield error("K031", message, one.place)
