@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import yaml
+from eddi_runtime.inputs import InputState
 
 from eddi_scaffold.deployments.joining import packages_of
 from eddi_scaffold.diagrams import drawn
@@ -20,6 +23,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import has_errors
 from eddi_scaffold.replay.parts import compiled
+from eddi_scaffold.replay.publishing import Publisher
 from eddi_scaffold.source import Source, read_source
 from tests.checkouts import HERE
 from tests.cli.command import run
@@ -131,6 +135,35 @@ def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Any]) -> None
         json.dumps(running.as_json(output))
     running.reset()
     assert set(running.blocked()) <= {spec.id for spec in running.inputs}
+
+
+def without_limits(kind: Kind[Any], folder: Path) -> Monitor:
+    """Return the monitor of the example, whose configuration lets no input grow old."""
+    model, config = files_of(kind)
+    shutil.copytree(config.parent, folder, dirs_exist_ok=True)
+    document = yaml.safe_load(config.read_text("utf-8"))
+    for entry in (*document["SimulatorOutputs"], *document["EDDIInputs"]):
+        entry["max_age"] = "none"
+    (folder / config.name).write_text(yaml.safe_dump(document), "utf-8")
+    (monitor,), problems = monitors_of(folder / model.name, [folder / config.name])
+    assert not has_errors(problems)
+    return monitor
+
+
+@each_kind
+def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Any], tmp_path: Path) -> None:
+    monitor = without_limits(kind, tmp_path)
+    running, publisher = compiled(monitor), Publisher(monitor, monitor.topic)
+    states = {spec.id: InputState("ok") for spec in running.inputs}
+    limitless = {f"{spec.id}: max_age: none" for spec in running.inputs}
+    for value, accepted in ((True, limitless), (None, set())):
+        given = dict.fromkeys([spec.attribute for spec in running.inputs], value)
+        output = running.execute_step(SimpleNamespace(states=states, **given), 0)
+        assert set(running.accepted()) == accepted
+        messages = [one for _, one in publisher.messages(running, output, publisher.topics)]
+        # of SafeML, `accepted` is a number of samples
+        name = "acceptances" if kind.name == "safeml" else "accepted"
+        assert {text for one in messages for text in getattr(one, name, ())} == accepted
 
 
 @each_kind

@@ -17,6 +17,8 @@ bool active
 bool raised
 # The verdict was TRUE before this step and is no longer.
 bool cleared
+# What is accepted in this step, and the event may rest on: `temp: max_age: none`, `hot: KNOWN`.
+string[] accepted
 """
 
 MESSAGES = {"EventOutput": EVENT_OUTPUT}

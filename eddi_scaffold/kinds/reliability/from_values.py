@@ -28,7 +28,7 @@ KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", 
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _RESULTS = (
-    *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs"),
+    *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs", "accepted"),
     *ReliabilityResult._fields,
 )
 """Names of what is published and recorded beside the thresholds."""

@@ -20,6 +20,8 @@ string[] unknown_inputs
 # Why it is not valid; empty when it is.
 string reason
 ReliabilityEvidence[] evidence
+# What the configuration accepts in this step, and the result may rest on: `link: max_age: none`.
+string[] accepted
 """
 
 RELIABILITY_EVIDENCE = """\

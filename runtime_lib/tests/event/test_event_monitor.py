@@ -85,7 +85,7 @@ def test_messages():
     monitor = made(("gt", "x", 5), ("gt", "x", 5))
     (one, other) = monitor.message(step(monitor, 0, x=6.0))
     fields = {"id": "e0", "verdict": 2, "active": True, "raised": True, "cleared": False}
-    assert one == ("EventOutput", fields)
+    assert one == ("EventOutput", {**fields, "accepted": []})
     assert other[1]["id"] == "e1"
     assert monitor.output_faults() == ()
     for spoilt in (
@@ -97,6 +97,19 @@ def test_messages():
     ):
         assert monitor.message(spoilt) == []
         assert len(monitor.output_faults()) == 1
+
+
+def test_the_message_of_an_event_has_the_acceptances_that_it_may_rest_on():
+    limitless = {"max_age": "none"}
+    inputs = {"x": limitless, "y": limitless, "a": {"max_age": 1.0}}
+    monitor = made(("and", ("gt", "x", 5), "a"), ("gt", "y", 1), inputs=inputs)
+    states = dict.fromkeys(inputs, InputState("ok"))
+    output = step(monitor, 0, x=6.0, y=2.0, a=True, states=states)
+    found = [fields["accepted"] for _, fields in monitor.message(output)]
+    assert found == [["x: max_age: none"], ["y: max_age: none"]]
+    assert monitor.accepted() == ("x: max_age: none", "y: max_age: none")
+    output = step(monitor, 1, x=None, y=2.0, a=True, states=states)
+    assert [fields["accepted"] for _, fields in monitor.message(output)] == [[], found[1]]
 
 
 def test_who_keeps_an_event_from_being_known():

@@ -195,11 +195,13 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
     (name,) = [spec.attribute for spec in monitor.inputs]
 
     def said(values: object, second: int) -> tuple[object, object]:
-        (row,) = monitor.execute_step(SimpleNamespace(**{name: values}), second * 10**9)
-        return row["active"], monitor.accepted()
+        output = monitor.execute_step(SimpleNamespace(**{name: values}), second * 10**9)
+        ((_, fields),) = monitor.message(output)
+        assert fields["accepted"] == list(monitor.accepted())
+        return fields["active"], fields["accepted"]
 
-    assert said([1.0, 2.0, None], 0) == (True, ("free: COVERAGE 0.5", "free: ALLOW INF"))
-    assert said([0.1, 0.2, 0.3], 1) == (False, ())
+    assert said([1.0, 2.0, None], 0) == (True, ["free: COVERAGE 0.5", "free: ALLOW INF"])
+    assert said([0.1, 0.2, 0.3], 1) == (False, [])
     damaged = json.loads(made.model_json)
     damaged["model"]["accepts"] = {"free": 3}
     damaged["sha256"] = digest_of(damaged)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Optional, Tuple
+from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
 from ..monitor import Tree
 from ..plain_values import plain
@@ -11,20 +11,23 @@ FALSE, UNKNOWN, TRUE = 0, 1, 2
 """Verdicts as ``EventOutput`` has them."""
 
 
-def output_messages(output: Any) -> Tuple[List[Tree], Tuple[str, ...]]:
+def output_messages(
+    output: Any, accepted: Mapping[str, Sequence[str]]
+) -> Tuple[List[Tree], Tuple[str, ...]]:
     """Return the ``EventOutput`` trees of an output and what was wrong with it; never raises.
 
     Args:
         output: what ``execute_step`` gave, or what a person's code made of it.
+        accepted: event -> acceptances in use.
     """
     if not issubclass(type(output), (list, tuple)):
         return [], ("the output is not a list; nothing is published",)
     faults: List[str] = []
-    trees = [_tree(row, faults) for row in output]
+    trees = [_tree(row, accepted, faults) for row in output]
     return [tree for tree in trees if tree is not None], tuple(faults)
 
 
-def _tree(row: Any, faults: List[str]) -> Optional[Tree]:
+def _tree(row: Any, accepted: Mapping[str, Sequence[str]], faults: List[str]) -> Optional[Tree]:
     try:
         name, verdict = plain(row["id"]), plain(row["verdict"])
         flags = {key: plain(row[key]) for key in ("active", "raised", "cleared")}
@@ -36,4 +39,5 @@ def _tree(row: Any, faults: List[str]) -> Optional[Tree]:
         faults.append("a row of the output has values of wrong types; it is left out")
         return None
     truth = UNKNOWN if verdict is None else TRUE if verdict else FALSE
-    return "EventOutput", {"id": name, "verdict": truth, **flags}
+    fields = {"id": name, "verdict": truth, **flags, "accepted": list(accepted.get(name, ()))}
+    return "EventOutput", fields

@@ -62,7 +62,10 @@ class EventMonitor:
         self._outputs = [(output.id, output.hazard) for output in form.outputs]
         self._accepts = _accepts(model_file)
         self._needs = {
-            output.id: {self._sources[one].id for k in used for one in self._sampling.uses[k]}
+            output.id: [
+                self._sources[number]
+                for number in sorted({one for k in used for one in self._sampling.uses[k]})
+            ]
             for output, used in zip(form.outputs, used_variables(form))
         }
         if any(form.nodes[output.node].type != BOOL for output in form.outputs):
@@ -122,7 +125,7 @@ class EventMonitor:
 
     def message(self, output: Any) -> List[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
-        trees, self._output_faults = output_messages(output)
+        trees, self._output_faults = output_messages(output, self._accepted())
         return trees
 
     def output_faults(self) -> Tuple[str, ...]:
@@ -151,18 +154,21 @@ class EventMonitor:
         ]
 
     def accepted(self) -> Tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step.
+        """Return ``input: key`` for each acceptance that was in use in the last step."""
+        return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
+
+    def _accepted(self) -> Dict[str, List[str]]:
+        """Return event -> the acceptances in use that it may rest on.
 
         What the text of an event accepts is in use while the event claims something: an EVIDENCE
         that is TRUE, a HAZARD that is FALSE.
         """
-        claims = (
-            name
-            for (name, hazard), value in zip(self._outputs, self._verdicts)
-            if value == (0 if hazard else 2)
-        )
-        found = (f"{name}: {word}" for name in claims for word in self._accepts.get(name, ()))
-        return (*accepted(self.inputs, self._source), *found)
+        found: Dict[str, List[str]] = {}
+        for (name, hazard), value in zip(self._outputs, self._verdicts):
+            words = self._accepts.get(name, ()) if value == (0 if hazard else 2) else ()
+            of_inputs = accepted(self._needs[name], self._source)
+            found[name] = [*of_inputs, *(f"{name}: {word}" for word in words)]
+        return found
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
         """Return input id -> events that are UNKNOWN and depend on it, for inputs not known now.
@@ -181,7 +187,7 @@ class EventMonitor:
             events = tuple(
                 name
                 for (name, _), value in zip(self._outputs, self._verdicts)
-                if value == 1 and spec.id in self._needs[name]
+                if value == 1 and spec in self._needs[name]
             )
             if spec.id in unknown and events:
                 found[spec.id] = events

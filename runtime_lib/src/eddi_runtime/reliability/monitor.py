@@ -263,7 +263,7 @@ class ReliabilityMonitor:
     def message(self, output: Any) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
-        return out.output_message(self.model_id, given)
+        return out.output_message(self.model_id, given, self.accepted())
 
     def _refused(self) -> ReliabilityResult:
         """Return the worst case, for what a person's code has put in place of a result."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
+from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple, Union
 
 from ..monitor import Tree
 
@@ -64,8 +64,14 @@ def series(result: ReliabilityResult) -> Dict[str, Value]:
     return {**numbers, "valid": result.valid, **result.evidence}
 
 
-def output_message(model: str, result: ReliabilityResult) -> Tree:
-    """Return a result as a ``ReliabilityOutput`` tree without header."""
+def output_message(model: str, result: ReliabilityResult, accepted: Sequence[str]) -> Tree:
+    """Return a result as a ``ReliabilityOutput`` tree without header.
+
+    Args:
+        model: its id.
+        result: of the last step.
+        accepted: acceptances in use.
+    """
     fields = {
         "model": model,
         "valid": result.valid,
@@ -81,6 +87,7 @@ def output_message(model: str, result: ReliabilityResult) -> Tree:
             ("ReliabilityEvidence", {"id": name, "active": active})
             for name, active in result.evidence.items()
         ],
+        "accepted": list(accepted),
     }
     return "ReliabilityOutput", fields
 
