@@ -21,7 +21,7 @@ from eddi_scaffold.platforms import chosen
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.replay.parts import of_values, rhythm
 from eddi_scaffold.replay.playing import play
-from eddi_scaffold.replay.recordings import read_recording, tape_of
+from eddi_scaffold.replay.recordings import read_tape
 from eddi_scaffold.replay.running import steps
 from eddi_scaffold.source import read_source
 
@@ -124,8 +124,5 @@ def run(
         names = ", ".join(monitor.model.name for monitor in monitors)
         raise EddiError(error("G005", f"there are several models: {names}"))
     (monitor,) = monitors
-    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
-    recorded, problems = read_recording(read_source(recording), types)
-    if recorded is None:
-        raise EddiError(*problems)
-    yield from steps(play([of_values(monitor, rhythm(monitor))], tape_of(recorded)))
+    tape, _ = read_tape(read_source(recording), monitor)
+    yield from steps(play([of_values(monitor, rhythm(monitor))], tape))

@@ -238,7 +238,7 @@ def _from_csv(
     monitors: Sequence[Monitor], path: Path | None, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
     from eddi_scaffold.problems import EddiError, error, warning
-    from eddi_scaffold.replay.recordings import read_recording, tape_of
+    from eddi_scaffold.replay.recordings import read_tape
     from eddi_scaffold.source import read_source
 
     assert path is not None
@@ -246,16 +246,13 @@ def _from_csv(
         message = "--inputs has the inputs of one monitor, several take a bag"
         raise EddiError(error("G020", message, hint="use --bag, or give one configuration"))
     (monitor,) = monitors
-    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
-    recording, found = read_recording(read_source(path), types)
-    if recording is None:
-        raise EddiError(*found)
+    tape, found = read_tape(read_source(path), monitor)
     if monitor.config is None:
         message = "without a configuration no `max_age` is checked, and each row is one step"
         hint = "give it with -c" if package is None else "generate the package with -c"
         found.append(warning("I016", message, hint=hint))
     found += package.without_lines() if package is not None else []
-    return tape_of(recording), found
+    return tape, found
 
 
 def _from_bag(

@@ -14,6 +14,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.problems import (
+    EddiError,
     Place,
     Problem,
     did_you_mean,
@@ -25,6 +26,7 @@ from eddi_scaffold.problems import (
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import InputType, JsonValue
+    from eddi_scaffold.monitors.binding import Monitor
     from eddi_scaffold.source import Source
 
 TIME = "t"
@@ -121,6 +123,26 @@ def tape_of(recording: Recording) -> Tape:
         for name, value in row.samples.items()
     )
     return Tape(rows[0], rows[-1], samples, rows)
+
+
+def read_tape(source: Source, monitor: Monitor) -> tuple[Tape, list[Problem]]:
+    """Read the values of a monitor's inputs.
+
+    Args:
+        source: as for ``read_recording``.
+        monitor: its inputs are the columns.
+
+    Returns:
+        The recording, and warnings.
+
+    Raises:
+        EddiError: a problem is an error (I001 to I003, I005 to I009, I015).
+    """
+    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
+    recording, problems = read_recording(source, types)
+    if recording is None:
+        raise EddiError(*problems)
+    return tape_of(recording), problems
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ from eddi_scaffold.regions.sync import sync_package
 from eddi_scaffold.replay.bags import read_bag
 from eddi_scaffold.replay.parts import compiled, of_messages, of_values, rhythm
 from eddi_scaffold.replay.playing import play
-from eddi_scaffold.replay.recordings import read_recording, tape_of
+from eddi_scaffold.replay.recordings import read_tape
 from eddi_scaffold.replay.running import changes, steps
 from eddi_scaffold.replay.steps import ROWS
 from eddi_scaffold.source import Source, read_source
@@ -283,12 +283,10 @@ def _recordings(folder: Path) -> Made:
     samples = _samples(["two-conserts/recording.csv", "drone/recording.csv"])
     path = EXAMPLES / "two-conserts"
     (monitor,), _ = monitors_of(path / "two_conserts.xml", [path / "consert_a_config.yml"])
-    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
 
     def attempt(sample: Sample) -> Steps:
-        recording, _ = read_recording(Source("damaged.csv", sample.data), types)
-        if recording is not None:
-            tape = tape_of(recording)
+        with contextlib.suppress(EddiError):
+            tape, _ = read_tape(Source("damaged.csv", sample.data), monitor)
             for one in (rhythm(monitor), ROWS):
                 list(changes(itertools.islice(play([of_values(monitor, one)], tape), 100)))
         yield
