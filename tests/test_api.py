@@ -81,6 +81,14 @@ def test_run_needs_one_model(tmp_path: Path) -> None:
     assert [problem.code for problem in refused.value.problems] == ["G005"]
 
 
+def test_run_refuses_more_steps_than_anybody_waits_for(tmp_path: Path) -> None:
+    recording = tmp_path / "recording.csv"
+    recording.write_text("t,RtE_A_D0,RtE_A_E0\n0,true,true\n1700000000,true,true\n", "utf-8")
+    with pytest.raises(api.EddiError) as refused:
+        next(api.run(recording, MODEL, CONFIG))
+    assert [problem.code for problem in refused.value.problems] == ["I019"]
+
+
 def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (HERE / "docs" / "api.md").read_text("utf-8")
     (program,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)

@@ -106,7 +106,6 @@ def run(
     else:
         tape, found = _from_csv(monitors, inputs, package)
     console.problems([*problems, *found])
-    _check_length(rhythms, tape)
 
     def begun() -> Play:
         return play(_parts(monitors, rhythms, package, from_bag=bag is not None), tape)
@@ -204,18 +203,6 @@ def _rhythms(monitors: Sequence[Monitor], steps_as: StepsAs) -> list[Rhythm]:
     from eddi_scaffold.replay.steps import ROWS
 
     return [ROWS if steps_as is StepsAs.ROWS else rhythm(one) for one in monitors]
-
-
-def _check_length(rhythms: Sequence[Rhythm], tape: Tape) -> None:
-    """Refuse more steps than anybody waits for."""
-    from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.replay.playing import MAX_STEPS, count
-
-    most = max(count(rhythm, tape) for rhythm in rhythms)
-    if most > MAX_STEPS:
-        seconds = (tape.end - tape.start) / 1e9
-        message = f"the recording is {seconds:.3g} s long, which are {most:.3g} steps"
-        raise EddiError(error("I019", message, hint="see column t, or use --steps rows"))
 
 
 def _parts(

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.replay.node import Frame, Node, Received
 from eddi_scaffold.replay.publishing import Publisher
 from eddi_scaffold.replay.recordings import Tape
@@ -50,16 +51,25 @@ Play = Iterator[tuple[Part, Frame]]
 """The steps of a recording, in the order of time."""
 
 
-def count(rhythm: Rhythm, tape: Tape) -> float:
-    """Return about how many steps a rhythm makes."""
-    return len(tape.rows) if rhythm.period is None else (tape.end - tape.start) / rhythm.period
-
-
 def play(parts: Sequence[Part], tape: Tape) -> Play:
-    """Play a recording to monitors, in the order in which they step."""
+    """Play a recording to monitors, in the order in which they step.
+
+    Raises:
+        EddiError: these are more steps than anybody waits for (I019).
+    """
+    most = max(_count(part.rhythm, tape) for part in parts)
+    if most > MAX_STEPS:
+        seconds = (tape.end - tape.start) / 1e9
+        message = f"the recording is {seconds:.3g} s long, which are {most:.3g} steps"
+        raise EddiError(error("I019", message, hint="see column t, or use --steps rows"))
     for part in parts:
         part.running.reset()
     return _Player(parts, tape).steps()
+
+
+def _count(rhythm: Rhythm, tape: Tape) -> float:
+    """Return about how many steps a rhythm makes."""
+    return len(tape.rows) if rhythm.period is None else (tape.end - tape.start) / rhythm.period
 
 
 class _Player:
