@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import FieldsOf
+from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.message_types.installed import installed_message, installed_types
 from eddi_scaffold.problems import Problem, error, nearest, warning
 
@@ -15,7 +15,7 @@ _LIKE = 0.9
 _WHAT_TO_DO = "give the models of the robot (--models), or declare it below MessageTypes"
 
 
-def check_types(config: ConfigFile, whole: FieldsOf, used: Collection[str]) -> Iterator[Problem]:
+def check_types(config: ConfigFile, used: Collection[str]) -> Iterator[Problem]:
     """Check the types of ``SimulatorOutputs``.
 
     What does not exist in a package that is wholly known is an error (K048). Of a package that is
@@ -23,41 +23,40 @@ def check_types(config: ConfigFile, whole: FieldsOf, used: Collection[str]) -> I
 
     Args:
         config: the configuration; its ``MessageTypes`` are known as well.
-        whole: the messages of packages of which every message is in here.
         used: ids of the outputs that an input is made of.
     """
     unchecked: dict[str, list[int]] = {}
     for index, source in enumerate(config.config.SimulatorOutputs):
         package = _package(source.type)
-        there = _types_of(package, whole)
+        there = _types_of(package)
         known = source.type in there or source.type in config.config.MessageTypes
         if known or installed_message(source.type) is not None:
             continue
         if there:
-            hint = _exists_elsewhere(source.type, whole) or _nearest(source.type, there)
+            hint = _exists_elsewhere(source.type) or _nearest(source.type, there)
             place = config.place("SimulatorOutputs", index, "type")
             yield error("K048", f"there is no message type {source.type}", place, hint)
         elif source.id in used:
             unchecked.setdefault(package, []).append(index)
     for of_package in unchecked.values():
         fields = list(_unchecked_fields(config, of_package))
-        yield from fields or [_unknown_package(config, of_package[0], whole)]
+        yield from fields or [_unknown_package(config, of_package[0])]
 
 
 def _package(type_: str) -> str:
     return type_.partition("/")[0]
 
 
-def _types_of(package: str, whole: FieldsOf) -> frozenset[str]:
+def _types_of(package: str) -> frozenset[str]:
     """Return every type of a package that is wholly known; none for other packages."""
-    table = frozenset(name for name in whole if name.startswith(f"{package}/"))
+    table = frozenset(name for name in known_messages() if name.startswith(f"{package}/"))
     return table | installed_types(package)
 
 
-def _exists_elsewhere(type_: str, whole: FieldsOf) -> str | None:
+def _exists_elsewhere(type_: str) -> str | None:
     """Return the hint at the same name in another package."""
     message = type_.partition("/")[2].casefold()
-    found = [name for name in whole if name.casefold().endswith(f"/{message}")]
+    found = [name for name in known_messages() if name.casefold().endswith(f"/{message}")]
     return f"did you mean {found[0]!r}?" if found else None
 
 
@@ -76,7 +75,7 @@ def _unchecked_fields(config: ConfigFile, sources: Sequence[int]) -> Iterator[Pr
             yield warning("K039", message, config.place("EDDIInputs", index, "field"), _WHAT_TO_DO)
 
 
-def _unknown_package(config: ConfigFile, index: int, whole: FieldsOf) -> Problem:
+def _unknown_package(config: ConfigFile, index: int) -> Problem:
     type_ = config.config.SimulatorOutputs[index].type
     package = _package(type_)
     place = config.place("SimulatorOutputs", index, "type")
@@ -85,7 +84,7 @@ def _unknown_package(config: ConfigFile, index: int, whole: FieldsOf) -> Problem
         message = f"{type_} is not declared like others of its package, so it is unchecked"
         return warning("K049", message, place, _nearest(type_, declared) or _WHAT_TO_DO)
     message = f"the package {package} is not known here, so its types are unchecked"
-    packages = sorted({_package(name) for name in whole if "/" in name})
+    packages = sorted({_package(name) for name in known_messages() if "/" in name})
     near = get_close_matches(package, packages, n=1, cutoff=_LIKE)
     hint = f"did you mean {near[0]!r}? Else {_WHAT_TO_DO}" if near else _WHAT_TO_DO
     return warning("K049", message, place, hint)

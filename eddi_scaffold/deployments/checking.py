@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.config.topic_types import check_types
@@ -113,7 +112,7 @@ def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterato
     """Report what can be found in a configuration without its model."""
     yield _wanted(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}
-    yield from check_types(config, known_messages(kinds().values()), used)
+    yield from check_types(config, used)
 
 
 def _static(models: Iterable[Model]) -> list[Problem]:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.identifiers import is_package_name
@@ -85,8 +84,7 @@ def packages_of(
 
 
 def _of(model: Model, config: ConfigFile | None, marks: Sequence[str]) -> _Joined:
-    known = known_messages(kinds().values())
-    return monitor_of(model, kinds()[model.kind], config, known, marks)
+    return monitor_of(model, kinds()[model.kind], config, marks)
 
 
 def _with_ages(joined: Sequence[tuple[Model, _Joined]], marks: Sequence[str]) -> Iterator[_Joined]:

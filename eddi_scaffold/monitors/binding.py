@@ -15,7 +15,13 @@ from eddi_scaffold import units
 from eddi_scaffold.config import fields
 from eddi_scaffold.config.field_types import documented_at, resolve
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import Fields, FieldsOf, declared, python_type
+from eddi_scaffold.config.message_types import (
+    Fields,
+    FieldsOf,
+    declared,
+    known_messages,
+    python_type,
+)
 from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import Input, SimulatorOutput
@@ -121,7 +127,6 @@ def monitor_of(
     model: Model,
     kind: Kind[Any],
     config: ConfigFile | None,
-    known_messages: FieldsOf,
     marks: Sequence[str] = (),
 ) -> tuple[Monitor | None, list[Problem]]:
     """Join a checked model with its configuration.
@@ -130,7 +135,6 @@ def monitor_of(
         model: what is monitored.
         kind: the kind of the model.
         config: how it is connected, if it is.
-        known_messages: the fields of the messages of packages that are wholly known.
         marks: the default guarantees that were marked when the model was read; remembered.
 
     Returns:
@@ -140,11 +144,11 @@ def monitor_of(
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
-    bindings, found = _bind(model, kind, config, _with_declared(known_messages, config))
+    bindings, found = _bind(model, kind, config, _known_types(config))
     problems = [*problems, *found]
     if config is not None:
         used = {source.id for binding in bindings for source in binding.requires}
-        problems += check_types(config, known_messages, used)
+        problems += check_types(config, used)
         problems += _check_model_section(model, kind, config)
     problems += _repeated_attributes(bindings)
     if configured is None or has_errors(problems):
@@ -161,14 +165,14 @@ def monitor_of(
     return monitor, problems
 
 
-def _with_declared(known: FieldsOf, config: ConfigFile | None) -> FieldsOf:
-    """Add the message types that a configuration declares itself; its word counts."""
+def _known_types(config: ConfigFile | None) -> FieldsOf:
+    """Return all known types, and those that a configuration declares itself; its word counts."""
     given = config.config.MessageTypes if config is not None else {}
     own = {
         name: declared(((of, field) for field, of in fields.items()), name.partition("/")[0])
         for name, fields in given.items()
     }
-    return {**known, **own}
+    return {**known_messages(), **own}
 
 
 def _input_document(binding: InputBinding, entry: Input | None) -> dict[str, JsonValue]:

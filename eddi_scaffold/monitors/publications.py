@@ -9,7 +9,7 @@ from functools import partial
 from eddi_scaffold.config.field_types import Resolved, resolve
 from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, FieldPathError, parse_field
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import FieldsOf, known_messages
+from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.schema import Output
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error
@@ -44,7 +44,6 @@ class Publication:
 def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication], list[Problem]]:
     """Return what the node publishes, and what is wrong with the paths (K034)."""
     messages = _messages(monitor)
-    known = known_messages([monitor.kind])
     found: list[Publication] = []
     problems: list[Problem] = []
     parts = list(monitor.kind.functions.parts(monitor.model))
@@ -60,8 +59,8 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
             continue
         try:
             path = parse_field(output.field)
-            of = _holder(path, messages, known)
-            end = _value_at(path, messages[of], known)
+            of = _holder(path, messages)
+            end = _value_at(path, messages[of])
         except FieldPathError as problem:
             problems.append(error("K034", str(problem), places("field"), problem.hint))
             continue
@@ -70,7 +69,7 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
         )
     for one in monitor.kind.functions.outputs(monitor.model):
         path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in one.path)
-        end = _value_at(path, messages[one.of], known)
+        end = _value_at(path, messages[one.of])
         own = _output(one.id, one.topic)
         found.append(
             Publication(own, _std_msgs(end), one.place, messages[one.of], end.path, one.of)
@@ -99,20 +98,22 @@ def _output(name: str, topic: str) -> Output:
     return Output.model_construct(id=name, topic=topic, field=None, event=None)
 
 
-def _holder(path: FieldPath, messages: Mapping[str, str], known: FieldsOf) -> str:
+def _holder(path: FieldPath, messages: Mapping[str, str]) -> str:
     """Return the first message that has the field with which a path begins, else the result."""
     first = path[0]
     assert isinstance(first, Attribute), "a path begins with a field"
-    return next((name for name, type_ in messages.items() if first.name in known[type_]), "")
+    return next(
+        (name for name, type_ in messages.items() if first.name in known_messages()[type_]), ""
+    )
 
 
-def _value_at(path: FieldPath, message: str, known: FieldsOf) -> Resolved:
+def _value_at(path: FieldPath, message: str) -> Resolved:
     """Return a path with its keys; a single value is at its end.
 
     Raises:
         FieldPathError: the message has no such field, or the path ends too early or too late.
     """
-    found = resolve(path, message, known.get)
+    found = resolve(path, message, known_messages().get)
     if found.type not in _OF_STD_MSGS:
         raise FieldPathError(f"the path ends at {found.type}, not at a single value")
     return found

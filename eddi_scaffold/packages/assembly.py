@@ -10,7 +10,6 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
@@ -180,8 +179,7 @@ def _rejoined(
     if config is None and answers.get("config_json"):
         config = from_json(answers["config_json"], f"the configuration that {folder} remembers")
     marks = answers.get("default_guarantees") or ()
-    known = known_messages(kinds().values())
-    monitor, problems = monitor_of(model, kind, config, known, marks)
+    monitor, problems = monitor_of(model, kind, config, marks)
     if monitor is None:
         raise EddiError(*problems)
     return monitor, problems

@@ -15,12 +15,10 @@ from eddi_runtime.monitor import Tree
 
 from eddi_scaffold.config.message_types import (
     Fields,
-    FieldsOf,
     element,
     is_primitive,
     known_messages,
 )
-from eddi_scaffold.kinds import kinds
 
 Message = SimpleNamespace
 """One attribute for each field, and ``message_type``."""
@@ -32,12 +30,6 @@ _RANGES = {
 }
 _HEADER = "std_msgs/Header"
 _PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
-
-
-@cache
-def definitions() -> FieldsOf:
-    """Return the fields of every message type that the product knows."""
-    return known_messages(kinds().values())
 
 
 def message_of(tree: Tree) -> Message:
@@ -52,7 +44,7 @@ def message_of(tree: Tree) -> Message:
 
 def blank(message_type: str) -> Message:
     """Return a message in which every field has the default of its type."""
-    of = definitions()[message_type]
+    of = known_messages()[message_type]
     return Message(message_type=message_type, **{name: _blank(kind) for name, kind in of.items()})
 
 
@@ -66,7 +58,7 @@ def _blank(kind: str) -> Any:
 
 @cache
 def _built(message_type: str) -> Callable[[Mapping[str, Any]], Message]:
-    of: Fields = definitions()[message_type]
+    of: Fields = known_messages()[message_type]
     checks = {
         name: _check(f"{message_type}.{name}", kind) for name, kind in of.items() if kind != _HEADER
     }

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from eddi_runtime.plain_values import one_line
 
 from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.message_types import python_type
+from eddi_scaffold.config.message_types import known_messages, python_type
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, ModelInput, kinds
@@ -26,7 +26,7 @@ from eddi_scaffold.monitors.binding import InputBinding, Monitor, fits
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
-from eddi_scaffold.replay.message_trees import Message, blank, definitions
+from eddi_scaffold.replay.message_trees import Message, blank
 from eddi_scaffold.replay.node import Frame, Node, Received
 from eddi_scaffold.source import Source
 
@@ -116,7 +116,7 @@ def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
     of = binding.requires[0].type
     if not of:  # a plain package: the value itself
         return lambda value: value
-    fields = definitions().get(of, {})
+    fields = known_messages().get(of, {})
     if len(fields) != 1:
         return None
     ((field, type_),) = fields.items()

@@ -7,10 +7,9 @@ import pytest
 from eddi_scaffold.config.field_types import resolve
 from eddi_scaffold.config.fields import FieldPathError, expression, parse_field
 from eddi_scaffold.config.message_types import declared, known_messages
-from eddi_scaffold.kinds import kinds
 
 KNOWN = {
-    **known_messages(kinds().values()),
+    **known_messages(),
     "vision_msgs/Hypothesis": declared([("int64", "id"), ("float64", "score")], "vision_msgs"),
     "vision_msgs/Detection": declared([("Hypothesis[]", "results")], "vision_msgs"),
     "my_msgs/Frames": declared([("sensor_msgs/Range[]", "ranges"), ("Gone[]", "gone")], "my_msgs"),

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.config.message_types import common_messages, installed, known_messages
+from eddi_scaffold.config.message_types import common_messages, installed
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.kinds import kinds
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.source import Source
 
@@ -51,7 +50,7 @@ def problems(*types: str) -> list[Problem]:
     text = "\n".join(["Model: {id: m, type: ConSert}", "SimulatorOutputs:", *sources])
     config, found = read_config(Source("c.yml", text.encode()))
     assert config is not None, found
-    return list(check_types(config, known_messages(kinds().values()), {"s0", "s1"}))
+    return list(check_types(config, {"s0", "s1"}))
 
 
 def test_a_package_of_this_machine_is_known_with_its_actions(ros: Path) -> None:

@@ -6,8 +6,8 @@ from functools import cache
 from typing import Any
 
 from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, Index, Step, parse_field
-from eddi_scaffold.config.message_types import element
-from eddi_scaffold.replay.message_trees import Message, blank, definitions
+from eddi_scaffold.config.message_types import element, known_messages
+from eddi_scaffold.replay.message_trees import Message, blank
 
 
 @cache
@@ -49,7 +49,7 @@ def _replaced(here: Any, kind: str, path: FieldPath, value: Any) -> Any:
         return value
     step, *rest = path
     if isinstance(step, Attribute):
-        inner = definitions()[kind][step.name]
+        inner = known_messages()[kind][step.name]
         changed = _replaced(getattr(here, step.name), inner, tuple(rest), value)
         return Message(**{**vars(here), step.name: changed})
     one = element(kind)

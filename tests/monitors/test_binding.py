@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import ModelInput, kinds
 from eddi_scaffold.monitors.binding import Monitor, monitor_of
@@ -57,7 +56,7 @@ def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None
     config, problems = read_config(Source("c.yml", text.encode()))
     assert config is not None, problems
     (model,) = read_models(Source("speed.yml", SPEED.encode())).models
-    return monitor_of(model, KIND, config, known_messages(kinds().values()))
+    return monitor_of(model, KIND, config)
 
 
 def sound(entry: str, **more: str) -> Monitor:
@@ -132,7 +131,7 @@ def test_the_settings_travel_in_the_model_document() -> None:
 
 def test_without_a_configuration_a_value_of_its_own_id_is_taken() -> None:
     (model,) = read_models(Source("speed.yml", SPEED.encode())).models
-    monitor, problems = monitor_of(model, KIND, None, {})
+    monitor, problems = monitor_of(model, KIND, None)
     assert monitor is not None
     assert problems == []
     (binding,) = monitor.inputs
@@ -145,7 +144,7 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     two = (ModelInput("a-b", "bool"), ModelInput("a.b", "bool"), ModelInput("c", "bool"))
     functions = dataclasses.replace(KIND.functions, inputs=lambda _: two)
     kind = dataclasses.replace(KIND, load=lambda: functions)
-    monitor, problems = monitor_of(model, kind, None, {})
+    monitor, problems = monitor_of(model, kind, None)
     assert monitor is None
     assert_example("K025", problems)
 
@@ -158,7 +157,7 @@ def test_the_example_needs_no_hand_written_line() -> None:
         assert config is not None
         models = read_models(Source("m.xml", (EXAMPLE / "two_conserts.xml").read_bytes())).models
         model = models["ab".index(letter)]
-        monitor, found = monitor_of(model, KIND, config, known_messages(kinds().values()))
+        monitor, found = monitor_of(model, KIND, config)
         assert found == []
         assert monitor is not None
         assert all(binding.expression for binding in monitor.inputs)
@@ -179,7 +178,7 @@ def said(entry: str, uom: str = "m") -> list[tuple[str, str, str | None]]:
     (model,) = read_models(Source("speed.yml", text.encode())).models
     config, problems = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
     assert config is not None, problems
-    _, found = monitor_of(model, KIND, config, known_messages(kinds().values()))
+    _, found = monitor_of(model, KIND, config)
     return [(one.code, one.message, one.hint) for one in found if one.level == "error"]
 
 
@@ -267,6 +266,6 @@ def test_the_unit_to_write_converts_the_value() -> None:
     (model,) = read_models(Source("speed.yml", text.encode())).models
     entry = "requires: [battery], field: percentage, unit: fraction"
     config, _ = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
-    monitor, problems = monitor_of(model, KIND, config, known_messages(kinds().values()))
+    monitor, problems = monitor_of(model, KIND, config)
     assert monitor is not None, problems
     assert monitor.inputs[0].factor == (100, 1)

@@ -11,7 +11,6 @@ from eddi_runtime import EDDIInputBase
 from eddi_runtime.model_file import parse_model
 
 from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import Monitor, monitor_of
@@ -31,8 +30,7 @@ def joined(config: str, folder: Path = Path()) -> tuple[Monitor | None, list[Pro
     file, problems = read_config(Source(str(folder / "c.yml"), config.encode()))
     if file is None:
         return None, problems
-    known = known_messages(kinds().values())
-    monitor, found = monitor_of(model, kinds()["consert"], file, known)
+    monitor, found = monitor_of(model, kinds()["consert"], file)
     return monitor, [*problems, *found]
 
 
@@ -216,8 +214,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
     assert monitor.config is not None
     (tmp_path / "safety.events").unlink()
     again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
-    known = known_messages(kinds().values())
-    other, problems = monitor_of(monitor.model, monitor.kind, again, known)
+    other, problems = monitor_of(monitor.model, monitor.kind, again)
     assert other is not None, problems
     assert other.model_json == monitor.model_json
     assert again.as_json() == monitor.config.as_json()

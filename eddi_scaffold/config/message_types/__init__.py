@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from functools import cache
 
 from eddi_scaffold.config.message_types.common import common_messages
 from eddi_scaffold.config.message_types.definitions import (
@@ -16,7 +16,7 @@ from eddi_scaffold.config.message_types.definitions import (
     packages_of,
     python_type,
 )
-from eddi_scaffold.kinds import Kind
+from eddi_scaffold.kinds import kinds
 
 __all__ = [
     "TIMES",
@@ -36,11 +36,12 @@ FieldsOf = Mapping[str, Fields]
 """Message type (``std_msgs/Bool``) -> field -> type as in a ``.msg`` file."""
 
 
-def known_messages(kinds: Iterable[Kind[Any]]) -> FieldsOf:
+@cache
+def known_messages() -> FieldsOf:
     """Return the fields of the common messages of ROS 1 and of our own ``eddi_messages``."""
     own = {
         f"eddi_messages/{name}": fields_of(text, "eddi_messages")
-        for kind in kinds
+        for kind in kinds().values()
         for name, text in kind.messages.items()
     }
     return {**TIMES, **common_messages(), **own}

@@ -37,11 +37,11 @@ def read_path(path: Path) -> Model:
 def joined(model: Model, config: str | None = None) -> tuple[Monitor | None, list[Problem]]:
     """Join a model with the text of a configuration."""
     if config is None:
-        return monitor_of(model, KIND, None, {})
+        return monitor_of(model, KIND, None)
     file, problems = read_config(Source("eddi_config.yml", config.encode()))
     if file is None:
         return None, problems
-    monitor, more = monitor_of(model, KIND, file, {})
+    monitor, more = monitor_of(model, KIND, file)
     return monitor, [*problems, *more]
 
 
