@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.identifiers import full_topic
 from eddi_scaffold.monitors.binding import Monitor
 from eddi_scaffold.problems import (
     EddiError,
@@ -25,6 +27,9 @@ from eddi_scaffold.problems import (
 from eddi_scaffold.regions.files import NotRegularError, open_regular
 from eddi_scaffold.replay.bag_types import check_fields, tables
 from eddi_scaffold.replay.recordings import Sample, Tape
+
+_absolute = partial(full_topic, namespace="", package="")
+"""A bag has no private names."""
 
 
 @dataclass(frozen=True)
@@ -103,10 +108,6 @@ def _wanted(monitors: Sequence[Monitor]) -> Mapping[str, Sequence[_Wanted]]:
         for source in sources.values():
             found.setdefault(monitor.topic(source.topic), []).append(_Wanted(monitor, source))
     return found
-
-
-def _absolute(topic: str) -> str:
-    return topic if topic.startswith("/") else f"/{topic}"
 
 
 def _refuse_special(path: Path, place: Place) -> None:
