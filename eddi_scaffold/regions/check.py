@@ -11,6 +11,7 @@ from eddi_scaffold.regions.bodies import same_body
 from eddi_scaffold.regions.claims import adopt_ids
 from eddi_scaffold.regions.document import Document, Fault, Region, parse
 from eddi_scaffold.regions.files import stays
+from eddi_scaffold.regions.generated import GENERATED
 from eddi_scaffold.regions.markers import with_sig
 from eddi_scaffold.regions.merge import kind_of
 from eddi_scaffold.regions.paths import is_relative
@@ -55,7 +56,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     if linked:
         return tuple(_broken(refusal) for refusal in linked)
     found: list[RegionStatus] = []
-    if not (root / EDDI / "pristine").is_dir():
+    if _has_lost_renderings(root / EDDI):
         note = "without this folder hand edits and generated text look the same; generate again"
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
     for name in files_below(root / EDDI / "pristine"):
@@ -69,6 +70,12 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
         file = f"{EDDI}/rejects/{name}"
         found.append(RegionStatus(name, file, None, "rejected", (note,), review=True))
     return tuple(found)
+
+
+def _has_lost_renderings(records: Path) -> bool:
+    """Return whether renderings of editable files are gone; some templates have no such file."""
+    has_none = (records / GENERATED).is_file() and not files_below(records / "base")
+    return not has_none and not (records / "pristine").is_dir()
 
 
 def broken_files(root: Path) -> tuple[Refusal, ...]:

@@ -18,7 +18,8 @@ from eddi_scaffold.regions.store import (
     write_file,
 )
 
-_LIST = "generated.txt"
+GENERATED = "generated.txt"
+"""File of a package's records that every rendering has."""
 _MANIFEST = "manifest.json"
 _EDITED = "edited.txt"
 
@@ -28,7 +29,7 @@ def listed_generated(root: Path) -> list[str]:
 
     A listed name may be a pattern such as ``src/**/*.py``.
     """
-    text = read_text(root / EDDI / _LIST)
+    text = read_text(root / EDDI / GENERATED)
     plain = without_sentinel(text) if isinstance(text, str) else None
     lines = {line.strip() for line in (plain or "").split("\n") if line.strip()}
     return sorted({name for line in lines for name in _matching(root, line)})
@@ -128,6 +129,7 @@ def _digest(path: Path) -> str | None:
 
 
 __all__ = [
+    "GENERATED",
     "SENTINEL",
     "changed_generated",
     "forget_generated",

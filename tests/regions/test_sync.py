@@ -329,6 +329,15 @@ def test_orphans_rejects_and_damage_are_listed(package: Path) -> None:
     assert sorted(states) == ["broken", "orphaned", "rejected"]
 
 
+def test_a_package_needs_no_editable_file(tmp_path: Path) -> None:
+    write_file(tmp_path, ".eddi/generated.txt", b"a.py\n# eddi-scaffold: end of rendering\n")
+    assert list_regions(tmp_path) == ()
+    write_file(tmp_path, ".eddi/base/package.xml", b"<package/>")  # it had one
+    assert [one.state for one in list_regions(tmp_path)] == ["broken"]
+    shutil.rmtree(tmp_path / ".eddi")
+    assert [one.state for one in list_regions(tmp_path)] == ["broken"]
+
+
 def test_generated_files(tmp_path: Path) -> None:
     (tmp_path / ".eddi").mkdir()
     (tmp_path / ".eddi/generated.txt").write_text("b.py\na.py\n# eddi-scaffold: end of rendering\n")
