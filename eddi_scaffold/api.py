@@ -13,12 +13,12 @@ from typing import Any
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import Model, Reading
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import root_below
 from eddi_scaffold.platforms import chosen
-from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.problems import EddiError, Place, Problem
 from eddi_scaffold.replay.parts import of_values, rhythm
 from eddi_scaffold.replay.playing import play
 from eddi_scaffold.replay.recordings import read_tape
@@ -94,8 +94,6 @@ def generate(
     Raises:
         EddiError: an input cannot be used, or a package could not be written; nothing was changed.
     """
-    if model is None and not configs:
-        raise EddiError(error("G015", "a model or a configuration that names one is needed"))
     target = chosen(platform)
     root = root_below(folder, target.root)
     monitors, problems = monitors_of(model, configs)
@@ -120,9 +118,6 @@ def run(
         EddiError: an input cannot be used, or the files hold several models (G005).
     """
     monitors, _ = monitors_of(model, [config] if config is not None else [])
-    if len(monitors) != 1:
-        names = ", ".join(monitor.model.name for monitor in monitors)
-        raise EddiError(error("G005", f"there are several models: {names}"))
-    (monitor,) = monitors
+    monitor = only(monitors)
     tape, _ = read_tape(read_source(recording), monitor)
     yield from steps(play([of_values(monitor, rhythm(monitor))], tape))

@@ -81,6 +81,13 @@ def test_run_needs_one_model(tmp_path: Path) -> None:
     assert [problem.code for problem in refused.value.problems] == ["G005"]
 
 
+def test_nothing_to_work_on(tmp_path: Path) -> None:
+    for call in (lambda: api.generate(tmp_path), lambda: next(api.run(EXAMPLE / "recording.csv"))):
+        with pytest.raises(api.EddiError) as refused:
+            call()
+        assert [problem.code for problem in refused.value.problems] == ["G015"]
+
+
 def test_run_refuses_more_steps_than_anybody_waits_for(tmp_path: Path) -> None:
     recording = tmp_path / "recording.csv"
     recording.write_text("t,RtE_A_D0,RtE_A_E0\n0,true,true\n1700000000,true,true\n", "utf-8")

@@ -51,22 +51,17 @@ def answers(
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.packages.assembly import assemble, monitors_of
+    from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.positioned_yaml.writer import dump_plain
-    from eddi_scaffold.problems import EddiError, error
 
     target = chosen(platform)
     monitors, problems = monitors_of(
         model, [config] if config else [], name, default_guarantee or ()
     )
-    if len(monitors) != 1:
-        names = ", ".join(monitor.model.name for monitor in monitors)
-        raise EddiError(
-            error("G005", f"the file holds several models: {names}", hint="choose one with --name")
-        )
+    only(monitors)
     root = (workspace or Path()) / target.root
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)

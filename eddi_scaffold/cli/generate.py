@@ -58,11 +58,8 @@ def generate(
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import root_below
     from eddi_scaffold.platforms import chosen
-    from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.robot.robot_models import beside_configs
 
-    if model is None and not config:
-        raise EddiError(error("G015", "give a model: -m MODEL, or a -c that names its model"))
     target = chosen(platform)
     place = destination(target, workspace, output)
     root = root_below(place, target.root)

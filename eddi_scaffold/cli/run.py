@@ -165,9 +165,6 @@ def _models_and_configs(
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source
 
-    if not files and not configs:
-        message = "give a model: run MODEL, or run CONFIG that names its model"
-        raise EddiError(error("G015", message))
     if len(files) == 1 and configs:
         return list(files), list(configs)
     sources = {path: read_source(path) for path in files}
@@ -187,13 +184,13 @@ def _check_number(
     monitors: Sequence[Monitor], configs: Sequence[Path], one_only: str | None
 ) -> None:
     """Refuse several models without configurations, and what shows one monitor only."""
+    from eddi_scaffold.packages.assembly import only
     from eddi_scaffold.problems import EddiError, error
 
-    names = ", ".join(monitor.model.name for monitor in monitors)
-    if len(monitors) != 1 and not configs:
-        message = f"the file holds several models: {names}"
-        raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
+    if not configs:
+        only(monitors)
     if len(monitors) > 1 and one_only is not None:
+        names = ", ".join(monitor.model.name for monitor in monitors)
         message = f"{one_only} shows one monitor, not {names}"
         raise EddiError(error("G020", message, hint="--json prints every step of each"))
 

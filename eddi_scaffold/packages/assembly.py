@@ -22,7 +22,7 @@ from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.problems import EddiError, Problem, has_errors
+from eddi_scaffold.problems import EddiError, Problem, error, has_errors
 
 _IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
@@ -55,8 +55,11 @@ def monitors_of(
     configuration itself names. Without: one for each model, or the one of ``name``.
 
     Raises:
-        EddiError: a file cannot be used.
+        EddiError: a file cannot be used, or none is given (G015).
     """
+    if not model_file and not config_files:
+        message = "give a model, or a configuration that names its model"
+        raise EddiError(error("G015", message))
     models: Sequence[Model] = ()
     problems: list[Problem] = []
     for path in [model_file] if isinstance(model_file, Path) else model_file or ():
@@ -73,6 +76,19 @@ def monitors_of(
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors, problems
+
+
+def only(monitors: Sequence[Monitor]) -> Monitor:
+    """Return the only monitor.
+
+    Raises:
+        EddiError: there are several (G005).
+    """
+    if len(monitors) != 1:
+        names = ", ".join(monitor.model.name for monitor in monitors)
+        message = f"the file holds several models: {names}"
+        raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
+    return monitors[0]
 
 
 def assemble(

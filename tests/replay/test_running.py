@@ -101,7 +101,7 @@ def test_a_configuration_without_its_model_says_what_to_do() -> None:
     assert done.returncode == 2
     assert "not a model, and it names none [F008]" in done.stderr
     assert "hint: run MODEL -c consert_a_config.yml, or name it" in done.stderr
-    assert "give a model: run MODEL" in run("--inputs", "recording.csv").stderr
+    assert "give a model, or a configuration" in run("--inputs", "recording.csv").stderr
 
 
 @pytest.mark.parametrize(
