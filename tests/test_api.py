@@ -74,6 +74,16 @@ def test_generate_and_run(tmp_path: Path) -> None:
     assert {"t", "outputs"} <= set(rows[0])
 
 
+def test_generate_needs_a_workspace(tmp_path: Path) -> None:
+    sources = tmp_path / "src"
+    sources.mkdir()
+    for folder in (tmp_path / "nowhere", sources):
+        with pytest.raises(api.EddiError) as refused:
+            api.generate(folder, MODEL, [CONFIG])
+        assert [problem.code for problem in refused.value.problems] == ["G007"]
+    assert [*tmp_path.rglob("*")] == [sources]
+
+
 def test_run_needs_one_model(tmp_path: Path) -> None:
     shutil.copy(EXAMPLE / "recording.csv", tmp_path)
     with pytest.raises(api.EddiError) as refused:

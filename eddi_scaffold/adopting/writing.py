@@ -14,7 +14,7 @@ from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.transaction import FileState, write
-from eddi_scaffold.packages.workspace import root_below
+from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.regions.check import list_regions
@@ -38,7 +38,7 @@ def write_adopted(
     Raises:
         EddiError: the new package is there already (A005), or cannot be generated.
     """
-    root = root_below(place, platform.root)
+    root = packages_root(platform, place)
     package = package_name(adoption.model.name)
     if os.path.lexists(root / package):
         hint = "move it away: adopting is for packages that are not ours yet"

@@ -56,13 +56,13 @@ def generate(
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import root_below
+    from eddi_scaffold.packages.workspace import packages_root
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.robot.robot_models import beside_configs
 
     target = chosen(platform)
     place = destination(target, workspace, output)
-    root = root_below(place, target.root)
+    root = packages_root(target, place)
     robot, problems = beside_configs(system, models)
     monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
     problems = [*problems, *found]

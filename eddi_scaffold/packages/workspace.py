@@ -9,6 +9,7 @@ from typing import Any
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.transaction import PREFIX
+from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import stays
 
@@ -17,6 +18,29 @@ def existing(root: Path) -> dict[str, dict[str, Any]]:
     """Return folder name -> answers of the generated packages directly below ``root``."""
     found = ((folder.name, read_answers(folder)) for folder in _folders(root))
     return {name: answers for name, answers in found if answers is not None}
+
+
+def packages_root(platform: Platform, place: Path) -> Path:
+    """Return the folder of all packages of a platform.
+
+    Args:
+        platform: where the monitors run.
+        place: its workspace, or any folder if it has none.
+
+    Raises:
+        EddiError: this is no workspace (G007), or the folder leads out of it (F011).
+    """
+    expected = platform.workspace
+    if expected is not None and not place.is_dir():
+        message = f"there is no such {expected.title}"
+        hint = f"mkdir -p {place}/{expected.sources}"
+        raise EddiError(error("G007", message, Place(str(place)), hint))
+    inside = expected is not None and place.resolve().name == expected.sources
+    if expected is not None and inside and not (place / expected.sources).exists():
+        message = f"this is the `{expected.sources}` of a workspace"
+        hint = f"name the folder above: -w {place.parent}"
+        raise EddiError(error("G007", message, Place(str(place)), hint))
+    return root_below(place, platform.root)
 
 
 def root_below(place: Path, name: str) -> Path:
