@@ -6,6 +6,7 @@ import math
 import re
 from typing import Annotated, Any, Literal
 
+from eddi_runtime.node.settings import FREQUENCIES
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -31,8 +32,6 @@ INPUT_TYPES: dict[str, InputType] = {
 }  # fmt: skip
 
 
-_FREQUENCIES = (1e-6, 1e6)
-"""Least and most steps per second: periods that every clock can count."""
 _LONGEST_GRACE = 1e6
 """Seconds that inputs may wait for their first message: more is no limit at all."""
 
@@ -69,7 +68,7 @@ def _max_age(value: object) -> object:
 def _frequency(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError("a number of steps per second is expected")  # noqa: TRY004 - pydantic collects ValueErrors
-    low, high = _FREQUENCIES
+    low, high = FREQUENCIES
     if not low <= value <= high:  # never true of not-a-number
         raise HintedError(
             f"{low:f} to {high:.0f} steps per second are expected",

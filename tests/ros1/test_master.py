@@ -207,5 +207,5 @@ def test_models_that_cannot_be_used(world, master, model_files, tmp_path):
     assert "sha256" in nodes["changed"].text
     assert "no model file: " in nodes["beside"].text
     assert "tester/config/model.json" in nodes["beside"].text
-    assert "~frequency: a number > 0 (Hz) expected, got 0" in nodes["rate"].text
+    assert "~frequency: 0.000001 to 1000000 Hz expected, got 0" in nodes["rate"].text
     assert "~queue_size" in nodes["rate"].text

@@ -5,6 +5,7 @@ a numpy scalar only once somebody listens (rospy does). So every value is checke
 here, and a message is always filled completely.
 """
 
+import contextlib
 import math
 import numbers
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
@@ -74,10 +75,11 @@ def _floating(field: str, name: str) -> Convert:
 
     def convert(value: object) -> float:
         if isinstance(value, numbers.Real) and not isinstance(value, bool):
-            number = float(value)
-            # NaN passes: only the kind knows whether that is its "no value".
-            if not math.isfinite(number) or abs(number) <= largest:
-                return number
+            with contextlib.suppress(OverflowError):
+                number = float(value)
+                # NaN passes: only the kind knows whether that is its "no value".
+                if not math.isfinite(number) or abs(number) <= largest:
+                    return number
         raise _wrong(field, name, value)
 
     return convert

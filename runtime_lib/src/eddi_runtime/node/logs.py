@@ -5,6 +5,7 @@ when they hang, the loop of the monitor would otherwise end at its next line.
 """
 
 import collections
+import contextlib
 import threading
 import time
 from typing import Callable, Deque, Mapping, Tuple
@@ -60,7 +61,8 @@ class Log:
             self._busy = True
             while self._lines:
                 level, text, values = self._lines.popleft()
-                write[level](text, *values)
+                with contextlib.suppress(Exception):  # a broken pipe ends this line, not the log
+                    write[level](text, *values)
             if self._dropped:
                 dropped, self._dropped = self._dropped, 0
                 write["warn"]("%d log lines were dropped", dropped)

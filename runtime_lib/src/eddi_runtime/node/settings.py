@@ -1,10 +1,13 @@
 """Private parameters of the node, checked all at once."""
 
+import contextlib
 import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Tuple
 
 ON_MASTER_LOSS = ("reregister", "exit")
 STARTUP_GRACE_S = 10.0
+FREQUENCIES = (1e-6, 1e6)
+"""Least and most steps per second: periods that every clock can count."""
 
 
 class Settings(NamedTuple):
@@ -30,8 +33,9 @@ class Settings(NamedTuple):
 
 
 def _number(value: object) -> Optional[float]:
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
-        return float(value)
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):  # a whole number may be too large for a float
+            return float(value) if math.isfinite(value) else None
     return None
 
 
@@ -53,7 +57,9 @@ def settings(
 
     rate = given.get("frequency", frequency)
     hertz = _number(rate)
-    check("frequency", "a number > 0 (Hz)", rate, hertz is not None and hertz > 0.0)
+    low, high = FREQUENCIES
+    fits = hertz is not None and low <= hertz <= high
+    check("frequency", f"{low:f} to {high:.0f} Hz", rate, fits)
     model = given.get("model") or None
     check("model", "a path", model, model is None or isinstance(model, str))
     diagnostics = given.get("diagnostics", True)
