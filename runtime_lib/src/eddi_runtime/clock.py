@@ -19,11 +19,7 @@ def step_time(given: object) -> Optional[int]:
     """
     if given is None:
         return time.monotonic_ns()
+    given = given if type(given) is int else plain(given)
     if type(given) is not int:
-        try:
-            given = plain(given)
-        except Exception:  # noqa: BLE001 - a hostile object
-            return None
-        if type(given) is not int:
-            return None
+        return None
     return given if -_LARGEST <= given < _LARGEST else None

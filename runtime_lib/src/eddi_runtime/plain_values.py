@@ -11,7 +11,7 @@ from typing import Any, Union
 
 
 def plain(raw: object) -> Union[bool, int, float, str, None]:
-    """Return a bool, int, float or str of exactly that type; None for every other type.
+    """Return a bool, int, float or str of exactly that type; None for every other; never raises.
 
     Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
     that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called.
@@ -20,7 +20,7 @@ def plain(raw: object) -> Union[bool, int, float, str, None]:
     if kind is bool:
         return raw  # type: ignore[return-value]  # "is bool" does not narrow object
     numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
-    if numpy is not None and issubclass(kind, numpy.generic):
+    if issubclass(kind, getattr(numpy, "generic", ())):  # nor while another thread imports it
         return _plain_numpy(raw, kind, numpy)
     if issubclass(kind, float):
         return float.__float__(raw)  # type: ignore[arg-type]  # a float, by the line above
@@ -42,10 +42,7 @@ def _plain_numpy(raw: Any, kind: type, numpy: Any) -> Union[bool, int, float, st
 
 def show(raw: object) -> str:
     """Return a short text of any value; never raises."""
-    try:
-        value = plain(raw)
-    except Exception:  # noqa: BLE001 - a hostile object
-        value = None
+    value = plain(raw)
     if value is None:
         return f"an object of type {type_name(raw)}"
     if isinstance(value, int) and value.bit_length() > 256:
@@ -56,16 +53,14 @@ def show(raw: object) -> str:
 
 def type_name(raw: object) -> str:
     """Return the name of the type, also when its metaclass hides it."""
-    try:
-        return str(type.__dict__["__name__"].__get__(type(raw)))[:60]
-    except Exception:  # noqa: BLE001 - a hostile object
-        return "an unnamed type"
+    return str(type.__dict__["__name__"].__get__(type(raw)))[:60]
 
 
 def one_line(problem: BaseException) -> str:
-    """Return a problem in one line; never raises."""
+    """Return a problem in one line that every transport can send; never raises."""
     try:
-        text = " ".join(str(problem).split())[:300]
+        whole = str(problem).encode("utf-8", "backslashreplace").decode("utf-8")
+        text = " ".join(whole.split())[:300]
     except Exception:  # noqa: BLE001 - an exception may fail to print itself
         text = "it cannot be printed"
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__

@@ -24,7 +24,7 @@ from .report import (
 _KNOWN = (FRESH, LATCHED)
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
 _CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
-_REFRESH_S = 0.5  # reasons cost more than a step: no older than this, or than a change of a state
+_REFRESH_S = 0.5  # reasons cost more than a step: only then, or when a state or the output changed
 
 
 class _Seen(NamedTuple):
@@ -81,6 +81,7 @@ class Health:
         self._inputs: Tuple[Any, ...] = tuple(monitor.inputs)
         self._seen = _Seen(time.monotonic())
         self._reasons = _Reasons()
+        self._changes = Changes()
         self._errors: Dict[str, int] = {}
         self._logged: Dict[str, Tuple[str, float]] = {}
         self._level = OK
@@ -90,10 +91,13 @@ class Health:
         self._longest = 0.0
         self._reported_overruns = 0
 
-    def after_step(self, receipts: Mapping[str, Receipt], error: str, duration: float) -> bool:
+    def after_step(
+        self, output: object, receipts: Mapping[str, Receipt], error: str, duration: float
+    ) -> bool:
         """Note a finished step; ``True`` when the level of the inputs changed.
 
         Args:
+            output: what the monitor gave.
             receipts: what had been received when the step began.
             error: exception of the step, else empty.
             duration: seconds.
@@ -110,7 +114,8 @@ class Health:
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
             self._log_input(spec.id, reason if state == INVALID else "")
         kinds = tuple(state for state, _ in states)
-        if kinds != self._reasons.kinds or now - self._reasons.at >= _REFRESH_S:
+        changed = self._changes.note(output) or kinds != self._reasons.kinds
+        if changed or now - self._reasons.at >= _REFRESH_S:
             self._reasons = self._ask(now, kinds)
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
@@ -212,7 +217,7 @@ class Health:
             id=spec.id,
             state=state[0],
             reason=state[1],
-            age=max(now - receipt.at for receipt in here) if here else None,
+            age=max(receipt.age_at(now) for receipt in here) if here else None,
             received=min((receipt.received for receipt in here), default=0) if whole else 0,
             errors=self._errors.get(spec.id, 0),
             limit=spec.max_age,
@@ -233,21 +238,22 @@ class Changes:
     """Logs which guarantees became active or inactive, at most 20 lines per second."""
 
     def __init__(self) -> None:
-        self._last: Optional[Dict[str, bool]] = None
+        self._last: Dict[str, bool] = {}
         self._output: object = None
         self._window = -1.0
         self._lines = 0
 
-    def note(self, output: object) -> None:
-        """Compare an output with the one before; outputs of other shapes are passed over."""
+    def note(self, output: object) -> bool:
+        """Return whether an output is another one than before; other shapes are passed over."""
         if output == self._output:
-            return
+            return False
         self._output = output
         now = activity(output)
-        before, self._last = self._last, now
         for name, active in now.items():
-            if before is not None and before.get(name, active) is not active:
+            if self._last.get(name, active) is not active:
                 self._log_change(name, active)
+        self._last.update(now)
+        return True
 
     def _log_change(self, name: str, active: bool) -> None:
         second = time.monotonic()

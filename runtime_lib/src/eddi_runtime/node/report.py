@@ -51,7 +51,7 @@ class InputFact(NamedTuple):
         id: of the input.
         state: one of those above.
         reason: what is known of it beside its sources, such as why it is invalid, else empty.
-        age: seconds since the oldest message it needs, ``None`` without one.
+        age: of the oldest message it needs in seconds; ``UNKNOWN_AGE`` as there, ``None`` without.
         received: messages so far, of the required topic with the fewest.
         errors: steps so far in which it was invalid.
         blocks: ids of the guarantees that are inactive because of it.
@@ -237,7 +237,7 @@ def _sentence(fact: InputFact) -> str:
 
 def _input_values(fact: InputFact) -> Iterator[Tuple[str, str]]:
     yield fact.id, fact.state
-    yield f"{fact.id}.age_s", "" if fact.age is None else f"{fact.age:.3f}"
+    yield f"{fact.id}.age_s", "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
     yield f"{fact.id}.received", str(fact.received)
     yield f"{fact.id}.errors", str(fact.errors)
     if fact.limit == "none":

@@ -16,7 +16,7 @@ import rospy
 
 from ... import ModelError, __version__
 from ...node.conversion import MessageError
-from ...node.health import Changes, Health
+from ...node.health import Health
 from ...node.logs import LOG
 from ...node.outputs import beside, check_outputs
 from ...node.receipts import Receipt
@@ -88,7 +88,6 @@ class MonitorNode:
         self._health = Health(
             self._core, eddi_input, self._schedule.period, self.options.startup_grace
         )
-        self._changes = Changes()
         self._refusals = TypeRefusals()
         self._watchdog: Optional[Watchdog] = None
         self._diagnostics: Optional[Diagnostics] = None
@@ -140,9 +139,8 @@ class MonitorNode:
             self._health.log_error("step", error, traceback.format_exc())
             output = self._publish_nothing_known()
         try:
-            self._changes.note(output)
             self._watch_clock()
-            if self._health.after_step(receipts, error, time.monotonic() - started):
+            if self._health.after_step(output, receipts, error, time.monotonic() - started):
                 self._report_now()
         except Exception as caught:  # noqa: BLE001 - a report must never end the monitor
             self._health.log_error("report", one_line(caught), traceback.format_exc())

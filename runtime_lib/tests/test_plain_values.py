@@ -1,0 +1,67 @@
+"""Any value as a plain one or as a short text, whatever its class does; a problem in one line."""
+
+import sys
+from types import ModuleType
+
+import pytest
+from eddi_runtime.plain_values import one_line, plain, show, type_name
+
+
+class Hostile(type):
+    """The class of a class that does not tell its name."""
+
+    @property
+    def __name__(cls):
+        raise RuntimeError
+
+
+class Liar(int, metaclass=Hostile):
+    __class__ = bool
+
+    def __int__(self):
+        raise RuntimeError
+
+    def __repr__(self):
+        raise RuntimeError
+
+
+class MuteError(Exception):
+    def __str__(self):
+        raise RuntimeError
+
+
+def test_a_subclass_is_asked_nothing():
+    assert (type(plain(Liar(3))), show(Liar(3)), type_name(Liar(3))) == (int, "3", "Liar")
+
+
+def test_what_is_no_plain_value_is_shown_by_its_type():
+    assert [plain(one) for one in (None, [1], 1j, b"x")] == [None] * 4
+    assert show([1]) == "an object of type list"
+    assert show(10**100) == "a whole number of 333 bits"
+    assert len(show("x" * 500)) == 60
+
+
+def test_values_of_numpy():
+    np = pytest.importorskip("numpy", reason="the values are numpy's")
+    given = (np.bool_(1), np.int8(-3), np.float32(0.5), np.longdouble(0.25), np.str_("x"))
+    found = [plain(one) for one in given]
+    assert [(type(one), one) for one in found] == [
+        *[(bool, True), (int, -3), (float, 0.5), (float, 0.25), (str, "x")]
+    ]
+    assert plain(np.timedelta64(3, "s")) is None
+    assert plain(np.complex64(1)) is None
+
+
+def test_a_value_is_asked_while_another_thread_imports_numpy(monkeypatch):
+    monkeypatch.setitem(sys.modules, "numpy", ModuleType("numpy"))
+    assert [plain(one) for one in (True, 3, 0.5, "x", None)] == [True, 3, 0.5, "x", None]
+    assert show([]) == "an object of type list"
+
+
+def test_a_problem_is_one_line_that_every_transport_can_send():
+    assert one_line(ValueError("first\n second")) == "ValueError: first second"
+    assert one_line(ValueError()) == "ValueError"
+    assert one_line(MuteError()) == "MuteError: it cannot be printed"
+    assert len(one_line(ValueError("x" * 5000))) == 312
+    found = one_line(OSError("no file /data/\udcff"))
+    assert found.encode("utf-8") == b"OSError: no file /data/\\udcff"
