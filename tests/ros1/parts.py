@@ -41,16 +41,17 @@ def check_no_message_is_skipped():
     source = Input("sample", "/sample", std_msgs.msg.Bool, every_message=True)
     slot = subscriptions._Slot(source, slots._lock, lambda: None)
     slots._slots["sample"] = slot
-    assert slots.new_messages() == {"sample": []}
+    assert slots.taken() == ({}, {"sample": []})
     for value in (True, False, True):
         slot.receive(std_msgs.msg.Bool(value))
-    assert [message.data for message in slots.new_messages()["sample"]] == [True, False, True]
-    assert slots.new_messages() == {"sample": []}
-    assert slots.receipts()["sample"].message.data is True
+    receipts, new = slots.taken()
+    assert [message.data for message in new["sample"]] == [True, False, True]
+    assert receipts["sample"].message is new["sample"][-1]
+    assert slots.taken() == (receipts, {"sample": []})
     for _ in range(1005):
         slot.receive(std_msgs.msg.Bool(False))
     assert slots.dropped() == {"sample": 5}
-    assert len(slots.new_messages()["sample"]) == 1000
+    assert len(slots.taken()[1]["sample"]) == 1000
 
 
 def check_the_age_of_a_latched_message():

@@ -127,9 +127,9 @@ class MonitorNode:
         old guarantee never stays active.
         """
         started = time.monotonic()
-        receipts = self._subscriptions.receipts()
+        receipts, new = self._subscriptions.taken()
         try:
-            output = self._evaluate(receipts, started)
+            output = self._evaluate(receipts, new, started)
             error = self._publish(output)
             self._health.log_error("step", error)
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
@@ -145,10 +145,11 @@ class MonitorNode:
         except Exception as caught:  # noqa: BLE001 - a report must never end the monitor
             self._health.log_error("report", one_line(caught), traceback.format_exc())
 
-    def _evaluate(self, receipts: Mapping[str, Receipt], now: float) -> Any:
+    def _evaluate(
+        self, receipts: Mapping[str, Receipt], new: Mapping[str, List[Any]], now: float
+    ) -> Any:
         self.simulator_values = {name: receipt.message for name, receipt in receipts.items()}
         ages = {name: receipt.age_at(now) for name, receipt in receipts.items()}
-        new = self._subscriptions.new_messages()
         t_ns = _time_ns()
         self.eddi_input.begin_step(ages, new or None, t_ns)
         if new:

@@ -95,18 +95,21 @@ class Subscriptions:
     def receipts(self) -> Dict[str, Receipt]:
         """Return the last message of every input that has one, at one instant."""
         with self._lock:
-            return {
-                name: slot.receipt for name, slot in self._slots.items() if slot.receipt is not None
-            }
+            return self._receipts()
 
-    def new_messages(self) -> Dict[str, List[Any]]:
-        """Return the messages since the last call of every input that takes each of them."""
+    def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[Any]]]:
+        """Return the last messages, and those since the last call of inputs that take each of them.
+
+        At one instant: one that came between the two would be new without having been received.
+        """
         with self._lock:
-            return {
-                name: slot.taken()
-                for name, slot in self._slots.items()
-                if slot.source.every_message
-            }
+            each = {n: slot.taken() for n, slot in self._slots.items() if slot.source.every_message}
+            return self._receipts(), each
+
+    def _receipts(self) -> Dict[str, Receipt]:
+        return {
+            name: slot.receipt for name, slot in self._slots.items() if slot.receipt is not None
+        }
 
     def dropped(self) -> Dict[str, int]:
         """Return input id -> messages that were dropped because too many came in one period."""
