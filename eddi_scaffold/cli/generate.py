@@ -64,7 +64,10 @@ def generate(
     place = destination(target, workspace, output)
     root = packages_root(target, place)
     robot, problems = beside_configs(system, models)
-    monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
+    try:
+        monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
+    except EddiError as refused:  # what is wrong with the robot's models may be the reason
+        raise EddiError(*problems, *refused.problems) from None
     problems = [*problems, *found]
     assembly = assemble(monitors, target, root, problems)
     console.problems(assembly.problems)

@@ -80,8 +80,6 @@ class Braces:
 
     def is_before(self, mark: str) -> bool:
         """Return whether this punctuation comes after the next token."""
-        if self._at + 1 >= len(self._tokens):
-            return False
         kind, value, _ = self._tokens[self._at + 1]
         return kind == "punct" and value == mark
 
