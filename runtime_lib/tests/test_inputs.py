@@ -3,7 +3,7 @@
 import pytest
 from eddi_runtime import EDDIInputBase, InputSpec, by_id, by_key, by_name
 from eddi_runtime.access import follow
-from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.inputs import UNKNOWN_AGE, Messages
 
 from runtime_lib.tests.documents import give
 
@@ -114,6 +114,76 @@ def test_no_limit_is_never_stale():
     one.begin_step({"topic": 1e9})
     one.update("free", process, {"topic": 3}, ("topic",))
     assert one.states["free"] == ("ok", "", 1e9, 0, "")
+
+
+class Each(EDDIInputBase):
+    """An input that takes every message of ``a``, with the latest of ``b``."""
+
+    def __init__(self):
+        super().__init__()
+        self.sums = None
+        self.bind([InputSpec("sums", "sums", ("a", "b"), 0.5, every_message=True)])
+
+    def process(self, a, b):
+        if a is not None:
+            self.sums = a + b
+
+    def go(self, messages, new=None, ages=None):
+        self.begin_step(ages, new)
+        self.update_each("sums", self.process, messages, ("a", "b"))
+        return self.sums, self.states["sums"].state
+
+
+def test_every_message_since_the_last_step_has_a_value():
+    one = Each()
+    assert one.go({}) == (None, "missing")
+    assert one.go({"a": 1, "b": 10}) == ([11], "ok")  # nothing else is known to be new
+    assert one.go({"a": 3, "b": 20}, {"a": [1, 2, 3], "b": [20]}) == ([21, 22, 23], "ok")
+    assert one.go({"a": 3, "b": 20}, {"a": []}) == ([], "ok")
+    assert one.go({"a": 3, "b": 20}, {"b": [20]}) == ([], "ok")
+    assert type(one.sums) is Messages
+
+
+def test_a_message_that_cannot_be_used_is_none_among_the_others():
+    one = Each()
+    assert one.go({"a": 3, "b": 1}, {"a": [1, "two", 3]}) == ([2, None, 4], "invalid")
+    assert one.states["sums"].reason.startswith("TypeError: ")
+    assert one.states["sums"].errors == 1
+    assert one.go({"a": 3, "b": 1}, {"a": [1, None, 3]}) == ([2, None, 4], "ok")
+
+
+def test_what_comes_too_late_is_none_as_a_whole():
+    one = Each()
+    assert one.go({"a": 1, "b": 1}, {"a": [1]}, {"a": 0.6, "b": 0.0}) == (None, "stale")
+    assert one.go({"a": 1, "b": 1}, {"a": [1]}, {"a": 0.0, "b": 0.0}) == ([2], "ok")
+    assert one.go({"a": 1}, {"a": [1]}) == (None, "missing")
+
+
+@pytest.mark.parametrize("update", ["update", "update_each", "update_expression"])
+def test_a_call_with_no_messages_at_all_raises_nothing(update):
+    """``processing`` may be edited: what it hands over can be anything."""
+    one = Each()
+    one.sums = [1]
+    one.begin_step()
+    getattr(one, update)("sums", one.process, None, ("a", "b"))
+    assert (one.sums, one.states["sums"].state) == (None, "invalid")
+
+
+def test_an_exception_without_a_printable_trace():
+    def broken(a, b):
+        raise SyntaxError("odd", ("file", 1, 2, 3))  # its text is no text
+
+    one = Input()
+    assert one.go(BOTH, None, broken) == (None, "invalid")
+    state = one.states["front left"]
+    assert (state.reason.startswith("SyntaxError: odd"), state.detail) == (True, "")
+
+
+def test_an_input_without_an_expression_has_no_value_of_one():
+    one = Input()
+    one.update_expression("free", lambda: setattr(one, "free", one.expression("free")), {}, ())
+    assert (one.free, one.states["free"].state) == (None, "invalid")
+    assert one.states["free"].reason == "not known yet"
 
 
 def test_by_id():

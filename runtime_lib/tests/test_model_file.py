@@ -3,10 +3,11 @@
 import contextlib
 import copy
 import json
+import sys
 
 import pytest
 from eddi_runtime import ModelError, load
-from eddi_runtime.model_file import canonical, check_document, parse_model
+from eddi_runtime.model_file import canonical, check_document, parse_model, read_model
 from eddi_runtime.monitor import build
 
 from runtime_lib.tests.documents import categorical, document, numeric, signed
@@ -164,3 +165,48 @@ def test_extreme_bounds_are_doubles():
 def test_canonical_text_survives_json():
     assert json.loads(canonical(good())) == good()
     assert canonical(good()).isascii()
+
+
+def test_files_beside_the_model_are_in_its_folder_only(tmp_path):
+    path = tmp_path / "config" / "model.json"
+    path.parent.mkdir()
+    path.write_text(canonical(good()), encoding="utf-8")
+    (tmp_path / "outside.npy").write_bytes(b"secret")
+    (path.parent / "rows.npy").write_bytes(b"rows")
+    data = read_model(path).data
+    assert data("rows.npy") == b"rows"
+    for name in ("../outside.npy", str(tmp_path / "outside.npy"), "", ".", "a\\b.npy"):
+        with pytest.raises(ModelError, match="is not the name of a file next to the model"):
+            data(name)
+    with pytest.raises(ModelError, match=r"cannot read .*gone\.npy: No such file"):
+        data("gone.npy")
+
+
+def test_files_of_a_model_in_memory():
+    found = check_document(good(), data={"rows.npy": b"rows"})
+    assert found.data("rows.npy") == b"rows"
+    with pytest.raises(ModelError, match=r"the file 'gone\.npy' that belongs to the model is not"):
+        found.data("gone.npy")
+
+
+def test_another_format_is_refused():
+    with pytest.raises(ModelError, match="format 2 is not known, only 1"):
+        check_document(signed(dict(good(), format=2)))
+
+
+def test_what_json_cannot_hold_is_damage():
+    data = dict(good(), settings={"deep": float("nan")})
+    with pytest.raises(ModelError, match="the file is damaged"):
+        check_document(data)
+
+
+@pytest.mark.parametrize("names", [None, [], {"a": ["message"]}, {"a": ["topic", "a"]}])
+def test_an_expression_says_what_its_words_mean(names):
+    with pytest.raises(ModelError, match=r"'expression' of .* has no 'names'"):
+        check_document(signed(change(["inputs", 0, "expression"], {"names": names})))
+
+
+def test_a_kind_that_needs_what_is_not_installed(monkeypatch):
+    monkeypatch.setitem(sys.modules, "eddi_runtime.consert", None)
+    with pytest.raises(ModelError, match=r"the kind 'consert' needs eddi_runtime\.consert, which"):
+        build(check_document(good()))

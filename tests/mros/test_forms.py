@@ -131,9 +131,7 @@ def test_systems(text: str, tree: str) -> None:
     assert "\n".join(system_tree(read_rossystem(text))) == tree
 
 
-@pytest.mark.parametrize(
-    ("text", "tree"), [(MODEL, MODEL_TREE), (INDENT_MODEL, INDENT_MODEL_TREE)]
-)
+@pytest.mark.parametrize(("text", "tree"), [(MODEL, MODEL_TREE), (INDENT_MODEL, INDENT_MODEL_TREE)])
 def test_models(text: str, tree: str) -> None:
     model = read_ros_models(text)
     assert "\n".join(model_tree(model)) == tree
