@@ -63,6 +63,22 @@ def test_a_long_recording_keeps_its_peak() -> None:
     assert len(levels) == 2
 
 
+def test_a_long_noise_keeps_its_peaks_and_what_is_unknown() -> None:
+    values: list[object] = [k % 7 / 10 for k in range(50_000)]
+    values[31_234], values[31_236], values[40_000] = 9.0, -9.0, None
+    svg = plot("noise", [track(*values)])
+    assert len(svg) < 200_000
+    root = ET.fromstring(svg)
+    assert [title.text for title in root.iter(f"{SVG}title")].count("unknown") == 1
+    (line,) = root.iter(f"{SVG}path")
+    steps = line.attrib["d"].replace("M", "L").split("L")[1:]
+    levels = [float(step.split(" ")[1]) for step in steps]
+    assert line.attrib["d"].count("M") == 2  # the line breaks where it is unknown
+    assert {levels.count(min(levels)), levels.count(max(levels))} == {2}  # a step has two ends
+    places = [float(step.split(" ")[0]) for step in steps]
+    assert places == sorted(places)
+
+
 def test_ticks_are_round() -> None:
     assert ticks(0.0, 0.8) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]
     assert ticks(-3.0, 97.0) == [0.0, 20.0, 40.0, 60.0, 80.0]

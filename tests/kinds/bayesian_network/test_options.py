@@ -80,6 +80,54 @@ def test_any_values_give_a_monitor_or_problems(
         machine.execute_step(SimpleNamespace(value=value))
 
 
+NODE = "Distance_to_Pedestrian"
+MISTAKES: dict[str, tuple[object, str]] = {
+    "no map": ([], "discretisation: a map from nodes to declarations is expected"),
+    "no such node": ({"Distance": ENTRY}, "discretisation: there is no node 'Distance'"),
+    "no entry": ({NODE: 3}, f"discretisation of {NODE!r}: a map is expected"),
+    "no input": ({NODE: {"bins": [1, 2]}}, "`input` must name an entry of EDDIInputs"),
+    "no such input": ({NODE: {**ENTRY, "input": "valu"}}, "there is no input 'valu'"),
+    "no list": ({NODE: {**ENTRY, "order": "all"}}, "`order` must be a list of states"),
+    "twice": ({NODE: {**ENTRY, "order": [STATES[0]] * 3}}, "`order` names a state twice"),
+    "no text": ({NODE: {**ENTRY, "order": [True, *STATES[1:3]]}}, "`order` must be a list of"),
+    "no name": ({NODE: {"input": "value", "map": {"1": True}}}, "True is no name of a state"),
+    "no state": ({NODE: {**ENTRY, "order": ["near", *STATES[1:3]]}}, "'near' is no state"),
+    "no number": ({NODE: {**ENTRY, "offset": "1"}}, "`offset` must be a finite number"),
+    "nothing left": ({NODE: {**ENTRY, "scale": 0}}, "`scale` must not be 0"),
+    "negative": ({NODE: {**ENTRY, "hysteresis": -1}}, "`hysteresis` must not be negative"),
+    "descending": ({NODE: {**ENTRY, "range": [3, 1]}}, "`range` must be two ascending numbers"),
+    "other word": ({NODE: {**ENTRY, "closed": "both"}}, "`closed` must be right or left"),
+    "no truth": ({NODE: {**ENTRY, "allow_inf": 1}}, "`allow_inf` must be true or false"),
+    "empty": ({NODE: {"input": "value", "map": {}}}, "`map` must be a map from values to states"),
+    "no list of pairs": ({NODE: {**ENTRY, "sentinel": -1}}, "`sentinel` must be a list of pairs"),
+    "no pair": ({NODE: {**ENTRY, "sentinel": [[-1]]}}, "`sentinel` must be a list of pairs"),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_each_mistake_in_a_discretisation_is_told(case: str) -> None:
+    given, message = MISTAKES[case]
+    monitor, problems = joined(
+        read_path(EXAMPLE / "pedestrian.xml"), config({"discretisation": given})
+    )
+    assert monitor is None
+    found = [one for one in problems if message in one.message]
+    assert found, problems
+    assert found[0].code in ("B403", "B404")
+    assert found[0].place.line is not None
+
+
+def test_keys_of_a_map_are_of_the_type_of_the_input() -> None:
+    keys = {"1": STATES[0], "2": STATES[1]}
+    for type_, wrong in (("int", []), ("str", []), ("bool", ["'1' is no bool", "'2' is no bool"])):
+        entry = {"input": "value", "map": keys}
+        text = config({"discretisation": {NODE: entry}})
+        text = text.replace("id: value,", f"id: value, type: {type_},")
+        _, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
+        found = [one.message for one in problems if "is no bool" in one.message]
+        assert [text.partition(",")[0].split(": ")[-1] for text in found] == wrong
+
+
 THRESHOLD = {"id": "Low", "node": "Critical", "state": "Yes", "at_most": 0.3, "hold": "1 s"}
 
 

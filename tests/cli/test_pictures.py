@@ -1,0 +1,52 @@
+"""Pictures from the command line: of models, and of what a monitor did with a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from tests.cli.command import example, run
+
+MODEL = "two_conserts.xml"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return example(tmp_path)
+
+
+def words_of(svg: str) -> set[str]:
+    root = ET.fromstring(svg)
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    return {"".join(one.itertext()).strip() for one in root.iter()}
+
+
+def test_one_model_goes_to_the_standard_output_or_to_a_file(folder: Path) -> None:
+    drawn = run("diagram", MODEL, "--name", "ConSertA", cwd=folder)
+    assert (drawn.status, drawn.err) == (0, "")
+    assert {"System_A_G0", "RtE_A_D0"} <= words_of(drawn.out)
+    written = run("diagram", MODEL, "--name", "ConSertA", "-o", "a.svg", cwd=folder)
+    assert (written.status, written.out, written.err.strip()) == (0, "", "a.svg")
+    assert (folder / "a.svg").read_text("utf-8") == drawn.out
+
+
+def test_several_models_need_a_folder_or_a_name(folder: Path) -> None:
+    for words in ((), ("-o", "a.svg")):
+        refused = run("diagram", MODEL, *words, cwd=folder)
+        assert refused.status == 2
+        assert "ConSertA" in refused.err
+    written = run("diagram", MODEL, "-o", ".", cwd=folder)
+    assert written.err.split() == ["ConSertA.svg", "ConSertB.svg"]
+    assert "System_A_G0_c2" in words_of((folder / "ConSertB.svg").read_text("utf-8"))
+
+
+def test_a_recording_is_plotted_beside_what_is_printed(folder: Path) -> None:
+    words = ("run", MODEL, "-c", "consert_a_config.yml", "--inputs", "recording.csv")
+    plain = run(*words, cwd=folder)
+    plotted = run(*words, "--plot", "p.svg", cwd=folder)
+    assert (plotted.status, plotted.out) == (0, plain.out)
+    svg = (folder / "p.svg").read_text("utf-8")
+    assert {"RtE_A_E0", "System_A_G1"} <= words_of(svg)
+    assert "ConSert ConSertA" in svg
