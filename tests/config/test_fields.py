@@ -47,6 +47,14 @@ def test_steps() -> None:
     assert parse_field('a["12"]')[1] == ByKey("12")
 
 
+@pytest.mark.parametrize("text", ["scan.ranges[*]", "a[2..5].b", "a[*].b[c].d[0]"])
+def test_lists_are_for_reductions_only(text: str) -> None:
+    assert path_text(parse_field(text, lists=True)) == text
+    with pytest.raises(FieldPathError, match="is a list, `field:` takes one value") as refused:
+        parse_field(text)
+    assert "expression" in (refused.value.hint or "")
+
+
 @pytest.mark.parametrize(
     ("text", "reason"),
     [

@@ -102,6 +102,37 @@ def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
     assert places == sorted(places)
 
 
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("frequency: fast", "a number of steps per second is expected"),
+        ("frequency: .nan", "0.000001 to 1000000 steps per second are expected"),
+        ("frequency: 2000000", "0.000001 to 1000000 steps per second are expected"),
+        ("startup_grace: true", "seconds (a number from 0 on) are expected"),
+        ("startup_grace: -1", "seconds from 0 to 1e+06 are expected"),
+    ],
+)
+def test_values_of_the_model_that_cannot_be(entry: str, message: str) -> None:
+    text = f"Model: {{id: A, type: C, {entry}}}\n"
+    (found,) = read_config(Source("c.yml", text.encode()))[1]
+    assert (found.code, found.message) == ("K005", f"Model.{entry.partition(':')[0]}: {message}")
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ('version: "0.1"', "three numbers are expected, such as 0.1.0"),
+        ("maintainer: Ada", "a name and an address are expected: Ada Lovelace <ada@example.org>"),
+        ('description: ""', "one line of text is expected"),
+        ('license: "a\\nb"', "one line of text is expected"),
+    ],
+)
+def test_texts_of_the_package_that_cannot_be(entry: str, message: str) -> None:
+    text = f"Model: {{id: A, type: C}}\nPackage: {{{entry}}}\n"
+    (found,) = read_config(Source("c.yml", text.encode()))[1]
+    assert (found.code, found.message) == ("K005", f"Package.{entry.partition(':')[0]}: {message}")
+
+
 def test_parts_know_their_places() -> None:
     config = read("Model: {id: A, type: C}\nEDDIInputs:\n  - id: a\n    default: 1\n")
     assert config.place("EDDIInputs", 0, "default") == Place("c.yml", 4, 14)
