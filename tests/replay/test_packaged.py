@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
-from tests.cli.command import ROOT, example, files_below, run
+from tests.cli.command import EXAMPLE, ROOT, example, files_below, run
 from tests.diagnosed import assert_example
-
-pytestmark = pytest.mark.slow
 
 SOURCES = ("two_conserts.xml", "-c", "consert_a_config.yml")
 BODY = "self.RtE_A_E0 = RtE_E0.data"
@@ -20,11 +19,9 @@ ANY_DEMAND = "self.RtE_A_D0 = any(one.active for one in consertb.guarantees)"
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    example(tmp_path)
-    (tmp_path / "ws" / "src").mkdir(parents=True)
-    made = run("generate", "-w", "ws", "-m", *SOURCES, cwd=tmp_path)
-    assert made.status == 0, made.err
-    return tmp_path
+    """Return a folder with the example and its expected workspace, which saves generating it."""
+    shutil.copytree(EXAMPLE / "expected", tmp_path / "ws")
+    return example(tmp_path)
 
 
 @pytest.fixture
@@ -93,6 +90,7 @@ def test_a_configuration_says_that_lines_are_not_used_and_executes_none(
     assert trap.exists()
 
 
+@pytest.mark.slow
 def test_a_plain_package_gets_values(folder: Path) -> None:
     words = ("--platform", "plain", "-o", "out", "-m", "two_conserts.xml", "--name", "ConSertB")
     made = run("generate", *words, cwd=folder)
@@ -104,6 +102,7 @@ def test_a_plain_package_gets_values(folder: Path) -> None:
     assert states(result.out) == ["0", "1"], result.err
 
 
+@pytest.mark.slow
 def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     for file in (ROOT / "examples" / "pedestrian").iterdir():
         (tmp_path / file.name).write_bytes(file.read_bytes())

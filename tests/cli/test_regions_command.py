@@ -1,0 +1,60 @@
+"""``regions``: which hand-written lines a package has, and which a person should look at."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import EXAMPLE, run
+
+FILE = "src/conserta/EDDIInput.py"
+BODY = "        self.RtE_A_E0 = RtE_E0.data\n"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    place = tmp_path / "conserta"
+    shutil.copytree(EXAMPLE / "expected" / "src" / "eddi_monitor" / "conserta", place)
+    return place
+
+
+def edit(package: Path, old: str, new: str) -> None:
+    file = package / FILE
+    text = file.read_text("utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new, 1), "utf-8")
+
+
+def listed(package: Path) -> dict[str, str]:
+    found = json.loads(run("regions", package, "--json", cwd=package).out)["regions"]
+    return {one["id"]: one["state"] for one in found if one["id"].startswith("input:")}
+
+
+def test_an_edited_body_is_told_from_an_untouched_one(package: Path) -> None:
+    assert listed(package) == {"input:RtE_A_D0": "untouched", "input:RtE_A_E0": "untouched"}
+    edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
+    assert listed(package) == {"input:RtE_A_D0": "untouched", "input:RtE_A_E0": "edited"}
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 0
+    assert any(line.split()[:2] == ["edited", "input:RtE_A_E0"] for line in shown.out.splitlines())
+
+
+def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package: Path) -> None:
+    edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
+    edit(package, "input:RtE_A_E0 sig: 81fdda7e", "input:RtE_A_E0 sig: 00000000")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    accepted = run("regions", "--accept", "input:RtE_A_E0", "--check", cwd=package)
+    assert (accepted.status, accepted.err.strip()) == (0, "accepted input:RtE_A_E0")
+    assert run("regions", "--check", cwd=package).status == 0
+    assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
+
+
+def test_a_broken_marker_is_looked_at(package: Path) -> None:
+    edit(package, "'''-----Manual edit end-----'''  # region: input:RtE_A_E0\n", "\n")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    assert any(line.startswith("broken") for line in shown.out.splitlines())
