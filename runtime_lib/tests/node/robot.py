@@ -141,9 +141,9 @@ class Robot:
                 name = module.__name__
                 patch.setitem(sys.modules, name, module)
                 patch.setitem(sys.modules, name.partition(".")[0], SimpleNamespace(msg=module))
+            forget(package)  # another one of this name may have been imported
             found = runpy.run_path(str(script))
-        for name in [one for one in sys.modules if one.partition(".")[0] == package]:
-            del sys.modules[name]
+            forget(package)
         cls = type("RosNode", (found["RosNode"],), {"FREQUENCY": HERTZ, **changed})
         node = cls(self, found["EDDIMonitor"](), found["EDDIInput"]())
         node.step()  # before anything can arrive
@@ -201,3 +201,9 @@ class Robot:
 def full(topic):
     """Return the full name of a topic."""
     return topic if topic.startswith("/") else f"/{topic}"
+
+
+def forget(package):
+    """Let the next import of a package find it anew."""
+    for name in [one for one in sys.modules if one.partition(".")[0] == package]:
+        del sys.modules[name]
