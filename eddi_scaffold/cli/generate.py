@@ -58,6 +58,7 @@ def generate(
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import packages_root
     from eddi_scaffold.platforms import chosen
+    from eddi_scaffold.problems import EddiError
     from eddi_scaffold.robot.robot_models import beside_configs
 
     target = chosen(platform)
