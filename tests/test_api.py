@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 import re
+import runpy
 import shutil
 from pathlib import Path
+from typing import Any
 
 import eddi_runtime
 import pytest
@@ -15,6 +17,7 @@ from tests.checkouts import HERE
 
 EXAMPLE = HERE / "examples" / "two-conserts"
 MODEL, CONFIG = EXAMPLE / "two_conserts.xml", EXAMPLE / "consert_a_config.yml"
+SCRIPT: dict[str, Any] = runpy.run_path(str(HERE / "script" / "reference.py"))
 NODE = ("Input", "MonitorNode", "Output")
 IMPORT = re.compile(r"^\s*from (eddi_runtime[\w.]*) import ([\w, ]+)", re.MULTILINE)
 
@@ -104,6 +107,12 @@ def test_run_refuses_more_steps_than_anybody_waits_for(tmp_path: Path) -> None:
     with pytest.raises(api.EddiError) as refused:
         next(api.run(recording, MODEL, CONFIG))
     assert [problem.code for problem in refused.value.problems] == ["I019"]
+
+
+def test_the_reference_is_up_to_date() -> None:
+    page = (HERE / "docs" / "reference.md").read_text("utf-8")
+    assert page == SCRIPT["document"]()
+    assert not re.findall(r"(?m)^#+ (.+)\n\n```python\n(?:.+\n)+```\n\n+(?:#|\Z)", page)
 
 
 def test_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -123,6 +123,8 @@ class Reading:
     """What a reader found: models and everything that is wrong with them.
 
     Attributes:
+        models: those that could be read.
+        problems: of the whole file.
         unread: what else is in the file, of which no monitor is made.
     """
 
