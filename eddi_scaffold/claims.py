@@ -35,7 +35,7 @@ class Use:
 
 
 @dataclass(frozen=True)
-class Given:
+class ValidityField:
     """A field that indicates whether another one has a meaning.
 
     Attributes:
@@ -61,7 +61,7 @@ class Meaning:
     """
 
     silent: tuple[object, ...] | None = None
-    given: tuple[Given, ...] = ()
+    given: tuple[ValidityField, ...] = ()
     refused: str = "it does not show whether anything is known"
     instead: str | None = None
 

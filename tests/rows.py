@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.replay.parts import of_values
 from eddi_scaffold.replay.playing import Play, play
 from eddi_scaffold.replay.recordings import read_tape
@@ -10,7 +10,7 @@ from eddi_scaffold.replay.steps import ROWS, Rhythm
 from eddi_scaffold.source import Source
 
 
-def played(monitor: Monitor, source: Source, rhythm: Rhythm = ROWS) -> Play:
+def played(monitor: BoundMonitor, source: Source, rhythm: Rhythm = ROWS) -> Play:
     """Yield the steps of a monitor on a CSV file."""
     tape, _ = read_tape(source, monitor)
     return play([of_values(monitor, rhythm)], tape)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.adopting.expected import foreign
-from eddi_scaffold.adopting.modules import Body, Module, whole_body
+from eddi_scaffold.adopting.modules import Body, ParsedModule, whole_body
 from eddi_scaffold.adopting.package import OldPackage, read_old_package
 from eddi_scaffold.adopting.proposals import use_of
 from eddi_scaffold.adopting.wiring import OldInput, Wiring, read_wiring
@@ -137,7 +137,9 @@ def _names(model: Model, kind: Kind[Any], region: str) -> dict[str, str]:
     }
 
 
-def _bodies(module: Module, prefix: str, region: str, names: dict[str, str]) -> Iterator[Orphan]:
+def _bodies(
+    module: ParsedModule, prefix: str, region: str, names: dict[str, str]
+) -> Iterator[Orphan]:
     for method in module.methods.values():
         if not method.name.startswith(prefix):
             continue
@@ -151,7 +153,7 @@ def _bodies(module: Module, prefix: str, region: str, names: dict[str, str]) -> 
             )
 
 
-def _uses(config: Module | None) -> list[str]:
+def _uses(config: ParsedModule | None) -> list[str]:
     """Report for each node of a network what its body does, and what could be declared instead."""
     found = []
     for method in config.methods.values() if config is not None else ():

@@ -5,12 +5,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from eddi_scaffold.adopting.modules import Method, Module
+from eddi_scaffold.adopting.modules import Method, ParsedModule
 
 _OWN = {"__init__", "update_dra_data", "processing"}
 
 
-def foreign(module: Module, prefix: str) -> Iterator[ast.AST]:
+def foreign(module: ParsedModule, prefix: str) -> Iterator[ast.AST]:
     """Yield the statements of a module that the old generator did not write.
 
     Args:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.document import split_lines
+from eddi_scaffold.regions.marked_file import split_lines
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_shallow
 from eddi_scaffold.source import read_source
@@ -52,7 +52,7 @@ class Method:
 
 
 @dataclass(frozen=True)
-class Module:
+class ParsedModule:
     """One module.
 
     Attributes:
@@ -80,7 +80,7 @@ class Module:
         return b"".join(lines).decode()
 
 
-def read_module(path: Path) -> Module:
+def read_module(path: Path) -> ParsedModule:
     """Read a module.
 
     Raises:
@@ -108,7 +108,7 @@ def read_module(path: Path) -> Module:
             imports.append(node)
         elif not _is_text(node):
             other.append(node)
-    return Module(path, tuple(lines), methods, tuple(other), tuple(imports))
+    return ParsedModule(path, tuple(lines), methods, tuple(other), tuple(imports))
 
 
 def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
@@ -146,7 +146,7 @@ def _is_text(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def whole_body(method: Method, module: Module) -> Body | None:
+def whole_body(method: Method, module: ParsedModule) -> Body | None:
     """Return all statements of a method without markers, its comments included.
 
     ``None`` for one that holds nothing but the assignment of None that was generated.

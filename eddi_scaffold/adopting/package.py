@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.adopting.modules import Module, read_module
+from eddi_scaffold.adopting.modules import ParsedModule, read_module
 from eddi_scaffold.problems import EddiError, Place, error
 
 _MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
@@ -27,9 +27,9 @@ class OldPackage:
     """
 
     folder: Path
-    eddi_input: Module | None
-    config: Module | None
-    node: Module | None
+    eddi_input: ParsedModule | None
+    config: ParsedModule | None
+    node: ParsedModule | None
     models: tuple[Path, ...]
     files: tuple[Path, ...]
 
@@ -72,7 +72,7 @@ def _files(folder: Path) -> Sequence[Path]:
     return found
 
 
-def _only(folder: Path, files: Sequence[Path], name: str) -> Module | None:
+def _only(folder: Path, files: Sequence[Path], name: str) -> ParsedModule | None:
     found = [file for file in files if file.name == name]
     if len(found) > 1:
         listed = ", ".join(map(str, found))

@@ -11,7 +11,7 @@ from eddi_scaffold.regions.python_text import parse_shallow
 
 
 @dataclass(frozen=True)
-class Use:
+class BodyUse:
     """What a body does with its node.
 
     Attributes:
@@ -25,7 +25,7 @@ class Use:
     proposal: str | None
 
 
-def use_of(node: str, body: Body, outcomes: dict[str, str]) -> Use:
+def use_of(node: str, body: Body, outcomes: dict[str, str]) -> BodyUse:
     """Look at a body.
 
     Args:
@@ -36,7 +36,7 @@ def use_of(node: str, body: Body, outcomes: dict[str, str]) -> Use:
     try:
         tree = parse_shallow("if True:\n" + _shifted(body.text))
     except SyntaxError:
-        return Use(observed=False, output=False, proposal=None)
+        return BodyUse(observed=False, output=False, proposal=None)
     names = {
         target.id: one.value
         for one in ast.walk(tree)
@@ -49,7 +49,7 @@ def use_of(node: str, body: Body, outcomes: dict[str, str]) -> Use:
     output = isinstance(flag, ast.Constant) and flag.value is True
     first = tree.body[0]
     statements = first.body if isinstance(first, ast.If) else []
-    return Use(observed, output, _proposal(node, statements, outcomes))
+    return BodyUse(observed, output, _proposal(node, statements, outcomes))
 
 
 def _shifted(text: str) -> str:

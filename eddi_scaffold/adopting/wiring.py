@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from eddi_scaffold.adopting.modules import Module
+from eddi_scaffold.adopting.modules import ParsedModule
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.positioned_yaml.nodes import dump_plain
 
@@ -14,7 +14,7 @@ _TYPES = {bool: "bool", int: "int", float: "float", str: "str"}
 
 
 @dataclass(frozen=True)
-class Topic:
+class Subscription:
     """A topic that the node listens to.
 
     Attributes:
@@ -45,7 +45,7 @@ class Wiring:
     """The content of a configuration, as far as it could be read."""
 
     frequency: float | None = None
-    topics: tuple[Topic, ...] = ()
+    topics: tuple[Subscription, ...] = ()
     outputs: tuple[tuple[str, str], ...] = ()
     inputs: tuple[OldInput, ...] = ()
     lost: tuple[str, ...] = field(default=())
@@ -85,7 +85,7 @@ def _input(one: OldInput) -> dict[str, JsonValue]:
     return found
 
 
-def read_wiring(node: Module | None, eddi_input: Module | None) -> Wiring:
+def read_wiring(node: ParsedModule | None, eddi_input: ParsedModule | None) -> Wiring:
     """Read the connections of a node script and of its input class."""
     inputs = tuple(_inputs(eddi_input)) if eddi_input is not None else ()
     if node is None:
@@ -93,7 +93,7 @@ def read_wiring(node: Module | None, eddi_input: Module | None) -> Wiring:
     classes = dict(_message_classes(node))
     stored = dict(_stored(node))
     lost: list[str] = []
-    topics: dict[str, Topic] = {}
+    topics: dict[str, Subscription] = {}
     outputs: dict[str, str] = {}
     for call, target in _calls(node):
         words = [_constant(argument) for argument in call.args]
@@ -103,7 +103,7 @@ def read_wiring(node: Module | None, eddi_input: Module | None) -> Wiring:
             id_ = stored.get(callback, callback.removesuffix("_callback"))
             of = classes.get(_name_of(call.args[1]).rpartition(".")[2], "")
             if isinstance(words[0], str) and of:
-                topics.setdefault(id_, Topic(id_, of, words[0]))
+                topics.setdefault(id_, Subscription(id_, of, words[0]))
             else:
                 lost.append(f"{node.path.name}:{call.lineno}: topic or message type of {id_!r}")
         elif name.endswith("Publisher") and words and isinstance(words[0], str):
@@ -124,7 +124,7 @@ def read_wiring(node: Module | None, eddi_input: Module | None) -> Wiring:
     return Wiring(frequency, tuple(topics.values()), tuple(outputs.items()), kept, tuple(lost))
 
 
-def _message_classes(module: Module) -> Iterator[tuple[str, str]]:
+def _message_classes(module: ParsedModule) -> Iterator[tuple[str, str]]:
     for node in module.imports:
         if isinstance(node, ast.ImportFrom) and node.module and node.module.endswith(".msg"):
             package = node.module.removesuffix(".msg")
@@ -132,7 +132,7 @@ def _message_classes(module: Module) -> Iterator[tuple[str, str]]:
                 yield alias.asname or alias.name, f"{package}/{alias.name}"
 
 
-def _stored(module: Module) -> Iterator[tuple[str, str]]:
+def _stored(module: ParsedModule) -> Iterator[tuple[str, str]]:
     """Yield callback -> key under which it keeps the message."""
     for name, method in module.methods.items():
         for node in ast.walk(method.tree):
@@ -142,7 +142,7 @@ def _stored(module: Module) -> Iterator[tuple[str, str]]:
                     yield name, key
 
 
-def _calls(module: Module) -> Iterator[tuple[ast.Call, str]]:
+def _calls(module: ParsedModule) -> Iterator[tuple[ast.Call, str]]:
     """Yield every call with the attribute that it is assigned to, in the order of the file."""
     for method in module.methods.values():
         for node in ast.walk(method.tree):
@@ -152,7 +152,7 @@ def _calls(module: Module) -> Iterator[tuple[ast.Call, str]]:
                 yield node.value, ""
 
 
-def _rates(module: Module) -> Iterator[float]:
+def _rates(module: ParsedModule) -> Iterator[float]:
     for call, _ in _calls(module):
         if _name_of(call.func).endswith("Rate") and call.args:
             value = _constant(call.args[0])
@@ -160,7 +160,7 @@ def _rates(module: Module) -> Iterator[float]:
                 yield value
 
 
-def _inputs(module: Module) -> Iterator[OldInput]:
+def _inputs(module: ParsedModule) -> Iterator[OldInput]:
     defaults = dict(_defaults(module))
     required = dict(_required(module))
     names = [
@@ -170,7 +170,7 @@ def _inputs(module: Module) -> Iterator[OldInput]:
         yield OldInput(name, defaults.get(name), required.get(name, ()))
 
 
-def _defaults(module: Module) -> Iterator[tuple[str, JsonValue]]:
+def _defaults(module: ParsedModule) -> Iterator[tuple[str, JsonValue]]:
     method = module.methods.get("__init__")
     for node in method.tree.body if method else ():
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
@@ -179,7 +179,7 @@ def _defaults(module: Module) -> Iterator[tuple[str, JsonValue]]:
                 yield node.targets[0].attr, value
 
 
-def _required(module: Module) -> Iterator[tuple[str, tuple[str, ...]]]:
+def _required(module: ParsedModule) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Yield input -> ids of the messages that ``processing`` passes to its method."""
     method = module.methods.get("processing")
     for node in ast.walk(method.tree) if method else ():

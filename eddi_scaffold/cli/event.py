@@ -96,7 +96,7 @@ def event(
 
 def _source(text: str | None, file: Path | None) -> tuple[str, str]:
     """Return the text and the name of its file."""
-    from eddi_scaffold.language.diagnostics import EXPRESSION
+    from eddi_scaffold.language.findings import EXPRESSION
     from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source
 
@@ -139,7 +139,7 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
     import json
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.language.playing import columns, play
+    from eddi_scaffold.language.recorded_values import columns, play
     from eddi_scaffold.problems import EddiError
     from eddi_scaffold.replay.recordings import read_recording
     from eddi_scaffold.source import read_source
@@ -175,7 +175,7 @@ def _generate(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.language.report import as_json as report_json
     from eddi_scaffold.language.targets import generate
-    from eddi_scaffold.language.targets.regions import keep_in_folder
+    from eddi_scaffold.language.targets.kept_bodies import keep_in_folder
     from eddi_scaffold.packages.transaction import FileState, write
 
     files = generate(analysis, target.value, name)

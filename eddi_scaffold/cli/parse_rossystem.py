@@ -28,7 +28,7 @@ class Extra(str, Enum):
     actions = "actions"
 
 
-class Names(str, Enum):
+class NameSource(str, Enum):
     """Whose names the topics get."""
 
     label = "label"
@@ -84,9 +84,9 @@ def parse_rossystem(
         ),
     ] = None,
     topics: Annotated[
-        Names,
+        NameSource,
         typer.Option("--topics", help="Names of the system, or those of the node models."),
-    ] = Names.label,
+    ] = NameSource.label,
 ) -> None:
     """Write the topics of a robot's system into SimulatorOutputs of a configuration.
 
@@ -106,7 +106,7 @@ def parse_rossystem(
         config,
         include=[_EXTRAS[extra] for extra in include or ()],
         filters=filters,
-        names="model" if topics is Names.model else "label",
+        names="model" if topics is NameSource.model else "label",
     )
     if format is Format.json:
         console.json(parsed.as_json())

@@ -12,7 +12,7 @@ import typer
 from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, for_pictures
 
 if TYPE_CHECKING:
-    from eddi_scaffold.monitors.binding import Monitor
+    from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.replay.packaged import Packaged
     from eddi_scaffold.replay.playing import Part, Play
@@ -90,7 +90,7 @@ def run(
         raise EddiError(error("G020", "give either --inputs FILE.csv or --bag FILE.bag"))
     package = _package(files or [], config=config, name=name, marks=default_guarantee)
     configs: list[Path] = []
-    monitors: list[Monitor] = []
+    monitors: list[BoundMonitor] = []
     problems: list[Problem] = []
     if package is not None:
         monitors = [package.monitor]
@@ -138,7 +138,7 @@ def _package(files: Sequence[Path], **others: object) -> Packaged | None:
     return load(folder)
 
 
-def _unused_lines(monitors: Sequence[Monitor], configs: Sequence[Path]) -> list[Problem]:
+def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> list[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I022)."""
     from eddi_scaffold.packages.handwritten import packages_of, written
     from eddi_scaffold.problems import Place, warning
@@ -181,7 +181,7 @@ def _models_and_configs(
 
 
 def _check_number(
-    monitors: Sequence[Monitor], configs: Sequence[Path], one_only: str | None
+    monitors: Sequence[BoundMonitor], configs: Sequence[Path], one_only: str | None
 ) -> None:
     """Refuse several models without configurations, and what shows one monitor only."""
     from eddi_scaffold.packages.assembly import only
@@ -195,7 +195,7 @@ def _check_number(
         raise EddiError(error("G020", message, hint="--json prints every step of each"))
 
 
-def _rhythms(monitors: Sequence[Monitor], steps_as: StepsAs) -> list[Rhythm]:
+def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[Rhythm]:
     from eddi_scaffold.replay.parts import rhythm
     from eddi_scaffold.replay.steps import ROWS
 
@@ -203,7 +203,7 @@ def _rhythms(monitors: Sequence[Monitor], steps_as: StepsAs) -> list[Rhythm]:
 
 
 def _parts(
-    monitors: Sequence[Monitor],
+    monitors: Sequence[BoundMonitor],
     rhythms: Sequence[Rhythm],
     package: Packaged | None,
     *,
@@ -219,7 +219,7 @@ def _parts(
 
 
 def _from_csv(
-    monitors: Sequence[Monitor], path: Path | None, package: Packaged | None
+    monitors: Sequence[BoundMonitor], path: Path | None, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
     from eddi_scaffold.problems import EddiError, error, warning
     from eddi_scaffold.replay.recordings import read_tape
@@ -240,7 +240,7 @@ def _from_csv(
 
 
 def _from_bag(
-    monitors: Sequence[Monitor], path: Path, package: Packaged | None
+    monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
     from eddi_scaffold.problems import EddiError, error, warning
     from eddi_scaffold.replay.bags import read_bag, written_by_hand

@@ -13,7 +13,7 @@ from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import JsonValue, Model
-    from eddi_scaffold.monitors.survey import Shown
+    from eddi_scaffold.monitors.model_survey import Shown
 
 
 def show(
@@ -40,7 +40,7 @@ def show(
     from eddi_scaffold.deployments.accepted import accepted_of
     from eddi_scaffold.monitors.choosing import select
     from eddi_scaffold.monitors.loading import read_models, unfit
-    from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
+    from eddi_scaffold.monitors.model_survey import configured, mros_of, only, survey_of
     from eddi_scaffold.problems import EddiError, has_errors
     from eddi_scaffold.source import read_source
 
@@ -88,7 +88,7 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
 def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.monitors.survey import is_one_of
+    from eddi_scaffold.monitors.model_survey import is_one_of
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")

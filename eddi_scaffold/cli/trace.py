@@ -31,7 +31,7 @@ def trace(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.deployments.wiring.acceptances import acceptances
-    from eddi_scaffold.deployments.wiring.bounds import bounds
+    from eddi_scaffold.deployments.wiring.lifetimes import bounds
     from eddi_scaffold.deployments.wiring.support import remembered
     from eddi_scaffold.packages.tracing import COLUMNS, trace_of
     from eddi_scaffold.packages.upgrading import groups

@@ -23,7 +23,7 @@ _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#
 
 
 @dataclass(frozen=True)
-class Entry:
+class TopicEntry:
     """One entry to be written: id, type and topic."""
 
     id: str
@@ -63,7 +63,7 @@ class Absence:
 
 
 @dataclass(frozen=True)
-class Document:
+class ConfigText:
     """A configuration as text, with the places that matter here.
 
     Attributes:
@@ -90,7 +90,7 @@ class Document:
         return "\r\n" if "\r\n" in self.text else "\n"
 
 
-def read_block(source: Source) -> Document:
+def read_block(source: Source) -> ConfigText:
     """Find the block in a configuration.
 
     Raises:
@@ -100,7 +100,7 @@ def read_block(source: Source) -> Document:
     """
     if _NOTHING.fullmatch(source.data):
         text = source.data.decode("utf-8-sig", "replace")
-        return Document(source.name, text, len(text), len(text))
+        return ConfigText(source.name, text, len(text), len(text))
     node, problems = read_document(source, "K001")
     if node is None or problems:
         raise EddiError(*problems)
@@ -117,7 +117,7 @@ def read_block(source: Source) -> Document:
     required = _required(root)
     if not found:
         where = _insertion(text, root)
-        return Document(source.name, text, where, where, required=required)
+        return ConfigText(source.name, text, where, where, required=required)
     if len(found) > 1:
         lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in found)
         place = Place(source.name, found[1][0].line, 1)
@@ -127,7 +127,7 @@ def read_block(source: Source) -> Document:
     _refuse_anchors(source.name, root, value)
     start = key.start
     end = _line_end(text, max(value.end, key.end) if value.end > value.start else key.end)
-    return Document(
+    return ConfigText(
         source.name,
         text,
         start,
@@ -139,8 +139,8 @@ def read_block(source: Source) -> Document:
 
 
 def rewritten(
-    document: Document,
-    entries: Sequence[Entry],
+    document: ConfigText,
+    entries: Sequence[TopicEntry],
     absence: Callable[[OldEntry], Absence] = lambda _: Absence(),
 ) -> tuple[str, list[Problem]]:
     """Return the text with another block, and what a person should know.
@@ -170,7 +170,7 @@ def rewritten(
 
 
 def _notes(
-    document: Document, foreign: Sequence[tuple[OldEntry, Absence]], kept: Sequence[OldEntry]
+    document: ConfigText, foreign: Sequence[tuple[OldEntry, Absence]], kept: Sequence[OldEntry]
 ) -> list[Problem]:
     problems: list[Problem] = []
     for one, absent in foreign:
@@ -191,7 +191,7 @@ def _notes(
     return problems
 
 
-def _unmet(document: Document, ids: Sequence[str]) -> Iterable[Problem]:
+def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
     known = set(ids)
     near = NearNames(ids)
     for name, line in (document.required or {}).items():
@@ -201,7 +201,7 @@ def _unmet(document: Document, ids: Sequence[str]) -> Iterable[Problem]:
             yield warning("M025", message, place, near.hint(name))
 
 
-def _lines(entry: Entry, old: OldEntry | None) -> list[str]:
+def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
     values = (quoted(entry.id), quoted(entry.type), quoted(entry.topic))
     first, *rest = [f"{key}: {value}" for key, value in zip(_KEYS, values, strict=True)]
     more = [line for text in (old.more if old else ()) for line in text.split("\n")]
@@ -283,6 +283,6 @@ def _refuse_anchors(name: str, root: Span, value: Span) -> None:
             raise EddiError(error("K036", message, place, hint))
 
 
-def new_document(name: str) -> Document:
+def new_document(name: str) -> ConfigText:
     """Return a configuration that is not there yet."""
-    return Document(name, "", 0, 0)
+    return ConfigText(name, "", 0, 0)

@@ -30,7 +30,7 @@ FieldsOf = Callable[[str], Fields | None]
 
 
 @dataclass(frozen=True)
-class Resolved:
+class ResolvedPath:
     """A path with its keys, and what is at its end.
 
     Attributes:
@@ -42,7 +42,7 @@ class Resolved:
     type: str | None
 
 
-def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
+def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
     """Return the path with its keys, and the type at its end.
 
     Args:
@@ -59,7 +59,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
         if isinstance(step, Attribute):
             known = _fields_at(of, step.name, fields_of)
             if known is None:
-                return Resolved((*taken, *path[number:]), None)
+                return ResolvedPath((*taken, *path[number:]), None)
             of, parent = known[step.name], of
             taken.append(step)
             continue
@@ -73,7 +73,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> Resolved:
         else:
             taken.append(step)
         of = inner
-    return Resolved(tuple(taken), python_type(of))
+    return ResolvedPath(tuple(taken), python_type(of))
 
 
 def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:

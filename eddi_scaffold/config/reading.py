@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from eddi_scaffold.config.file import KEY, ConfigFile, about_file
-from eddi_scaffold.config.message_types import FieldsOf, used
+from eddi_scaffold.config.message_types import MessageFields, used
 from eddi_scaffold.config.options import unknown_options
 from eddi_scaffold.config.schema import Config, Entry
 from eddi_scaffold.config.violations import violations
@@ -56,7 +56,7 @@ class RobotAdditions:
     """
 
     outputs: Callable[[Any], Any] = lambda entries: entries
-    types: FieldsOf = field(default_factory=dict)
+    types: MessageFields = field(default_factory=dict)
 
 
 def read_config(

@@ -169,7 +169,7 @@ class SimulatorOutput(Entry):
     max_age: MaxAge = None
 
 
-class Input(Entry):
+class InputEntry(Entry):
     """One input of the monitor.
 
     Attributes:
@@ -207,7 +207,7 @@ class Input(Entry):
         return any(one is not None for one in (self.expression, self.expression_file, self.states))
 
 
-class Output(Entry):
+class OutputEntry(Entry):
     """One topic on which the result is published.
 
     Attributes:
@@ -242,8 +242,8 @@ class Config(_Section):
     Model: ModelSection
     SimulatorOutputs: list[SimulatorOutput] = []
     declarations: list[StrictStr] = []
-    EDDIInputs: list[Input] = []
-    EDDIOutputs: list[Output] = []
+    EDDIInputs: list[InputEntry] = []
+    EDDIOutputs: list[OutputEntry] = []
     Package: PackageSection = PackageSection()
     MessageTypes: dict[MessageType, dict[StrictStr, StrictStr]] = {}
 
@@ -253,8 +253,8 @@ def known_keys(path: tuple[str | int, ...]) -> set[str]:
     sections: dict[str, type[BaseModel]] = {
         "Model": ModelSection,
         "SimulatorOutputs": SimulatorOutput,
-        "EDDIInputs": Input,
-        "EDDIOutputs": Output,
+        "EDDIInputs": InputEntry,
+        "EDDIOutputs": OutputEntry,
         "Package": PackageSection,
     }
     section = sections.get(str(path[0])) if path else Config

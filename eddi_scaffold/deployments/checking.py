@@ -16,7 +16,7 @@ from eddi_scaffold.deployments.wiring.check import members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.topics import absent_publishers
 from eddi_scaffold.kinds import Model, Reading, kinds
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.choosing import without_model
 from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
@@ -147,7 +147,7 @@ def _together(
     return [*problems, *_by_hand(monitors)]
 
 
-def _by_hand(monitors: Iterable[Monitor]) -> Iterable[Problem]:
+def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
     """Name the inputs that only hand-written code can make of their messages (K050)."""
     for monitor in monitors:
         if monitor.config is None:

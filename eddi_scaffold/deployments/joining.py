@@ -13,13 +13,13 @@ from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, Reading, kinds
-from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.monitors.connections import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Problem, error
 
-_Joined = tuple[Monitor | None, list[Problem]]
+_Joined = tuple[BoundMonitor | None, list[Problem]]
 """What comes of a model and its configuration."""
 
 
@@ -28,7 +28,7 @@ def join(
     configs: Sequence[ConfigFile],
     read: Callable[[Path], Reading],
     marks: Sequence[str] = (),
-) -> tuple[list[Monitor], list[Problem]]:
+) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join each configuration with its model; without configurations, every model by itself.
 
     Args:
@@ -42,7 +42,7 @@ def join(
         The monitors without errors, and all problems.
     """
     problems = list(check_neighbours(configs))
-    monitors: list[Monitor] = []
+    monitors: list[BoundMonitor] = []
     joined: list[tuple[Model, _Joined]] = []
     for config in configs:
         try:
@@ -64,7 +64,7 @@ def join(
 
 
 def packages_of(
-    monitors: Sequence[Monitor], platform: Platform, root: Path | None
+    monitors: Sequence[BoundMonitor], platform: Platform, root: Path | None
 ) -> tuple[list[PackageAnswers], list[Problem]]:
     """Return the packages of monitors on a platform, and all that is in the way of them.
 
@@ -101,10 +101,10 @@ def _with_ages(joined: Sequence[tuple[Model, _Joined]], marks: Sequence[str]) ->
 
 
 def _check_names(
-    monitors: Sequence[Monitor], platform: Platform, root: Path | None
+    monitors: Sequence[BoundMonitor], platform: Platform, root: Path | None
 ) -> Iterable[Problem]:
     taken = platform.taken_names(root)
-    first: dict[str, Monitor] = {}
+    first: dict[str, BoundMonitor] = {}
     for monitor in monitors:
         shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
         place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place

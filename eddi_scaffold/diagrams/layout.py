@@ -38,7 +38,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Line:
+class Route:
     """Where an edge runs: points from its source to its target, and the middle of its label."""
 
     edge: DiagramEdge
@@ -51,7 +51,7 @@ class Layout:
     """A diagram that can be drawn."""
 
     boxes: tuple[Box, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[Route, ...]
     width: float
     height: float
 
@@ -106,12 +106,12 @@ def _label_width(edge: DiagramEdge) -> float:
     return len(edge.label) * LETTER
 
 
-def _line(edge: DiagramEdge, points: tuple[tuple[float, float], ...], side: int) -> Line:
+def _line(edge: DiagramEdge, points: tuple[tuple[float, float], ...], side: int) -> Route:
     """Return a line with its label; opposite ones run beside each other, labels outside."""
     points = tuple((x + side * _APART, y) for x, y in points)
     (x, y), (u, v) = points[len(points) // 2 - 1], points[len(points) // 2]
     outside = side * (_label_width(edge) / 2 + 4)
-    return Line(edge, points, ((x + u) / 2 + outside, (y + v) / 2))
+    return Route(edge, points, ((x + u) / 2 + outside, (y + v) / 2))
 
 
 def label_of(node: DiagramNode) -> tuple[str, ...]:

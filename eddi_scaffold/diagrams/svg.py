@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramNode, LegendEntry, Shape, Tone
-from eddi_scaffold.diagrams.layout import LETTER, LINE, RULE, Box, Line, laid_out
+from eddi_scaffold.diagrams.layout import LETTER, LINE, RULE, Box, Route, laid_out
 from eddi_scaffold.escaping import xml_text
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
@@ -59,7 +59,7 @@ def drawn(diagram: Diagram) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _edge(line: Line) -> str:
+def _edge(line: Route) -> str:
     """Return a curve through the points of a line; it leaves and arrives upright."""
     first, *rest = line.points
     path = [f"M{_n(first[0])} {_n(first[1])}"]

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from eddi_scaffold.language.diagnostics import Findings
-from eddi_scaffold.language.graph import GraphBuilder
+from eddi_scaffold.language.findings import TextFindings
+from eddi_scaffold.language.form_builder import GraphBuilder
 from eddi_scaffold.language.scope import NUMBER, Type
 from eddi_scaffold.units import converted, dimension, factor, word
 
@@ -31,7 +31,7 @@ Pair = tuple[Value, Value]
 
 
 def aligned(
-    left: Value, right: Value, places: Sequence[int], builder: GraphBuilder, findings: Findings
+    left: Value, right: Value, places: Sequence[int], builder: GraphBuilder, findings: TextFindings
 ) -> Pair | None:
     """Bring two numbers to one unit; ``None`` when that cannot be.
 
@@ -67,7 +67,11 @@ def aligned(
 
 
 def _with_plain(
-    left: Value, right: Value, constant: Sequence[bool], places: Sequence[int], findings: Findings
+    left: Value,
+    right: Value,
+    constant: Sequence[bool],
+    places: Sequence[int],
+    findings: TextFindings,
 ) -> Pair | None:
     """Bring a plain number to the unit of the other side."""
     plain = 0 if left.unit is None else 1
@@ -81,7 +85,7 @@ def _with_plain(
 
 
 def _converted(
-    value: Value, unit: str, place: int, builder: GraphBuilder, findings: Findings
+    value: Value, unit: str, place: int, builder: GraphBuilder, findings: TextFindings
 ) -> Value | None:
     """Return a constant in another unit of its dimension."""
     row = builder.rows[value.node]

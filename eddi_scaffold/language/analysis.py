@@ -10,18 +10,18 @@ from typing import Any
 from eddi_scaffold.language.alignment import Value
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.checker import Checker
-from eddi_scaffold.language.diagnostics import (
+from eddi_scaffold.language.findings import (
     EXPRESSION,
-    Findings,
     Locate,
+    TextFindings,
     in_text,
     line_and_column,
 )
-from eddi_scaffold.language.graph import GraphBuilder
-from eddi_scaffold.language.inference import infer_types
+from eddi_scaffold.language.form_builder import GraphBuilder
 from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.scope import TEXT, Scope, Variable, build_scope
 from eddi_scaffold.language.syntax import EventDeclaration, File
+from eddi_scaffold.language.type_inference import infer_types
 from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order, with_excerpts
 
 MAX_RATE = 1e9
@@ -102,13 +102,13 @@ def analyse(
     Raises:
         EddiError: the rate is no positive number up to 1e9 (E005).
     """
-    findings = Findings(text, locate or in_text(text, name))
+    findings = TextFindings(text, locate or in_text(text, name))
     builder = GraphBuilder(1 if any_rate else period_of(rate))
     file = parse(text, findings)
     if not file.events and not findings.problems:
         findings.error("E026", 0, "no event is declared", "write EVENT Name := a condition")
     file = file if only is None else file.reduced_to(only)
-    outer = parse(declarations, Findings("", in_text(declarations))) if declarations else None
+    outer = parse(declarations, TextFindings("", in_text(declarations))) if declarations else None
     scope = build_scope(file, findings, variables, outer)
     syntax_errors = has_errors(findings.problems)
     if not syntax_errors:
@@ -148,7 +148,7 @@ def _warn(
     file: File,
     declared: list[EventDeclaration],
     values: Mapping[str, Value | None],
-    findings: Findings,
+    findings: TextFindings,
     builder: GraphBuilder,
 ) -> None:
     for event in declared:

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.language.syntax import OPERATORS, PREFIXES, File, Node, Options, word_of
+from eddi_scaffold.language.syntax import (
+    OPERATORS,
+    PREFIXES,
+    File,
+    ReductionOptions,
+    SyntaxNode,
+    word_of,
+)
 
 _MS = 10**6
 
@@ -31,7 +38,7 @@ def duration_text(ns: int) -> str:
     return f"{ns}ns" if ns % _MS else f"{ns // _MS}ms"
 
 
-def _listed(options: Options, args: list[str]) -> list[str]:
+def _listed(options: ReductionOptions, args: list[str]) -> list[str]:
     """Return the list of a reduction, and its options in one order."""
     found = args[:1]
     if options.sector is not None:
@@ -46,7 +53,7 @@ def _listed(options: Options, args: list[str]) -> list[str]:
     return found
 
 
-def _text(node: Node, args: list[str]) -> str:
+def _text(node: SyntaxNode, args: list[str]) -> str:
     if node.op in OPERATORS:
         return f"({args[0]} {OPERATORS[node.op]} {args[1]})"
     if node.op in PREFIXES:

@@ -9,12 +9,12 @@ from eddi_runtime.expressions.form import BUFFERED, MAX_CAPACITY
 from eddi_runtime.expressions.form import WINDOWS as WINDOW_OPS
 
 from eddi_scaffold.language.alignment import Pair, Value, aligned
-from eddi_scaffold.language.diagnostics import Findings
-from eddi_scaffold.language.graph import GraphBuilder, capacity
+from eddi_scaffold.language.findings import TextFindings
+from eddi_scaffold.language.form_builder import GraphBuilder, capacity
 from eddi_scaffold.language.reductions import Elements, elements_of, reduced, unit_of_list
 from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Scope, Type
 from eddi_scaffold.language.signatures import arguments_of, result_of
-from eddi_scaffold.language.syntax import OPERATORS, EventDeclaration, File, Node, word_of
+from eddi_scaffold.language.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
 from eddi_scaffold.problems import NearNames
 from eddi_scaffold.units import root
 
@@ -37,7 +37,7 @@ class Checker:
         self,
         file: File,
         scope: Scope,
-        findings: Findings,
+        findings: TextFindings,
         builder: GraphBuilder,
         locate: Callable[[int], tuple[int, int]],
         *,
@@ -82,7 +82,7 @@ class Checker:
         """The graph of the text, or that of the elements of a list."""
         return self._outer if self._inside is None else self._inside.builder
 
-    def _value(self, k: int, node: Node, args: list[Value | None]) -> Value | None:
+    def _value(self, k: int, node: SyntaxNode, args: list[Value | None]) -> Value | None:
         at = self._locate(node.at)
         if self._is_misplaced(node):
             return None
@@ -106,7 +106,7 @@ class Checker:
             return self._age(node, known[0], at)
         return self._operation(node, known, at)
 
-    def _is_misplaced(self, node: Node) -> bool:
+    def _is_misplaced(self, node: SyntaxNode) -> bool:
         """Report a list that nothing reduces, and what a reduction cannot hold."""
         if self._inside is None:
             if not node.is_list or node.op != "name":
@@ -121,7 +121,7 @@ class Checker:
         return bool(why)
 
     def _reduction(
-        self, k: int, node: Node, args: list[Value], at: tuple[int, int]
+        self, k: int, node: SyntaxNode, args: list[Value], at: tuple[int, int]
     ) -> Value | None:
         """Return the value of a list; it is a variable that a message gives."""
         elements = self._elements[node.args[0]]
@@ -145,7 +145,7 @@ class Checker:
 
     # names
 
-    def _name(self, node: Node, at: tuple[int, int]) -> Value | None:
+    def _name(self, node: SyntaxNode, at: tuple[int, int]) -> Value | None:
         name, scope = node.text, self._scope
         if name in scope.literals:
             enum, number = scope.literals[name]
@@ -165,7 +165,7 @@ class Checker:
             self._findings.error("E008", node.start, message, self._near.hint(name))
         return None
 
-    def _variable(self, node: Node, at: tuple[int, int]) -> Value | None:
+    def _variable(self, node: SyntaxNode, at: tuple[int, int]) -> Value | None:
         variable = self._scope.variables[node.text]
         if variable.type is None:
             if not variable.declared and node.text not in self._reported:
@@ -181,7 +181,7 @@ class Checker:
 
     # types
 
-    def _arguments_fit(self, node: Node, args: list[Value | None]) -> bool:
+    def _arguments_fit(self, node: SyntaxNode, args: list[Value | None]) -> bool:
         """Report operands of a wrong type."""
         if node.op in ("known", "age"):
             return self._is_no_text(node, args)
@@ -200,7 +200,7 @@ class Checker:
             self._wrong_type(node, self._file.nodes[node.args[k]], args[k], types[k])
         return False
 
-    def _is_no_text(self, node: Node, args: list[Value | None]) -> bool:
+    def _is_no_text(self, node: SyntaxNode, args: list[Value | None]) -> bool:
         if not any(arg is not None and arg.type == TEXT for arg in args):
             return True
         operand = self._file.nodes[node.args[0]]
@@ -208,7 +208,9 @@ class Checker:
         self._findings.error("E007", operand.start, "this is a text", hint)
         return False
 
-    def _wrong_type(self, node: Node, operand: Node, value: Value | None, wanted: Type) -> None:
+    def _wrong_type(
+        self, node: SyntaxNode, operand: SyntaxNode, value: Value | None, wanted: Type
+    ) -> None:
         assert value is not None
         shown = word_of(node.op)
         variable = self._scope.variables.get(operand.text) if operand.op == "name" else None
@@ -220,7 +222,7 @@ class Checker:
             message = f"{shown} needs {wanted}, this is {value.type}"
             self._findings.error("E007", operand.start, message)
 
-    def _same_types(self, node: Node, args: list[Value | None]) -> bool:
+    def _same_types(self, node: SyntaxNode, args: list[Value | None]) -> bool:
         left, right = args
         if left is None or right is None:
             return True
@@ -232,7 +234,7 @@ class Checker:
 
     # operations
 
-    def _operation(self, node: Node, args: list[Value], at: tuple[int, int]) -> Value | None:
+    def _operation(self, node: SyntaxNode, args: list[Value], at: tuple[int, int]) -> Value | None:
         op, unit = node.op, None
         if op == "number_of":
             return self._number_of(node, args[0])
@@ -257,7 +259,7 @@ class Checker:
         made = self._builder.operation(op, tuple(arg.node for arg in args), at)
         return Value(result_of(op), unit, made)
 
-    def _number_of(self, node: Node, arg: Value) -> Value | None:
+    def _number_of(self, node: SyntaxNode, arg: Value) -> Value | None:
         operand = self._file.nodes[node.args[0]]
         if operand.op != "name":
             self._findings.error("E007", operand.start, "NUMBER needs a text of a message")
@@ -270,7 +272,7 @@ class Checker:
         total = self._builder.operation("add", tuple(squares), at)
         return Value(NUMBER, unit, self._builder.operation("sqrt", (total,), at))
 
-    def _bounded(self, node: Node, args: list[Value], at: tuple[int, int]) -> Value | None:
+    def _bounded(self, node: SyntaxNode, args: list[Value], at: tuple[int, int]) -> Value | None:
         x, *bounds = args
         for k in (0, 1):
             pair = self._aligned(node, x, bounds[k], operands=(0, k + 1))
@@ -291,7 +293,7 @@ class Checker:
         made = self._builder.operation("hysteresis", (x.node, low.node, high.node), at)
         return Value(BOOL, None, made)
 
-    def _window(self, node: Node, arg: Value, at: tuple[int, int]) -> Value | None:
+    def _window(self, node: SyntaxNode, arg: Value, at: tuple[int, int]) -> Value | None:
         period = self._builder.period
         if not period:
             message = f"{node.op.upper()} needs a sampling rate"
@@ -311,7 +313,7 @@ class Checker:
         unit = arg.unit if node.op in _KEEPS_UNIT else None
         return Value(result_of(node.op), unit, made)
 
-    def _age(self, node: Node, arg: Value, at: tuple[int, int]) -> Value | None:
+    def _age(self, node: SyntaxNode, arg: Value, at: tuple[int, int]) -> Value | None:
         operand = self._file.nodes[node.args[0]]
         if operand.op != "name" or operand.text not in self._scope.variables:
             self._findings.error("E007", operand.start, "AGE needs a variable")
@@ -320,7 +322,7 @@ class Checker:
         return Value(NUMBER, "s", self._builder.variable("age", number, at))
 
     def _aligned(
-        self, node: Node, left: Value, right: Value, operands: tuple[int, int] = (0, 1)
+        self, node: SyntaxNode, left: Value, right: Value, operands: tuple[int, int] = (0, 1)
     ) -> Pair | None:
         places = [self._file.nodes[node.args[k]].start for k in operands]
         return aligned(left, right, places, self._builder, self._findings)

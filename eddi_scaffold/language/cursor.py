@@ -6,9 +6,9 @@ import math
 from typing import NoReturn
 
 from eddi_scaffold.identifiers import key_text
-from eddi_scaffold.language.diagnostics import Findings
 from eddi_scaffold.language.durations import DURATIONS, nanoseconds
-from eddi_scaffold.language.syntax import Bound, Named
+from eddi_scaffold.language.findings import TextFindings
+from eddi_scaffold.language.syntax import Identifier, NumberWithUnit
 from eddi_scaffold.language.tokens import RESERVED, Token
 from eddi_scaffold.problems import did_you_mean
 from eddi_scaffold.units import words
@@ -24,7 +24,7 @@ class Wrong(Exception):  # noqa: N818 - it ends one declaration, a Finding repor
 class Cursor:
     """A place among the tokens of a text."""
 
-    def __init__(self, tokens: tuple[Token, ...], findings: Findings) -> None:
+    def __init__(self, tokens: tuple[Token, ...], findings: TextFindings) -> None:
         self._tokens = tokens
         self._findings = findings
         self._k = 0
@@ -46,7 +46,7 @@ class Cursor:
             self._fail("E002", f"{wanted} is expected, found {self._token.shown}")
         self._k += 1
 
-    def _new_name(self, what: str) -> Named:
+    def _new_name(self, what: str) -> Identifier:
         token = self._token
         if token.kind != "word":
             self._fail("E002", f"{what} is expected, found {token.shown}")
@@ -54,7 +54,7 @@ class Cursor:
             self._fail("E012", f"{token.shown} is a reserved word, it cannot be a name")
         self._k += 1
         self._declared = self._declared or token.text
-        return Named(token.text, token.start)
+        return Identifier(token.text, token.start)
 
     def _number(self) -> float:
         """Take a number that a double can hold."""
@@ -66,13 +66,13 @@ class Cursor:
         self._k += 1
         return value
 
-    def _signed(self) -> Bound:
+    def _signed(self) -> NumberWithUnit:
         at, negative = self._token.start, self._is_symbol("-")
         self._k += negative
         if self._token.kind != "number":
             self._fail("E002", f"a number is expected, found {self._token.shown}")
         value = self._number()
-        return Bound(-value if negative else value, self._unit(), at)
+        return NumberWithUnit(-value if negative else value, self._unit(), at)
 
     def _unit(self) -> str | None:
         """Take the unit behind a number, if there is one."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 from eddi_scaffold.language.cursor import Cursor
-from eddi_scaffold.language.diagnostics import Findings
 from eddi_scaffold.language.durations import DURATIONS
+from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.syntax import (
     FUNCTIONS,
     MORE,
     OPERATIONS,
     REDUCTIONS,
     WINDOWS,
-    Node,
-    Options,
+    ReductionOptions,
+    SyntaxNode,
     is_list_path,
 )
 from eddi_scaffold.language.tokens import RESERVED, Token
@@ -40,9 +40,9 @@ _SYMBOLS = {
 class ExpressionParser(Cursor):
     """Reads expressions; their nodes follow each other."""
 
-    def __init__(self, tokens: tuple[Token, ...], findings: Findings) -> None:
+    def __init__(self, tokens: tuple[Token, ...], findings: TextFindings) -> None:
         super().__init__(tokens, findings)
-        self._nodes: list[Node] = []
+        self._nodes: list[SyntaxNode] = []
         self._depth = 0
 
     def _expression(self) -> int:
@@ -81,21 +81,23 @@ class ExpressionParser(Cursor):
         _, op, token = operator
         right = operands.pop()
         if op in ("not", "neg"):
-            operands.append(self._add(Node(op, (right,), token.start, token.start)))
+            operands.append(self._add(SyntaxNode(op, (right,), token.start, token.start)))
             return
         left = operands.pop()
         self._check_mean(op, right)
         start = self._nodes[left].start
-        operands.append(self._add(Node(op, (left, right), start, token.start)))
+        operands.append(self._add(SyntaxNode(op, (left, right), start, token.start)))
 
     def _atom(self) -> int:
         token = self._token
         if token.kind == "number":
             self._number()
-            return self._add(Node("number", (), token.start, token.start, token.text, self._unit()))
+            return self._add(
+                SyntaxNode("number", (), token.start, token.start, token.text, self._unit())
+            )
         if token.word in ("TRUE", "FALSE"):
             self._k += 1
-            return self._add(Node("truth", (), token.start, token.start, token.text))
+            return self._add(SyntaxNode("truth", (), token.start, token.start, token.text))
         if self._is_symbol("("):
             self._k += 1
             inside = self._expression()
@@ -123,7 +125,7 @@ class ExpressionParser(Cursor):
         if self._is_symbol("("):
             return self._call(token)
         name = self._path_rest(token.text)
-        return self._add(Node("name", (), token.start, token.start, name))
+        return self._add(SyntaxNode("name", (), token.start, token.start, name))
 
     def _call(self, token: Token) -> int:
         self._k += 1
@@ -148,7 +150,7 @@ class ExpressionParser(Cursor):
             message = f"{token.word} takes {wanted} argument{plural}, here are {len(args)}"
             self._fail("E006", message, at=token.start)
         op = OPERATIONS.get(token.word, token.word.lower())
-        return self._add(Node(op, tuple(args), token.start, token.start))
+        return self._add(SyntaxNode(op, tuple(args), token.start, token.start))
 
     def _nested(self, token: Token, args: list[int]) -> int:
         """Add LEAST or GREATEST of two arguments, as often as needed."""
@@ -158,7 +160,7 @@ class ExpressionParser(Cursor):
         op = token.word.lower()
         found = args[0]
         for arg in args[1:]:
-            found = self._add(Node(op, (found, arg), token.start, token.start))
+            found = self._add(SyntaxNode(op, (found, arg), token.start, token.start))
         return found
 
     def _window(self, token: Token) -> int:
@@ -180,7 +182,9 @@ class ExpressionParser(Cursor):
             coverage = self._coverage(token, op)
         self._expect(")")
         return self._add(
-            Node(op, (argument,), token.start, token.start, "", None, False, length, at, coverage)
+            SyntaxNode(
+                op, (argument,), token.start, token.start, "", None, False, length, at, coverage
+            )
         )
 
     def _coverage(self, function: Token, op: str) -> float:
@@ -206,7 +210,7 @@ class ExpressionParser(Cursor):
             message = f"{token.word} takes no list"
             hint = f"of a list: {', '.join(REDUCTIONS)}"
             self._fail("E006", message, at=token.start, hint=hint)
-        options, args = Options(), [argument]
+        options, args = ReductionOptions(), [argument]
         while self._is_symbol(","):
             self._k += 1
             options = self._list_option(token, options, args)
@@ -214,9 +218,11 @@ class ExpressionParser(Cursor):
             self._fail("E002", f"',' or ')' is expected, found {self._token.shown}")
         self._k += 1
         op = REDUCTIONS[token.word]
-        return self._add(Node(op, tuple(args), token.start, token.start, options=options))
+        return self._add(SyntaxNode(op, tuple(args), token.start, token.start, options=options))
 
-    def _list_option(self, token: Token, options: Options, args: list[int]) -> Options:
+    def _list_option(
+        self, token: Token, options: ReductionOptions, args: list[int]
+    ) -> ReductionOptions:
         """Take one option; limits of elements become arguments."""
         word = self._token
         if word.word not in LIST_OPTIONS:
@@ -267,7 +273,7 @@ class ExpressionParser(Cursor):
             hint = "put the sum in parentheses, or this term to show that it is intended"
             self._findings.warning("W001", node.start, message, hint)
 
-    def _add(self, node: Node) -> int:
+    def _add(self, node: SyntaxNode) -> int:
         if len(self._nodes) >= MAX_NODES:
             self._k = len(self._tokens) - 1
             self._fail("E013", f"the text has more than {MAX_NODES} operations", at=node.at)

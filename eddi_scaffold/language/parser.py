@@ -6,14 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from eddi_scaffold.language.cursor import Wrong
-from eddi_scaffold.language.diagnostics import Findings
 from eddi_scaffold.language.expressions import ExpressionParser
+from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.syntax import (
     ConstDeclaration,
     EnumDeclaration,
     EventDeclaration,
     File,
-    Named,
+    Identifier,
     VarDeclaration,
 )
 from eddi_scaffold.language.tokens import Token, tokens_of
@@ -23,7 +23,7 @@ ANONYMOUS = "event"
 """Name of the event that a bare expression is."""
 
 
-def parse(text: str, findings: Findings) -> File:
+def parse(text: str, findings: TextFindings) -> File:
     """Parse a text: declarations, an expression, or declarations and an expression behind them.
 
     What is wrong goes to ``findings`` (E001 to E006, E012 to E014, W001); the declarations that
@@ -39,7 +39,7 @@ def parse(text: str, findings: Findings) -> File:
 
 
 class _Parser(ExpressionParser):
-    def __init__(self, tokens: tuple[Token, ...], findings: Findings) -> None:
+    def __init__(self, tokens: tuple[Token, ...], findings: TextFindings) -> None:
         super().__init__(tokens, findings)
         self._behind_declaration = False
 
@@ -126,7 +126,7 @@ class _Parser(ExpressionParser):
         word, after = self._token.word, self._peek()
         if word == "UNIT" and after.kind == "word":
             self._k += 2
-            return replace(found, unit=Named(after.text, after.start))
+            return replace(found, unit=Identifier(after.text, after.start))
         if word == "RATE" and after.kind == "number":
             self._k += 1
             rate = self._number()

@@ -10,10 +10,10 @@ from eddi_runtime.expressions.elements import OPERATIONS
 from eddi_runtime.expressions.reduction import TRUTHS
 
 from eddi_scaffold.language.canonical import canonical
-from eddi_scaffold.language.diagnostics import Findings
-from eddi_scaffold.language.graph import GraphBuilder
+from eddi_scaffold.language.findings import TextFindings
+from eddi_scaffold.language.form_builder import GraphBuilder
 from eddi_scaffold.language.scope import BOOL, NUMBER, Scope, Variable
-from eddi_scaffold.language.syntax import File, Node, Options, array_of, is_list_path
+from eddi_scaffold.language.syntax import File, ReductionOptions, SyntaxNode, array_of, is_list_path
 from eddi_scaffold.units import converted, find
 
 _PLAIN = (*OPERATIONS, "number", "truth", "name", "hypot", "clamp", "number_of")
@@ -34,7 +34,7 @@ class Elements:
     builder: GraphBuilder = field(default_factory=lambda: GraphBuilder(0))
     used: dict[str, int] = field(default_factory=dict)
 
-    def objection(self, node: Node, scope: Scope) -> str:
+    def objection(self, node: SyntaxNode, scope: Scope) -> str:
         """Return why a node cannot be here, empty when it can."""
         if node.options is not None:
             return "a reduction inside of a reduction: lists of lists are one list"
@@ -70,7 +70,7 @@ def reduced(
     elements: Elements,
     nodes: list[int],
     scope: Scope,
-    findings: Findings,
+    findings: TextFindings,
 ) -> Variable | None:
     """Return the variable that a reduction is, ``None`` when something is wrong with it.
 
@@ -165,7 +165,7 @@ def unit_of_list(elements: Elements, scope: Scope) -> str | None:
     return units.pop() if len(units) == 1 else None
 
 
-def _sector(options: Options, lists: list[str], elements: Elements) -> Mapping[str, Any]:
+def _sector(options: ReductionOptions, lists: list[str], elements: Elements) -> Mapping[str, Any]:
     if options.sector is None:
         return {}
     ends = []
@@ -209,7 +209,7 @@ def _node(row: Mapping[str, Any]) -> dict[str, Any]:
     return {"op": row["op"], "args": row["args"]}
 
 
-def _render_options(options: Options, limits: list[list[int]]) -> dict[str, Any]:
+def _render_options(options: ReductionOptions, limits: list[list[int]]) -> dict[str, Any]:
     rendered: dict[str, Any] = {"limits": limits} if limits else {}
     if options.coverage is not None:
         rendered["coverage"] = options.coverage

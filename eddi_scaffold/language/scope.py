@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from eddi_scaffold.language.diagnostics import Findings
+from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.syntax import (
-    Bound,
     EnumDeclaration,
     EventDeclaration,
     File,
-    Named,
+    Identifier,
+    NumberWithUnit,
     VarDeclaration,
 )
 from eddi_scaffold.problems import Place, did_you_mean
@@ -83,7 +83,7 @@ class Scope:
     enums: dict[str, tuple[str, ...]] = field(default_factory=dict)
     literals: dict[str, tuple[str, int]] = field(default_factory=dict)
     variables: dict[str, Variable] = field(default_factory=dict)
-    constants: dict[str, Bound] = field(default_factory=dict)
+    constants: dict[str, NumberWithUnit] = field(default_factory=dict)
     reductions: dict[str, Variable] = field(default_factory=dict)
     events: dict[str, EventDeclaration] = field(default_factory=dict)
     order: list[EventDeclaration] = field(default_factory=list)
@@ -112,7 +112,7 @@ class Scope:
 
 
 def build_scope(
-    file: File, findings: Findings, given: Mapping[str, Variable] | None, outer: File | None
+    file: File, findings: TextFindings, given: Mapping[str, Variable] | None, outer: File | None
 ) -> Scope:
     """Collect the names of a text.
 
@@ -123,7 +123,7 @@ def build_scope(
         outer: declarations from elsewhere; problems in them are reported there.
     """
     scope = Scope(closed=given is not None or bool(file.variables))
-    quiet = Findings("", lambda _: Place())
+    quiet = TextFindings("", lambda _: Place())
     for source, sink in ((outer, quiet), (file, findings)):
         if source is not None:
             _collect(source, scope, sink)
@@ -133,10 +133,10 @@ def build_scope(
     return scope
 
 
-def _collect(file: File, scope: Scope, findings: Findings) -> None:
+def _collect(file: File, scope: Scope, findings: TextFindings) -> None:
     seen = set(scope.names) | set(scope.enums)
 
-    def new(named: Named) -> bool:
+    def new(named: Identifier) -> bool:
         if named.name in seen:
             findings.error("E011", named.at, f"the name {named.name!r} has two meanings")
             return False
@@ -158,13 +158,13 @@ def _collect(file: File, scope: Scope, findings: Findings) -> None:
             scope.events[event.name] = event
 
 
-def _add_literals(enum: EnumDeclaration, scope: Scope, new: Callable[[Named], bool]) -> None:
+def _add_literals(enum: EnumDeclaration, scope: Scope, new: Callable[[Identifier], bool]) -> None:
     for number, literal in enumerate(enum.literals):
         if new(literal):
             scope.literals[literal.name] = enum.name, number
 
 
-def _variable(declared: VarDeclaration, scope: Scope, findings: Findings) -> Variable:
+def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) -> Variable:
     word = declared.type.name
     type_ = {"NUMBER": NUMBER, "BOOL": BOOL, "TEXT": TEXT}.get(word.upper())
     if type_ is None and word in scope.enums:
@@ -185,7 +185,7 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: Findings) -> Var
     return replace(found, range=_range(declared, found.unit, findings))
 
 
-def _unit(declared: VarDeclaration, findings: Findings) -> str | None:
+def _unit(declared: VarDeclaration, findings: TextFindings) -> str | None:
     unit = declared.unit
     if unit is not None and unit.name not in words():
         hint = did_you_mean(unit.name, words()) or f"units: {', '.join(sorted(words()))}"
@@ -201,7 +201,7 @@ def _timeout(declared: VarDeclaration) -> int | None:
 
 
 def _range(
-    declared: VarDeclaration, unit: str | None, findings: Findings
+    declared: VarDeclaration, unit: str | None, findings: TextFindings
 ) -> tuple[float, float] | None:
     if declared.range is None:
         return None
@@ -225,7 +225,7 @@ def _range(
     return ends[0], ends[1]
 
 
-def _in_order(file: File, scope: Scope, findings: Findings) -> list[EventDeclaration]:
+def _in_order(file: File, scope: Scope, findings: TextFindings) -> list[EventDeclaration]:
     """Return the events of a text, those that others use first; without those of a cycle."""
     events = {event.name: event for event in scope.events.values()}
     uses: dict[str, list[str]] = {}

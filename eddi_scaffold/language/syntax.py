@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
-class Bound:
+class NumberWithUnit:
     """A number with its unit: one end of a RANGE, the value of a CONST."""
 
     value: float
@@ -20,7 +20,7 @@ class Bound:
 
 
 @dataclass(frozen=True)
-class Options:
+class ReductionOptions:
     """The options after the list of a reduction.
 
     Attributes:
@@ -32,14 +32,14 @@ class Options:
     """
 
     coverage: float | None = None
-    sector: tuple[Bound, Bound] | None = None
+    sector: tuple[NumberWithUnit, NumberWithUnit] | None = None
     length: tuple[int, int] | None = None
     within: bool = False
     at: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
-class Node:
+class SyntaxNode:
     """One operation, literal or name.
 
     Attributes:
@@ -69,11 +69,11 @@ class Node:
     window_at: int = 0
     coverage: float | None = None
     is_list: bool = False
-    options: Options | None = None
+    options: ReductionOptions | None = None
 
 
 @dataclass(frozen=True)
-class Named:
+class Identifier:
     """A name and its place."""
 
     name: str
@@ -81,14 +81,14 @@ class Named:
 
 
 @dataclass(frozen=True)
-class EnumDeclaration(Named):
+class EnumDeclaration(Identifier):
     """``ENUM Mode { AUTO, MANUAL }``."""
 
-    literals: tuple[Named, ...]
+    literals: tuple[Identifier, ...]
 
 
 @dataclass(frozen=True)
-class VarDeclaration(Named):
+class VarDeclaration(Identifier):
     """``VAR x : NUMBER UNIT degC RATE 10 Hz TIMEOUT 500ms RANGE 0 .. 100 ALLOW INF``.
 
     Attributes:
@@ -100,23 +100,23 @@ class VarDeclaration(Named):
         infinite: ALLOW INF.
     """
 
-    type: Named
-    unit: Named | None = None
+    type: Identifier
+    unit: Identifier | None = None
     rate: float | None = None
     timeout: int | None = None
-    range: tuple[Bound, Bound] | None = None
+    range: tuple[NumberWithUnit, NumberWithUnit] | None = None
     infinite: bool = False
 
 
 @dataclass(frozen=True)
-class ConstDeclaration(Named):
+class ConstDeclaration(Identifier):
     """``CONST limit = 5 m``."""
 
-    value: Bound
+    value: NumberWithUnit
 
 
 @dataclass(frozen=True)
-class EventDeclaration(Named):
+class EventDeclaration(Identifier):
     """``EVENT hot (EVIDENCE) := x > 5``, or a bare expression.
 
     Attributes:
@@ -141,14 +141,14 @@ class File:
         broken: names whose declaration could not be read.
     """
 
-    nodes: tuple[Node, ...] = ()
+    nodes: tuple[SyntaxNode, ...] = ()
     enums: tuple[EnumDeclaration, ...] = ()
     variables: tuple[VarDeclaration, ...] = ()
     constants: tuple[ConstDeclaration, ...] = ()
     events: tuple[EventDeclaration, ...] = ()
     broken: frozenset[str] = frozenset()
 
-    def nodes_of(self, event: EventDeclaration) -> tuple[Node, ...]:
+    def nodes_of(self, event: EventDeclaration) -> tuple[SyntaxNode, ...]:
         """Return the nodes of an event's expression."""
         return self.nodes[event.first : event.root + 1]
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
-from eddi_scaffold.language.diagnostics import Findings
+from eddi_scaffold.language.findings import TextFindings
 
 TokenKind = Literal["word", "number", "text", "symbol", "end"]
 _KINDS: Mapping[str, TokenKind] = {
@@ -74,7 +74,7 @@ class Token(NamedTuple):
         return repr(self.text if len(self.text) <= 40 else f"{self.text[:37]}...")
 
 
-def tokens_of(text: str, findings: Findings) -> tuple[Token, ...]:
+def tokens_of(text: str, findings: TextFindings) -> tuple[Token, ...]:
     """Return the tokens of a text; characters outside the language are E001 and left out."""
     found: list[Token] = []
     for match in _TOKEN.finditer(text):

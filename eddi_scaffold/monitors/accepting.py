@@ -13,13 +13,13 @@ from typing import Any
 from eddi_runtime.inputs import UNSAFE_DEFAULT
 
 from eddi_scaffold.claims import Acceptance
-from eddi_scaffold.config.schema import Input
+from eddi_scaffold.config.schema import InputEntry
 from eddi_scaffold.language.uses import accepted, lasts
 
 _LIMITLESS = "max_age: none"
 
 
-def of_input(entry: Input, spec: Mapping[str, Any], index: int) -> Iterator[Acceptance]:
+def of_input(entry: InputEntry, spec: Mapping[str, Any], index: int) -> Iterator[Acceptance]:
     """Return what an entry of ``EDDIInputs`` accepts.
 
     Args:
@@ -43,7 +43,7 @@ def of_input(entry: Input, spec: Mapping[str, Any], index: int) -> Iterator[Acce
             yield replace(found, input=entry.id)
 
 
-def keys(entry: Input, spec: Mapping[str, Any]) -> list[str]:
+def keys(entry: InputEntry, spec: Mapping[str, Any]) -> list[str]:
     """Return the keys of an entry that the runtime cannot see in its other fields."""
     found = (one.key for one in of_input(entry, spec, 0))
     return list(dict.fromkeys(key for key in found if key != _LIMITLESS))

@@ -20,7 +20,7 @@ from eddi_scaffold.escaping import (
     python_literal,
 )
 from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
-from eddi_scaffold.monitors.binding import InputBinding, Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.regions import markers
 
 ACCESS = ("by_id", "by_key", "by_name", "joined")
@@ -28,7 +28,7 @@ ACCESS = ("by_id", "by_key", "by_name", "joined")
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 
 
-def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
+def shared_answers(monitor: BoundMonitor, template: str) -> dict[str, JsonValue]:
     """Return the answers about identity that the templates of all platforms ask for."""
     config = monitor.config.config if monitor.config else None
     source = monitor.model.source
@@ -51,7 +51,7 @@ def shared_answers(monitor: Monitor, template: str) -> dict[str, JsonValue]:
     }
 
 
-def _kind_answers(monitor: Monitor) -> dict[str, JsonValue]:
+def _kind_answers(monitor: BoundMonitor) -> dict[str, JsonValue]:
     """Return what only some kinds have."""
     model, kind = monitor.model, monitor.kind
     readme = [one_line(line) for line in kind.functions.readme(model)]

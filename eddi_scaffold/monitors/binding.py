@@ -17,20 +17,20 @@ from eddi_scaffold.config.field_types import documented_at, resolve
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import (
     Fields,
-    FieldsOf,
+    MessageFields,
     declared,
     known_messages,
     python_type,
 )
 from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
-from eddi_scaffold.config.schema import Input, SimulatorOutput
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.monitors import accepting
 from eddi_scaffold.monitors.expression_names import KeyPaths
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, InputExpression, bind_expression
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
 from eddi_scaffold.monitors.model_document import model_document
 from eddi_scaffold.problems import (
     EddiError,
@@ -98,7 +98,7 @@ class InputBinding:
 
 
 @dataclass(frozen=True)
-class Monitor:
+class BoundMonitor:
     """Everything a platform needs to know of one monitor.
 
     Attributes:
@@ -128,7 +128,7 @@ def monitor_of(
     kind: Kind[Any],
     config: ConfigFile | None,
     marks: Sequence[str] = (),
-) -> tuple[Monitor | None, list[Problem]]:
+) -> tuple[BoundMonitor | None, list[Problem]]:
     """Join a checked model with its configuration.
 
     Args:
@@ -161,11 +161,11 @@ def monitor_of(
     except EddiError as refused:
         return None, [*problems, *refused.problems]
     package = package_name(config.config.Model.id if config is not None else model.name)
-    monitor = Monitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
+    monitor = BoundMonitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
     return monitor, problems
 
 
-def _known_types(config: ConfigFile | None) -> FieldsOf:
+def _known_types(config: ConfigFile | None) -> MessageFields:
     """Return all known types, and those that a configuration declares itself; its word counts."""
     given = config.config.MessageTypes if config is not None else {}
     own = {
@@ -175,7 +175,7 @@ def _known_types(config: ConfigFile | None) -> FieldsOf:
     return {**known_messages(), **own}
 
 
-def _input_document(binding: InputBinding, entry: Input | None) -> dict[str, JsonValue]:
+def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str, JsonValue]:
     every = {"every_message": True} if binding.model.every_message else {}
     computed = {"expression": binding.computed} if binding.computed is not None else {}
     document = {
@@ -206,7 +206,7 @@ def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> I
 
 
 def _bind(
-    model: Model, kind: Kind[Any], config: ConfigFile | None, known: FieldsOf
+    model: Model, kind: Kind[Any], config: ConfigFile | None, known: MessageFields
 ) -> tuple[list[InputBinding], list[Problem]]:
     inputs = kind.functions.inputs(model)
     if config is None:
@@ -223,7 +223,7 @@ def _bind(
             message = f"the model has no input {entry.id!r}"
             problems.append(error("K013", message, place, near.hint(entry.id)))
             continue
-        binding, found = _Binder(item, entry, index, config, known, types).bind()
+        binding, found = _InputBinder(item, entry, index, config, known, types).bind()
         bindings.append(binding)
         problems += found
     for item in left.values():
@@ -267,16 +267,16 @@ def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
             yield error("K025", message, hint="rename one of them in the model")
 
 
-class _Binder:
+class _InputBinder:
     """Joins one input of the model with one entry of ``EDDIInputs``."""
 
     def __init__(
         self,
         item: ModelInput,
-        entry: Input,
+        entry: InputEntry,
         index: int,
         config: ConfigFile,
-        known: FieldsOf,
+        known: MessageFields,
         types: Mapping[str, str],
     ) -> None:
         self.item, self.entry, self.index, self.config = item, entry, index, config
@@ -317,7 +317,7 @@ class _Binder:
         )
         return binding, self.problems
 
-    def _computed(self) -> InputExpression | None:
+    def _computed(self) -> CheckedExpression | None:
         """Check ``expression:`` and its like; what it reads becomes what the input requires."""
         entry = self.entry
         if entry.event is not None and entry.expression_file is None:

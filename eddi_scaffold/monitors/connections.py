@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from eddi_scaffold.config import fields
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.schema import Input, SimulatorOutput
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.identifiers import full_topic, package_name
-from eddi_scaffold.monitors.binding import InputBinding, Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.problems import Problem, did_you_mean, error, warning
 
@@ -38,7 +38,7 @@ def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
                 yield warning("K029", message, place, hint)
 
 
-def check_ids(monitors: Sequence[Monitor]) -> Iterable[Problem]:
+def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     """Report inputs that take what no monitor beside them gives: ``evidence[RtE_gone]`` (K047)."""
     providers = {given: monitor for monitor in monitors for given in _given(monitor)}
     for monitor in monitors:
@@ -48,7 +48,7 @@ def check_ids(monitors: Sequence[Monitor]) -> Iterable[Problem]:
 
 
 def _unknown_ids(
-    config: ConfigFile, binding: InputBinding, providers: Mapping[tuple[str, str], Monitor]
+    config: ConfigFile, binding: InputBinding, providers: Mapping[tuple[str, str], BoundMonitor]
 ) -> Iterable[Problem]:
     for index, item in enumerate(config.config.EDDIInputs):
         if item.id != binding.model.id:
@@ -64,7 +64,7 @@ def _unknown_ids(
                     yield error("K047", message, config.place("EDDIInputs", index, key), hint)
 
 
-def _given(monitor: Monitor) -> Iterable[tuple[str, str]]:
+def _given(monitor: BoundMonitor) -> Iterable[tuple[str, str]]:
     """Yield topic and type of the messages that a monitor publishes."""
     kind, beside = monitor.kind, monitor.kind.functions.beside(monitor.model)
     config = monitor.config
@@ -82,7 +82,7 @@ def _full(config: ConfigFile, topic: str) -> str:
 
 
 def _paths(
-    item: Input, binding: InputBinding, source: SimulatorOutput
+    item: InputEntry, binding: InputBinding, source: SimulatorOutput
 ) -> Iterable[tuple[str, str, Sequence[fields.PlainStep]]]:
     """Yield the paths of an input into one message: key of the entry, text, steps."""
     if item.field is not None:
@@ -100,7 +100,7 @@ def _paths(
 
 
 def _missing(
-    path: Sequence[fields.PlainStep], provider: Monitor
+    path: Sequence[fields.PlainStep], provider: BoundMonitor
 ) -> Iterable[tuple[str, Sequence[str]]]:
     """Yield the id that a path asks for and the monitor does not have, with those it has."""
     ids = provider.kind.functions.ids(provider.model)
@@ -117,5 +117,5 @@ def _missing(
         before += f"[{wanted}]"
 
 
-def _limit(item: Input) -> float | None:
+def _limit(item: InputEntry) -> float | None:
     return item.max_age if isinstance(item.max_age, float) else None

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold import units
-from eddi_scaffold.config.field_types import FieldsOf, Resolved, documented_at, resolve
+from eddi_scaffold.config.field_types import FieldsOf, ResolvedPath, documented_at, resolve
 from eddi_scaffold.config.fields import (
     Beside,
     ByKey,
@@ -17,11 +17,11 @@ from eddi_scaffold.config.fields import (
     parse_field,
     plain_step,
 )
-from eddi_scaffold.config.schema import Input, SimulatorOutput
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.language.diagnostics import Locate
+from eddi_scaffold.language.findings import Locate
 from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type, Variable
-from eddi_scaffold.language.syntax import Named, is_list_path
+from eddi_scaffold.language.syntax import Identifier, is_list_path
 from eddi_scaffold.problems import Problem, did_you_mean, error
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
@@ -29,7 +29,7 @@ KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]
 """Simulator output -> name with keys in brackets -> its path."""
 
 
-class Names:
+class ExpressionNames:
     """What the names of one input's expressions are.
 
     Attributes:
@@ -39,9 +39,9 @@ class Names:
 
     def __init__(
         self,
-        entry: Input,
+        entry: InputEntry,
         sources: Mapping[str, SimulatorOutput],
-        inputs: Mapping[str, Input],
+        inputs: Mapping[str, InputEntry],
         types: Mapping[str, str],
         fields_of: FieldsOf,
     ) -> None:
@@ -58,9 +58,9 @@ class Names:
         self.checks: dict[str, list[JsonValue]] = {}
         self._entry, self._sources, self._inputs = entry, sources, inputs
         self._types, self._fields_of = types, fields_of
-        self._resolved: dict[str, Resolved] = {}
+        self._resolved: dict[str, ResolvedPath] = {}
 
-    def declared(self, name: str, unit: Named | None, locate: Locate, at: int) -> None:
+    def declared(self, name: str, unit: Identifier | None, locate: Locate, at: int) -> None:
         """Look up where a name with a VAR comes from; its keys are those of the message."""
         source = self._source(name, locate, at)
         if source is None or head_of(name) == name:
@@ -122,7 +122,7 @@ class Names:
 
     def _resolve(
         self, name: str, source: SimulatorOutput, locate: Locate, at: int
-    ) -> Resolved | None:
+    ) -> ResolvedPath | None:
         """Return the path of a name in its message, ``None`` after an error."""
         try:
             path = path_behind(name)

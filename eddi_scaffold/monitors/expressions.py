@@ -7,14 +7,18 @@ from dataclasses import dataclass
 
 from eddi_scaffold.config.field_types import FieldsOf
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.schema import Input, SimulatorOutput
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import JsonValue, ModelInput
-from eddi_scaffold.language.diagnostics import Findings, Locate, in_text
-from eddi_scaffold.language.inputs import CompiledExpression, ExpressionText, compile_input
+from eddi_scaffold.language.findings import Locate, TextFindings, in_text
+from eddi_scaffold.language.input_expressions import (
+    CompiledExpression,
+    ExpressionText,
+    compile_input,
+)
 from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.scope import Variable
-from eddi_scaffold.monitors.expression_names import KeyPaths, Names
+from eddi_scaffold.monitors.expression_names import ExpressionNames, KeyPaths
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
 
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
@@ -22,7 +26,7 @@ EXPRESSION_KEYS = ("expression", "expression_file", "states")
 
 
 @dataclass(frozen=True)
-class InputExpression:
+class CheckedExpression:
     """A checked expression.
 
     Attributes:
@@ -46,7 +50,7 @@ def bind_expression(
     config: ConfigFile,
     fields_of: FieldsOf,
     types: Mapping[str, str],
-) -> tuple[InputExpression | None, list[Problem]]:
+) -> tuple[CheckedExpression | None, list[Problem]]:
     """Check the expression of one entry of ``EDDIInputs``.
 
     Problems are those of the language (E, W), K020, K033, K042 to K044 and K046.
@@ -58,10 +62,10 @@ def bind_expression(
         fields_of: message type -> fields.
         types: input of the model -> its type.
     """
-    return _Binder(item, index, config, fields_of, types).bind()
+    return _ExpressionBinder(item, index, config, fields_of, types).bind()
 
 
-class _Binder:
+class _ExpressionBinder:
     def __init__(
         self,
         item: ModelInput,
@@ -72,15 +76,15 @@ class _Binder:
     ) -> None:
         self.item, self.index, self.config, self.fields_of = item, index, config, fields_of
         self.types = types
-        self.entry: Input = config.config.EDDIInputs[index]
+        self.entry: InputEntry = config.config.EDDIInputs[index]
         self.problems: list[Problem] = []
         self.sources = {attribute(one.id): one for one in config.config.SimulatorOutputs}
         before = config.config.EDDIInputs[:index]
         self.inputs = {attribute(one.id): one for one in before}
         self.polarity = self.entry.polarity
-        self.names = Names(self.entry, self.sources, self.inputs, types, fields_of)
+        self.names = ExpressionNames(self.entry, self.sources, self.inputs, types, fields_of)
 
-    def bind(self) -> tuple[InputExpression | None, list[Problem]]:
+    def bind(self) -> tuple[CheckedExpression | None, list[Problem]]:
         if self.item.type not in ("bool", "float", "int", "state"):
             self._error("K044", f"an expression cannot give a {self.item.type}", "expression")
             return None, self.problems
@@ -122,7 +126,7 @@ class _Binder:
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
-        return InputExpression(requires, document, text, compiled.unit, key_paths), self.problems
+        return CheckedExpression(requires, document, text, compiled.unit, key_paths), self.problems
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry
@@ -153,7 +157,7 @@ class _Binder:
         if text is None:
             self._error("K033", f"the text of {name!r} is not remembered", "expression_file")
             return []
-        findings = Findings(text, in_text(text, self.config.path(name)))
+        findings = TextFindings(text, in_text(text, self.config.path(name)))
         events = {event.name: event for event in parse(text, findings).events}
         if has_errors(findings.problems):
             self.problems += findings.problems
@@ -191,14 +195,14 @@ class _Binder:
     def _variables(self, texts: Sequence[ExpressionText]) -> dict[str, Variable]:
         """Return what each name of the expressions is, by the types of the messages."""
         declared = parse(
-            "\n".join(self.config.config.declarations), Findings("", lambda _: Place())
+            "\n".join(self.config.config.declarations), TextFindings("", lambda _: Place())
         )
         known = {one.name for one in declared.constants}
         known |= {literal.name for one in declared.enums for literal in one.literals}
         typed = {one.name: one.unit for one in declared.variables}
         found: dict[str, Variable] = {}
         for one in texts:
-            findings = Findings(one.text, one.locate)
+            findings = TextFindings(one.text, one.locate)
             file = parse(one.text, findings)
             if has_errors(findings.problems):
                 self.problems += findings.problems

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from eddi_scaffold.config.field_types import Resolved, resolve
+from eddi_scaffold.config.field_types import ResolvedPath, resolve
 from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, FieldPathError, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.schema import Output
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.config.schema import OutputEntry
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error
 
 MESSAGE_PACKAGE = "eddi_messages"
@@ -33,7 +33,7 @@ class Publication:
         message: type of the message that contains the value, or of the whole message.
     """
 
-    output: Output
+    output: OutputEntry
     type: str
     place: Place
     message: str
@@ -41,7 +41,9 @@ class Publication:
     of: str = ""
 
 
-def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication], list[Problem]]:
+def publications(
+    monitor: BoundMonitor, config: ConfigFile
+) -> tuple[list[Publication], list[Problem]]:
     """Return what the node publishes, and what is wrong with the paths (K034)."""
     messages = _messages(monitor)
     found: list[Publication] = []
@@ -77,14 +79,14 @@ def publications(monitor: Monitor, config: ConfigFile) -> tuple[list[Publication
     return found, problems
 
 
-def _messages(monitor: Monitor) -> dict[str, str]:
+def _messages(monitor: BoundMonitor) -> dict[str, str]:
     """Return name -> type of the monitor's messages; the name of the result is empty."""
     names = {"": monitor.kind.output_message, **monitor.kind.functions.beside(monitor.model)}
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
 
 
 def _publish_messages(
-    output: Output, messages: Mapping[str, str], place: Place
+    output: OutputEntry, messages: Mapping[str, str], place: Place
 ) -> Iterator[Publication]:
     """Yield the topic of the result, then those of the messages beside it."""
     yield Publication(output, messages[""], place, messages[""])
@@ -94,8 +96,8 @@ def _publish_messages(
             yield Publication(below, type_, place, type_, of=name)
 
 
-def _output(name: str, topic: str) -> Output:
-    return Output.model_construct(id=name, topic=topic, field=None, event=None)
+def _output(name: str, topic: str) -> OutputEntry:
+    return OutputEntry.model_construct(id=name, topic=topic, field=None, event=None)
 
 
 def _holder(path: FieldPath, messages: Mapping[str, str]) -> str:
@@ -107,7 +109,7 @@ def _holder(path: FieldPath, messages: Mapping[str, str]) -> str:
     )
 
 
-def _value_at(path: FieldPath, message: str) -> Resolved:
+def _value_at(path: FieldPath, message: str) -> ResolvedPath:
     """Return a path with its keys; a single value is at its end.
 
     Raises:
@@ -119,6 +121,6 @@ def _value_at(path: FieldPath, message: str) -> Resolved:
     return found
 
 
-def _std_msgs(end: Resolved) -> str:
+def _std_msgs(end: ResolvedPath) -> str:
     assert end.type is not None
     return f"std_msgs/{_OF_STD_MSGS[end.type]}"

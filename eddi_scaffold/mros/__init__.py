@@ -13,7 +13,7 @@ It is not the RobMoSys project MROS (metacontrol for ROS), although that one als
 """
 
 from eddi_scaffold.mros.errors import MrosSyntaxError
-from eddi_scaffold.mros.model import Model, System
+from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 
 MODEL_SUFFIXES = (".ros", ".ros1", ".ros2")
@@ -22,8 +22,8 @@ SYSTEM_SUFFIX = ".rossystem"
 __all__ = [
     "MODEL_SUFFIXES",
     "SYSTEM_SUFFIX",
-    "Model",
     "MrosSyntaxError",
+    "RosModel",
     "System",
     "read_ros_models",
     "read_rossystem",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
-from eddi_scaffold.mros.model import Artifact, Component, Field, Model, Notice, Package, System
+from eddi_scaffold.mros.model import Artifact, Component, Field, Notice, Package, RosModel, System
 
 Json = Any
 
@@ -27,7 +27,7 @@ def system_json(system: System) -> dict[str, Json]:
     return found | _notices(system.notices)
 
 
-def model_json(model: Model) -> dict[str, Json]:
+def model_json(model: RosModel) -> dict[str, Json]:
     """Return the packages of a file as one JSON object."""
     found: dict[str, Json] = {
         "result": "ok",

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from eddi_scaffold.mros.model import Component, Connection, Kind, Model, Node, Package, System
+from eddi_scaffold.mros.model import (
+    Component,
+    Connection,
+    InterfaceKind,
+    Package,
+    RosModel,
+    RosNode,
+    System,
+)
 
-_VERBS: dict[Kind, str] = {
+_VERBS: dict[InterfaceKind, str] = {
     "publisher": "publishes",
     "subscriber": "subscribes",
     "serviceserver": "serves",
@@ -30,7 +38,7 @@ def system_tree(system: System) -> Iterator[str]:
         yield f"  {_connection(connection)}"
 
 
-def model_tree(model: Model) -> Iterator[str]:
+def model_tree(model: RosModel) -> Iterator[str]:
     """Return the lines of the packages of a file."""
     for package in model.packages:
         yield from _package(package)
@@ -69,7 +77,7 @@ def _package(package: Package) -> Iterator[str]:
             yield f"    {section}: {names or 'nothing'}"
 
 
-def _node(node: Node) -> Iterator[str]:
+def _node(node: RosNode) -> Iterator[str]:
     for one in node.interfaces:
         yield f"{_VERBS[one.kind]:{_WIDTH}} {one.name}: {one.type}"
     if node.parameters:

@@ -8,8 +8,8 @@ from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
-from eddi_scaffold.mros.definitions import ModelFile, Models, SystemFile, noticed
 from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
+from eddi_scaffold.mros.interface_definitions import Models, NodeModelFile, SystemFile, noticed
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
@@ -74,7 +74,7 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
             skipped.append(name)
             continue
         problems += noticed(model.notices, name)
-        files.append(ModelFile(name, model))
+        files.append(NodeModelFile(name, model))
     return Models(tuple(files), tuple(found), tuple(skipped), tuple(problems))
 
 

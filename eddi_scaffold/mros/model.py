@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 Dialect = Literal["brace", "indent"]
-Kind = Literal[
+InterfaceKind = Literal[
     "publisher", "subscriber", "serviceserver", "serviceclient", "actionserver", "actionclient"
 ]
 
@@ -43,7 +43,7 @@ class SystemInterface:
         ns: namespace of this interface alone, ``None`` for none.
     """
 
-    kind: Kind
+    kind: InterfaceKind
     name: str
     ref: str
     ns: str | None
@@ -124,7 +124,7 @@ class System:
 class Interface:
     """A publisher, subscriber, ... of a node as its model names it."""
 
-    kind: Kind
+    kind: InterfaceKind
     name: str
     type: str
     ns: str | None
@@ -135,7 +135,7 @@ class Interface:
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class RosNode:
     """A node: its name and what it offers and needs."""
 
     name: str
@@ -148,7 +148,7 @@ class Artifact:
     """An executable and its node, if it has one."""
 
     name: str
-    node: Node | None
+    node: RosNode | None
     line: int
     col: int
 
@@ -203,7 +203,7 @@ class Package:
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class RosModel:
     """A ``.ros``, ``.ros1`` or ``.ros2`` file."""
 
     dialect: Dialect

@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal
 
-from eddi_scaffold.mros.definitions import SystemFile
-from eddi_scaffold.mros.model import Connection, Kind
-from eddi_scaffold.mros.resolving import Resolved
+from eddi_scaffold.mros.interface_definitions import SystemFile
+from eddi_scaffold.mros.model import Connection, InterfaceKind
+from eddi_scaffold.mros.resolving import ResolvedInterface
 from eddi_scaffold.mros.topics import topic_name
 from eddi_scaffold.problems import Place, Problem, warning
 
-_GIVING: tuple[Kind, ...] = ("publisher", "serviceserver", "actionserver")
-_TAKING: tuple[Kind, ...] = ("subscriber", "serviceclient", "actionclient")
+_GIVING: tuple[InterfaceKind, ...] = ("publisher", "serviceserver", "actionserver")
+_TAKING: tuple[InterfaceKind, ...] = ("subscriber", "serviceclient", "actionclient")
 
 
 class Naming:
@@ -26,19 +26,19 @@ class Naming:
     def __init__(
         self,
         systems: Sequence[SystemFile],
-        resolved: Sequence[Resolved],
+        resolved: Sequence[ResolvedInterface],
         names: Literal["label", "model"],
     ) -> None:
         self.problems: list[Problem] = []
         self._names = names
         self._renamed: dict[str, str] = {}
         """End of a named connection -> its name."""
-        self._sources: dict[str, Resolved] = {}
+        self._sources: dict[str, ResolvedInterface] = {}
         """End of a connection that takes -> who gives."""
         if names == "label":
             self._connect(systems, resolved)
 
-    def topic(self, one: Resolved) -> str | None:
+    def topic(self, one: ResolvedInterface) -> str | None:
         """Return the topic of an interface; ``None``, and a problem, where it has none."""
         source = self._sources.get(one.end) if one.kind == "subscriber" else None
         if source is not None:
@@ -47,7 +47,7 @@ class Naming:
         self.problems += problems
         return topic
 
-    def _absolute(self, one: Resolved) -> tuple[str | None, list[Problem]]:
+    def _absolute(self, one: ResolvedInterface) -> tuple[str | None, list[Problem]]:
         given = one.model_name
         if self._names == "label":
             is_topic = one.kind in ("publisher", "subscriber")
@@ -67,8 +67,10 @@ class Naming:
             problems.append(warning("M017", message, one.place))
         return found.text, problems
 
-    def _connect(self, systems: Sequence[SystemFile], resolved: Sequence[Resolved]) -> None:
-        givers: dict[str, Resolved] = {}
+    def _connect(
+        self, systems: Sequence[SystemFile], resolved: Sequence[ResolvedInterface]
+    ) -> None:
+        givers: dict[str, ResolvedInterface] = {}
         for one in resolved:
             if one.kind == "publisher":
                 givers.setdefault(one.end, one)
@@ -82,7 +84,7 @@ class Naming:
                     continue
                 self._take(connection, givers)
 
-    def _take(self, connection: Connection, givers: dict[str, Resolved]) -> None:
+    def _take(self, connection: Connection, givers: dict[str, ResolvedInterface]) -> None:
         for end in (*connection.sources, *connection.targets):
             if connection.name:
                 self._renamed.setdefault(end, connection.name)
@@ -102,7 +104,7 @@ class Naming:
                     self.problems.append(warning("M018", message, place))
 
 
-def _labels(systems: Sequence[SystemFile], kinds: tuple[Kind, ...]) -> Counter[str]:
+def _labels(systems: Sequence[SystemFile], kinds: tuple[InterfaceKind, ...]) -> Counter[str]:
     return Counter(
         interface.name
         for file in systems

@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from eddi_scaffold.mros.definitions import Models, SystemFile, noticed
 from eddi_scaffold.mros.filters import Criterion, Filters
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids
-from eddi_scaffold.mros.model import Kind
+from eddi_scaffold.mros.interface_definitions import Models, SystemFile, noticed
+from eddi_scaffold.mros.model import InterfaceKind
 from eddi_scaffold.mros.naming import Naming
-from eddi_scaffold.mros.resolving import NO_NODE_MODEL, Resolved, resolve
+from eddi_scaffold.mros.resolving import NO_NODE_MODEL, ResolvedInterface, resolve
 from eddi_scaffold.mros.subsystems import SUBSYSTEM_MISSING, flattened
 from eddi_scaffold.mros.topics import Topic, TopicKind
 from eddi_scaffold.problems import Problem, error, in_order, warning
@@ -68,11 +68,11 @@ def simulator_outputs(
     existing entry that may be among what did not resolve is given to nothing else.
     """
     flat = flattened(system, models.systems)
-    kinds: set[Kind] = {"publisher"}
+    kinds: set[InterfaceKind] = {"publisher"}
     kinds |= {"subscriber"} if "subscribed" in include else set()
     kinds |= {"actionserver"} if "actions" in include else set()
     problems = list(flat.problems)
-    found: list[Resolved] = []
+    found: list[ResolvedInterface] = []
     counts: dict[str, int] = {"serviceserver": 0, "actionserver": 0}
     for part in flat.systems:
         for component in part.system.components:
@@ -115,7 +115,7 @@ def simulator_outputs(
 
 def silent_problems(system: SystemFile, models: Models) -> list[Problem]:
     """Return what is wrong with the services and actions of a system, which give no topics."""
-    kinds: tuple[Kind, ...] = ("serviceserver", "serviceclient", "actionclient")
+    kinds: tuple[InterfaceKind, ...] = ("serviceserver", "serviceclient", "actionclient")
     problems: list[Problem] = []
     for part in flattened(system, models.systems).systems:
         for component in part.system.components:
@@ -129,7 +129,7 @@ def silent_problems(system: SystemFile, models: Models) -> list[Problem]:
 class _Entry:
     """A topic that has no id yet."""
 
-    first: Resolved
+    first: ResolvedInterface
     model_name: str
     type: str
     kind: TopicKind
@@ -145,14 +145,14 @@ class _Collected:
     problems: list[Problem] = field(default_factory=list)
     publishers: int = 0
 
-    def published(self, one: Resolved) -> None:
+    def published(self, one: ResolvedInterface) -> None:
         topic = self.naming.topic(one)
         if topic is None:
             return
         self.publishers += 1
         self._add(topic, one, one.model_name, f"{one.package}.{one.type}", "published")
 
-    def action(self, one: Resolved) -> None:
+    def action(self, one: ResolvedInterface) -> None:
         """Add the topics of an action server of ROS 1 (actionlib)."""
         if one.definition.of.file.endswith(".ros2"):
             message = f"the topics of the ROS 2 action {one.name!r} cannot be listened to by ROS 1"
@@ -169,12 +169,14 @@ class _Collected:
         ):
             self._add(f"{topic}/{part}", one, f"{one.model_name}/{part}", type_, "action")
 
-    def subscribed(self, one: Resolved) -> None:
+    def subscribed(self, one: ResolvedInterface) -> None:
         topic = self.naming.topic(one)
         if topic is not None:
             self._add(topic, one, one.model_name, f"{one.package}.{one.type}", "subscribed")
 
-    def _add(self, topic: str, one: Resolved, name: str, type_: str, kind: TopicKind) -> None:
+    def _add(
+        self, topic: str, one: ResolvedInterface, name: str, type_: str, kind: TopicKind
+    ) -> None:
         known = self.topics.get(topic)
         provider = one.component.name
         if known is None:

@@ -11,7 +11,7 @@ from eddi_scaffold.mros.brace import system as brace_system
 from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 from eddi_scaffold.mros.indent import models as indent_models
 from eddi_scaffold.mros.indent import system as indent_system
-from eddi_scaffold.mros.model import Dialect, Model, System
+from eddi_scaffold.mros.model import Dialect, RosModel, System
 from eddi_scaffold.mros.text import Text, decoded
 
 _NOTHING = re.compile(r"(?:\s+|//[^\n]*|\#[^\n]*|/\*[\s\S]*?\*/)*")
@@ -41,7 +41,7 @@ def read_rossystem(source: str | bytes, file: str = "<text>") -> System:
         return indent_system.read_system(text)
 
 
-def read_ros_models(source: str | bytes, file: str = "<text>") -> Model:
+def read_ros_models(source: str | bytes, file: str = "<text>") -> RosModel:
     """Read the text of a ``.ros``, ``.ros1`` or ``.ros2``.
 
     Args:

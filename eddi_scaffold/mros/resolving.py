@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.mros.definitions import Definition, Definitions, NodeModel, Reference
-from eddi_scaffold.mros.model import Component, Dialect, Kind, SystemInterface
+from eddi_scaffold.mros.interface_definitions import (
+    Definition,
+    Definitions,
+    InterfaceReference,
+    NodeModel,
+)
+from eddi_scaffold.mros.model import Component, Dialect, InterfaceKind, SystemInterface
 from eddi_scaffold.mros.types import type_of
 from eddi_scaffold.problems import Place, Problem, error, warning
 
@@ -14,7 +19,7 @@ NO_NODE_MODEL = "M007"
 
 
 @dataclass(frozen=True)
-class Resolved:
+class ResolvedInterface:
     """One interface of one running node, with its definition.
 
     Attributes:
@@ -25,7 +30,7 @@ class Resolved:
         dialect: of the system; it decides how connections name an interface.
     """
 
-    kind: Kind
+    kind: InterfaceKind
     component: Component
     label: str | None
     ns: str | None
@@ -63,8 +68,8 @@ def resolve(
     dialect: Dialect,
     file: str,
     definitions: Definitions,
-    kinds: Collection[Kind],
-) -> tuple[list[Resolved], list[Problem]]:
+    kinds: Collection[InterfaceKind],
+) -> tuple[list[ResolvedInterface], list[Problem]]:
     """Find the definitions of a component's interfaces.
 
     In the brace dialect exactly the listed interfaces run. In the indentation dialect all
@@ -92,11 +97,11 @@ class _Join:
         dialect: Dialect,
         file: str,
         definitions: Definitions,
-        kinds: Collection[Kind],
+        kinds: Collection[InterfaceKind],
     ) -> None:
         self.component, self.dialect, self.file = component, dialect, file
         self.definitions, self.kinds = definitions, kinds
-        self.found: list[Resolved] = []
+        self.found: list[ResolvedInterface] = []
         self.problems: list[Problem] = []
         self.here = Place(file, component.line, component.col)
 
@@ -138,11 +143,11 @@ class _Join:
             self.problems.append(error(NO_NODE_MODEL, message, self.here, hint))
         return ()
 
-    def listed(self, models: Sequence[NodeModel]) -> set[tuple[Kind, str]]:
+    def listed(self, models: Sequence[NodeModel]) -> set[tuple[InterfaceKind, str]]:
         """Resolve what the system lists; return kind and name in the model of each."""
         renamed = set()
         for interface in self.component.interfaces:
-            reference = Reference.parse(interface.ref)
+            reference = InterfaceReference.parse(interface.ref)
             if reference is not None:
                 renamed.add((interface.kind, reference.interface))
             if interface.kind in self.kinds:
@@ -152,7 +157,7 @@ class _Join:
     def _listed(
         self,
         interface: SystemInterface,
-        reference: Reference | None,
+        reference: InterfaceReference | None,
         models: Sequence[NodeModel],
     ) -> None:
         place = Place(self.file, interface.line, interface.col)
@@ -203,7 +208,7 @@ class _Join:
             self.problems.append(error("M013", message, there, hint))
             return
         self.found.append(
-            Resolved(
+            ResolvedInterface(
                 interface.kind,
                 self.component,
                 label,

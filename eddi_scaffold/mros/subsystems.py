@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.mros.definitions import SystemFile, noticed
+from eddi_scaffold.mros.interface_definitions import SystemFile, noticed
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 SUBSYSTEM_MISSING = "M024"

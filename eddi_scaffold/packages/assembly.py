@@ -17,7 +17,7 @@ from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
 from eddi_scaffold.kinds import Model, kinds
-from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.workspace import existing
@@ -48,7 +48,7 @@ def monitors_of(
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
     robot: RobotAdditions | None = None,
-) -> tuple[list[Monitor], list[Problem]]:
+) -> tuple[list[BoundMonitor], list[Problem]]:
     """Read a model file, or several, and configurations, and join them.
 
     With configurations: one monitor for each, of a model in the file or of the file that the
@@ -78,7 +78,7 @@ def monitors_of(
     return monitors, problems
 
 
-def only(monitors: Sequence[Monitor]) -> Monitor:
+def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
     """Return the only monitor.
 
     Raises:
@@ -92,7 +92,7 @@ def only(monitors: Sequence[Monitor]) -> Monitor:
 
 
 def assemble(
-    monitors: Sequence[Monitor], platform: Platform, root: Path, problems: Sequence[Problem]
+    monitors: Sequence[BoundMonitor], platform: Platform, root: Path, problems: Sequence[Problem]
 ) -> Assembly:
     """Turn monitors into packages beside those that are below ``root`` already.
 
@@ -111,7 +111,7 @@ def assemble(
 
 
 def wiring_with(
-    monitors: Sequence[Monitor], present: Mapping[str, Mapping[str, Any]]
+    monitors: Sequence[BoundMonitor], present: Mapping[str, Mapping[str, Any]]
 ) -> list[Problem]:
     """Check the wiring of monitors beside packages that they do not replace.
 
@@ -123,7 +123,7 @@ def wiring_with(
     return check_wiring(members_of(monitors), _beside(present, new))
 
 
-def _cross_checked(monitor: Monitor, problems: list[Problem]) -> Monitor:
+def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
     """Compare the compiled model with an independent tool, where its kind has one."""
     if monitor.kind.functions.cross_check is None:
         return monitor
@@ -164,7 +164,7 @@ def rejoined(
     present: Mapping[str, Mapping[str, Any]],
     models: Mapping[str, Model],
     configs: Mapping[str, ConfigFile],
-) -> dict[str, tuple[Monitor, list[Problem]]]:
+) -> dict[str, tuple[BoundMonitor, list[Problem]]]:
     """Join newer models with the configurations that packages remember, or with newer ones.
 
     Args:
@@ -190,7 +190,7 @@ def rejoined(
 
 def _rejoined(
     answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
-) -> tuple[Monitor, list[Problem]]:
+) -> tuple[BoundMonitor, list[Problem]]:
     kind = kinds()[answers["kind"]]
     if config is None and answers.get("config_json"):
         config = from_json(answers["config_json"], f"the configuration that {folder} remembers")

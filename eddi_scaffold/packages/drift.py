@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
-from eddi_scaffold.packages.upgrading import Group, targets
+from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.generated import changed_generated
@@ -63,7 +63,7 @@ class Drift:
         }
 
 
-def drift_of(group: Group, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
+def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
     """Compare the packages of a group with a dry run of their regeneration."""
     packages, _ = targets(group, model, configs)
     outcome = write_packages(group.root, packages, own_template(), dry_run=True)

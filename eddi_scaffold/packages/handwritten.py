@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
 
 
 @dataclass(frozen=True)
-class Entry:
+class HandwrittenRegion:
     """One region of one package.
 
     Attributes:
@@ -37,7 +37,7 @@ class Entry:
         }
 
 
-def unwritten(root: Path, monitors: Iterable[Monitor]) -> list[str]:
+def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
     """Return where a person must still write how an input is made of its messages."""
     needed = {
         monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if not b.is_given}
@@ -56,7 +56,7 @@ def written(package: Path) -> list[str]:
     return [status.id for status in list_regions(package) if status.state == "edited"]
 
 
-def packages_of(monitor: Monitor, near: Iterable[Path]) -> list[Path]:
+def packages_of(monitor: BoundMonitor, near: Iterable[Path]) -> list[Path]:
     """Return the packages of a monitor in workspaces around or below some folders.
 
     Only the places of a catkin workspace and of ``generate -o`` are looked at, nothing else.
@@ -91,10 +91,10 @@ def packages_below(folder: Path) -> list[Path]:
     return found
 
 
-def inventory(folder: Path) -> Sequence[Entry]:
+def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     """List the regions of all packages below a folder."""
     return [
-        Entry(str(package / status.file), status)
+        HandwrittenRegion(str(package / status.file), status)
         for package in packages_below(folder)
         for status in list_regions(package)
     ]

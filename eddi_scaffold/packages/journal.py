@@ -24,7 +24,7 @@ _OTHERS_WRITE = 0o022
 
 
 @dataclass(frozen=True)
-class Step:
+class JournalEntry:
     """One change of a transaction.
 
     Attributes:
@@ -42,7 +42,7 @@ class Step:
     follows: str | None
 
 
-def keep(root: Path, staging: str, steps: Sequence[Step] | None) -> str | None:
+def keep(root: Path, staging: str, steps: Sequence[JournalEntry] | None) -> str | None:
     """Record how far a transaction is.
 
     Args:
@@ -72,10 +72,10 @@ def forget(root: Path, staging: str) -> None:
         _place(root, staging).unlink()
 
 
-def records(root: Path) -> dict[str, Sequence[Step] | None]:
+def records(root: Path) -> dict[str, Sequence[JournalEntry] | None]:
     """Return the transactions below ``root`` that runs of this user left: staging -> steps."""
     start = _start(root)
-    found: dict[str, Sequence[Step] | None] = {}
+    found: dict[str, Sequence[JournalEntry] | None] = {}
     for place in _places(start):
         # what cannot be read, or is another's, is no record
         with suppress(OSError, ValueError, TypeError, KeyError):
@@ -84,14 +84,14 @@ def records(root: Path) -> dict[str, Sequence[Step] | None]:
     return found
 
 
-def _read(place: Path, root: Path) -> Sequence[Step] | None:
+def _read(place: Path, root: Path) -> Sequence[JournalEntry] | None:
     _refuse_shared(place.parent.stat(), place.parent)
     with open_regular(place, follow=False) as stream:
         _refuse_shared(os.fstat(stream.fileno()), place)
         record = json.loads(stream.read())
     if record["root"] != os.path.realpath(root):
         raise ValueError("a record of another folder")
-    steps = None if record["steps"] is None else [Step(*step) for step in record["steps"]]
+    steps = None if record["steps"] is None else [JournalEntry(*step) for step in record["steps"]]
     for step in steps or ():
         if not (is_relative(step.path) and (step.staged is None or step.staged.isdigit())):
             raise ValueError("a path that leads elsewhere")

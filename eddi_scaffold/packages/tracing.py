@@ -20,7 +20,7 @@ COLUMNS = ("element", "id", "file", "line", "path", "code", "topics")
 
 
 @dataclass(frozen=True)
-class Row:
+class TraceRow:
     """One element of the model.
 
     Attributes:
@@ -64,7 +64,7 @@ class Trace:
     model_sha256: str
     outputs: tuple[str, ...]
     facts: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[TraceRow, ...]
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
@@ -81,7 +81,7 @@ class Trace:
             "elements": rows,
         }
 
-    def cells(self, row: Row) -> tuple[JsonValue, ...]:
+    def cells(self, row: TraceRow) -> tuple[JsonValue, ...]:
         """Return the values of one row in the order of ``COLUMNS``."""
         topics = " ".join(row.topics)
         return (row.element, row.id, self.file, row.line, row.path, row.code, topics)
@@ -137,7 +137,7 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
         given = inputs.get(item["id"], {})
         heard = tuple(topics.get(name) or name for name in given.get("requires", ()))
         rows.append(
-            Row(
+            TraceRow(
                 element,
                 item["id"],
                 item.get("line"),

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.packages import journal
-from eddi_scaffold.packages.journal import Step
+from eddi_scaffold.packages.journal import JournalEntry
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import entries, kind_of, open_regular, read_regular
@@ -45,7 +45,7 @@ class FileState:
 
 
 @dataclass(frozen=True)
-class Tree:
+class FolderContent:
     """The content of a folder.
 
     Attributes:
@@ -58,9 +58,11 @@ class Tree:
     others: dict[str, str] = field(default_factory=dict)
 
 
-def survey(folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})) -> Tree:
+def survey(
+    folder: Path, skip: frozenset[str] = frozenset({".git", "__pycache__"})
+) -> FolderContent:
     """Read all regular files below a folder, and list what else is there."""
-    tree = Tree()
+    tree = FolderContent()
     for name, kind in sorted(entries(folder, skip)):
         path = folder / name
         if kind is not None:
@@ -133,7 +135,7 @@ def _staged(
     changes: Mapping[str, FileState | None],
     follows: Mapping[str, str],
     guards: Mapping[str, FileState],
-) -> Iterator[Step]:
+) -> Iterator[JournalEntry]:
     """Stage the new texts, and yield what is to be done."""
     ends = [(path, None) for path in guards]
     for number, (path, state) in enumerate([*guards.items(), *changes.items(), *ends]):
@@ -141,7 +143,7 @@ def _staged(
         if state is not None:
             _write(staging / str(number), state.data)
             (staging / str(number)).chmod(state.mode)
-        yield Step(
+        yield JournalEntry(
             path,
             staged=None if state is None else str(number),
             new=None if state is None else hashlib.sha256(state.data).hexdigest(),
@@ -244,7 +246,7 @@ def _behind_link(root: Path, path: str) -> bool:
     return any((root / folder).is_symlink() for folder in PurePosixPath(path).parents[:-1])
 
 
-def _finish(root: Path, staging: Path, steps: Sequence[Step]) -> Sequence[str]:
+def _finish(root: Path, staging: Path, steps: Sequence[JournalEntry]) -> Sequence[str]:
     """Do what is not done yet; return what was left alone, because it was changed since."""
     left: dict[str, str] = {}
     for step in steps:

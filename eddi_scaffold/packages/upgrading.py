@@ -13,7 +13,7 @@ from eddi_scaffold.config.reading import read_configs
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models
 from eddi_scaffold.packages.assembly import rejoined, stored, support, wiring_with
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
@@ -24,7 +24,7 @@ from eddi_scaffold.source import read_source
 
 
 @dataclass(frozen=True)
-class Group:
+class PackageGroup:
     """Generated packages in one folder.
 
     Attributes:
@@ -38,7 +38,7 @@ class Group:
     links: tuple[Path, ...] = ()
 
 
-def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
+def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
     """Find generated packages: of a workspace, or the ones that are named.
 
     Raises:
@@ -51,7 +51,7 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
     return found
 
 
-def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
+def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
     if packages:
         named = [path if path.name not in {"", ".."} else path.resolve() for path in packages]
         return [
@@ -60,7 +60,7 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
         ]
     place = workspace or Path()
     candidates = [root_below(place, platform.root) for platform in platforms().values()]
-    found = [Group(root, existing(root), linked(root)) for root in dict.fromkeys(candidates)]
+    found = [PackageGroup(root, existing(root), linked(root)) for root in dict.fromkeys(candidates)]
     found = [group for group in found if group.present or group.links]
     if not found:
         hint = "name a workspace with -w, or the folder of a package"
@@ -70,13 +70,13 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[Group]:
     return found
 
 
-def _group(root: Path, packages: Sequence[Path]) -> Group:
+def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
     present = {path.name: _answers(path) for path in packages if not path.is_symlink()}
-    return Group(root, present, tuple(path for path in packages if path.is_symlink()))
+    return PackageGroup(root, present, tuple(path for path in packages if path.is_symlink()))
 
 
 def targets(
-    group: Group, model_file: Path | None, config_files: Sequence[Path]
+    group: PackageGroup, model_file: Path | None, config_files: Sequence[Path]
 ) -> tuple[list[PackageAnswers], list[Problem]]:
     """Return what the packages of a group should be, with the problems of newer inputs.
 
@@ -97,7 +97,7 @@ def targets(
     renewed = rejoined(group.present, models, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
-    joined: list[Monitor] = []
+    joined: list[BoundMonitor] = []
     for folder, answers in group.present.items():
         if "model_json" not in answers:
             continue
@@ -121,7 +121,7 @@ def targets(
 
 
 def _newer_models(
-    group: Group, model_file: Path | None, configs: Iterable[str]
+    group: PackageGroup, model_file: Path | None, configs: Iterable[str]
 ) -> tuple[dict[str, Model], list[Problem]]:
     """Return the newer model of each package that has one in the file, read with its marks."""
     if model_file is None:
@@ -156,7 +156,7 @@ def _newer_models(
 
 
 def _made_of_unnamed(
-    group: Group, models: Sequence[Model], file: str, configs: Iterable[str]
+    group: PackageGroup, models: Sequence[Model], file: str, configs: Iterable[str]
 ) -> dict[str, tuple[str, str]]:
     """Return the packages that were made of a file whose model has no name: by the file's name.
 

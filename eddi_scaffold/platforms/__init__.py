@@ -20,7 +20,7 @@ from eddi_scaffold.problems import EddiError, error
 if TYPE_CHECKING:
     from eddi_scaffold.config.schema import Config
     from eddi_scaffold.kinds import JsonValue
-    from eddi_scaffold.monitors.binding import Monitor
+    from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.regions.result import Orphan
 
@@ -100,7 +100,7 @@ class Platform:
     templates: Templates
     workspace: Workspace | None
     needs_config: bool
-    monitor: Callable[[Monitor], tuple[PackageAnswers, list[Problem]]]
+    monitor: Callable[[BoundMonitor], tuple[PackageAnswers, list[Problem]]]
     support: Callable[[Sequence[str], Config | None], list[PackageAnswers]]
     taken_names: Callable[[Path | None], Mapping[str, str]]
     next_steps: Callable[[Path, Sequence[str]], Sequence[str]]

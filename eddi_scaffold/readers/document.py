@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from eddi_scaffold.problems import Place, Problem, error
-from eddi_scaffold.readers.references import References, Token, parse_token
+from eddi_scaffold.readers.references import References, ReferenceToken, parse_token
 from eddi_scaffold.readers.spelling import (
     ClassName,
     Spelling,
@@ -17,7 +17,7 @@ from eddi_scaffold.readers.xmi import (
     XSI_TYPE,
     Element,
     Limits,
-    Tree,
+    XmlDocument,
     feature_of,
     line_of,
 )
@@ -36,7 +36,7 @@ class EddiDocument:
         limits: limits that reading obeys.
     """
 
-    def __init__(self, tree: Tree, name: str, limits: Limits) -> None:
+    def __init__(self, tree: XmlDocument, name: str, limits: Limits) -> None:
         self.name = name
         self.document = tree.document
         self.roots = tree.roots
@@ -128,7 +128,7 @@ class EddiDocument:
                 found.append(target)
         return found, problems, bool(texts)
 
-    def _target(self, element: Element, feature: str, token: Token) -> Element | Problem:
+    def _target(self, element: Element, feature: str, token: ReferenceToken) -> Element | Problem:
         if token.resource:
             message = f'{feature} "{token.text}" points into another file, {token.resource}'
             hint = "models in several files are not read; merge them into one"

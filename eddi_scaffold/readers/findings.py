@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.readers.xmi import Element
 
 
-class Findings:
+class EddiFindings:
     """Problems in the order in which they were found; equal remarks are counted, not repeated."""
 
     def __init__(self, document: EddiDocument) -> None:

@@ -41,7 +41,7 @@ class Fragment:
 
 
 @dataclass(frozen=True)
-class Token:
+class ReferenceToken:
     """One reference as written.
 
     Attributes:
@@ -63,14 +63,14 @@ def parse_fragment(text: str) -> Fragment | None:
     return Fragment(int(match.group(1) or 0), match.group(2)) if match else None
 
 
-def parse_token(text: str) -> Token:
+def parse_token(text: str) -> ReferenceToken:
     """Parse one reference: a path, ``#`` and a path, another file's, or an ``xmi:id``."""
     resource, sharp, rest = text.partition("#")
     if not sharp:
         resource, rest = "", text
     if rest.startswith("/"):
-        return Token(text, resource, fragment=parse_fragment(rest))
-    return Token(text, resource, id=rest or None)
+        return ReferenceToken(text, resource, fragment=parse_fragment(rest))
+    return ReferenceToken(text, resource, id=rest or None)
 
 
 class _Children:

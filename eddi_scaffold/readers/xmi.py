@@ -57,7 +57,7 @@ DEFAULT_LIMITS = Limits()
 
 
 @dataclass(frozen=True)
-class Tree:
+class XmlDocument:
     """A parsed document.
 
     Attributes:
@@ -73,7 +73,7 @@ def load(
     stream: BinaryIO,
     name: str,
     limits: Limits = DEFAULT_LIMITS,
-) -> tuple[Tree | None, list[Problem]]:
+) -> tuple[XmlDocument | None, list[Problem]]:
     """Parse a document from a seekable stream.
 
     Returns:
@@ -97,7 +97,7 @@ def load(
         place = Place(name, line_of(crowded))
         count = len(crowded.attrib)
         return None, [_limit("the number of attributes", count, limits.attributes, place)]
-    return Tree(document, _roots(document)), [
+    return XmlDocument(document, _roots(document)), [
         warning(
             "X005",
             f'the prefix "{prefix}" is not declared; it is read as if it were',

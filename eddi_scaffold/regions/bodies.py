@@ -6,8 +6,8 @@ import io
 import textwrap
 import tokenize
 
-from eddi_scaffold.regions.document import split_lines
 from eddi_scaffold.regions.formatting import same_code
+from eddi_scaffold.regions.marked_file import split_lines
 from eddi_scaffold.regions.markers import indent_of
 
 

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Literal
 
 from eddi_scaffold.regions.bodies import same_body
-from eddi_scaffold.regions.claims import adopt_ids
-from eddi_scaffold.regions.document import Document, Fault, Region, parse
 from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.generated import GENERATED
+from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, parse
 from eddi_scaffold.regions.markers import with_sig
 from eddi_scaffold.regions.merge import kind_of
 from eddi_scaffold.regions.paths import is_relative
+from eddi_scaffold.regions.placements import adopt_ids
 from eddi_scaffold.regions.review import doubtful_names
 from eddi_scaffold.regions.store import (
     EDDI,
@@ -113,7 +113,7 @@ def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
 
 def _documents(
     root: Path, name: str
-) -> tuple[str | None, Document | None, Document | None, list[Fault]]:
+) -> tuple[str | None, MarkedFile | None, MarkedFile | None, list[Fault]]:
     """Return a file's text, it and its rendering split at the markers, and what is wrong."""
     text = read_text(root / name)
     pristine = read_text(root / EDDI / "pristine" / name)

@@ -7,7 +7,7 @@ import io
 import tokenize
 from collections.abc import Sequence
 
-from eddi_scaffold.regions.document import split_lines
+from eddi_scaffold.regions.marked_file import split_lines
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_shallow
 

@@ -10,25 +10,25 @@ from typing import Literal
 from xml.parsers import expat
 
 from eddi_scaffold.regions.bodies import reindent
-from eddi_scaffold.regions.claims import Claim, Claims, adopt_ids, claim_bodies
-from eddi_scaffold.regions.document import (
-    Document,
+from eddi_scaffold.regions.lines import merge_lines
+from eddi_scaffold.regions.marked_file import (
     Fault,
+    MarkedFile,
     Region,
     parse,
     placeholder_id,
     split_lines,
 )
-from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.markers import indent_of, with_sig
 from eddi_scaffold.regions.outside import Reject, merge_python, regions_in, same_lines
-from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused, patch_text
+from eddi_scaffold.regions.placements import Placement, Placements, adopt_ids, claim_bodies
+from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile, patch_text
 
-Kind = Literal["python", "xml", "lines"]
+FileFormat = Literal["python", "xml", "lines"]
 _BOM = "\ufeff"
 
 
-def kind_of(path: str) -> Kind:
+def kind_of(path: str) -> FileFormat:
     """Return how a file is merged and checked, by its name."""
     suffix = PurePosixPath(path).suffix
     if suffix == ".py":
@@ -38,7 +38,7 @@ def kind_of(path: str) -> Kind:
 
 def merge(
     path: str, base: str | None, mine: str | None, theirs: str, orphans: Sequence[Orphan] = ()
-) -> Merged | Refused:
+) -> Merged | RefusedFile:
     """Return the new text of a file.
 
     Args:
@@ -54,12 +54,12 @@ def merge(
     target, faults = parse(_plain(theirs))
     if faults:
         reasons = (Fault(f.line, f"in the new rendering: {f.reason}") for f in faults)
-        return Refused(tuple(reasons))
+        return RefusedFile(tuple(reasons))
     own = None
     if mine is not None:
         document, faults = parse(_plain(mine))
         if faults:
-            return Refused(tuple(faults))
+            return RefusedFile(tuple(faults))
         own = adopt_ids(document, target)
     before = _base(base, target)
     if own is not None and before is not None:
@@ -71,7 +71,7 @@ def merge(
         skeleton, rejects = target.skeleton, [_reject_file(before or target, own)]
         text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
     if not _placed(path, text, claims):
-        return Refused((Fault(1, "the merged text would lose a region; put its markers back"),))
+        return RefusedFile((Fault(1, "the merged text would lose a region; put its markers back"),))
     notes = [*claims.notes, *_reject_notes(path, rejects), *_broken_bodies(path, text)]
     return Merged(
         _as_written(text, mine if mine is not None else theirs),
@@ -82,13 +82,13 @@ def merge(
     )
 
 
-def retire(path: str, base: str | None, mine: str) -> Merged | Refused:
+def retire(path: str, base: str | None, mine: str) -> Merged | RefusedFile:
     """Return what must be kept of a file that is not rendered any more."""
     own, faults = parse(_plain(mine))
     if faults:
-        return Refused(tuple(faults))
+        return RefusedFile(tuple(faults))
     before = _base(base, own)
-    claims = claim_bodies(path, before, own, Document(()), ())
+    claims = claim_bodies(path, before, own, MarkedFile(()), ())
     known = before.skeleton if before is not None else []
     rejects = []
     if not same_lines(known, own.skeleton):
@@ -144,14 +144,14 @@ def _as_written(text: str, model: str) -> str:
     return _BOM + text if model.startswith(_BOM) else text
 
 
-def _base(base: str | None, target: Document) -> Document | None:
+def _base(base: str | None, target: MarkedFile) -> MarkedFile | None:
     if base is None:
         return None
     document, faults = parse(_plain(base))
     return None if faults else adopt_ids(document, target)
 
 
-def _dissolve(mine: Document, base: Document, theirs: Document) -> Document:
+def _dissolve(mine: MarkedFile, base: MarkedFile, theirs: MarkedFile) -> MarkedFile:
     """Turn regions that a person invented into ordinary lines: the generator never knew them."""
     known = {*base.regions, *theirs.regions}
     former = {old for region in theirs.regions.values() for old in region.was}
@@ -161,11 +161,11 @@ def _dissolve(mine: Document, base: Document, theirs: Document) -> Document:
             parts.append(part)
         else:
             parts += [part.begin + "\n", *split_lines(part.body), part.end + "\n"]
-    return Document(tuple(parts))
+    return MarkedFile(tuple(parts))
 
 
 def _outside(
-    path: str, base: Document | None, mine: Document | None, theirs: Document
+    path: str, base: MarkedFile | None, mine: MarkedFile | None, theirs: MarkedFile
 ) -> tuple[list[str], list[Reject]]:
     new = theirs.skeleton
     if mine is None or same_lines(mine.skeleton, new):
@@ -185,11 +185,11 @@ def _outside(
     return merged, []
 
 
-def _reject_file(before: Document, after: Document) -> Reject:
+def _reject_file(before: MarkedFile, after: MarkedFile) -> Reject:
     return Reject("the file", tuple(before.skeleton), tuple(after.skeleton))
 
 
-def _assemble(skeleton: Sequence[str], claims: Mapping[str, Claim], *, python: bool) -> str:
+def _assemble(skeleton: Sequence[str], claims: Mapping[str, Placement], *, python: bool) -> str:
     out: list[str] = []
     for line in skeleton:
         region_id = placeholder_id(line)
@@ -206,11 +206,11 @@ def _assemble(skeleton: Sequence[str], claims: Mapping[str, Claim], *, python: b
     return "".join(out)
 
 
-def _moved(claim: Claim, indent: str, *, python: bool) -> str:
+def _moved(claim: Placement, indent: str, *, python: bool) -> str:
     return reindent(claim.body, claim.indent, indent, python=python)
 
 
-def _placed(path: str, text: str, claims: Claims) -> bool:
+def _placed(path: str, text: str, claims: Placements) -> bool:
     """Check the merged text against the promise before anything is written."""
     document, faults = parse(text)
     found = [region for region in document.regions.values() if region.id in claims.by_id]
@@ -223,7 +223,7 @@ def _placed(path: str, text: str, claims: Claims) -> bool:
     )
 
 
-def _valid(path: str, skeleton: Sequence[str], claims: Claims) -> bool:
+def _valid(path: str, skeleton: Sequence[str], claims: Placements) -> bool:
     """Return whether merged lines are valid whatever the bodies hold."""
     if kind_of(path) == "python":
         return check_text(path, "".join(skeleton)) is None

@@ -7,12 +7,12 @@ import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.regions.definitions import Group, Item, is_named, split, split_function
-from eddi_scaffold.regions.document import placeholder_id
 from eddi_scaffold.regions.formatting import framed, same_meaning
 from eddi_scaffold.regions.lines import merge_lines
+from eddi_scaffold.regions.marked_file import placeholder_id
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_python, parse_shallow
+from eddi_scaffold.regions.python_tree import ClassBlock, Item, is_named, split, split_function
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def _added_last(own: dict[str, Item], old: Mapping[str, Item], new: Mapping[str,
 
 
 def _reject_removed(merge: _Merge, was: Item | None, person: Item, where: str) -> None:
-    if isinstance(was, Group) and isinstance(person, Group):
+    if isinstance(was, ClassBlock) and isinstance(person, ClassBlock):
         if not same_lines(was.header, person.header):
             merge.rejects.append(Reject(where, was.header, person.header))
         old = _by_key(was.items)
@@ -166,7 +166,7 @@ def _reject_removed(merge: _Merge, was: Item | None, person: Item, where: str) -
 
 def _both(merge: _Merge, was: Item | None, person: Item, item: Item, where: str) -> list[str]:
     before = was.lines if was is not None else None
-    if isinstance(person, Group) and isinstance(item, Group):
+    if isinstance(person, ClassBlock) and isinstance(item, ClassBlock):
         return _groups(merge, was, person, item, where)
     merged = _leaf(before, person.lines, item.lines)
     if merged is not None:
@@ -211,9 +211,15 @@ def _lead(lines: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
 
 
 def _groups(
-    merge: _Merge, was: Item | None, person: Group, item: Group, where: str, *, steps: bool = False
+    merge: _Merge,
+    was: Item | None,
+    person: ClassBlock,
+    item: ClassBlock,
+    where: str,
+    *,
+    steps: bool = False,
 ) -> list[str]:
-    old = was if isinstance(was, Group) else None
+    old = was if isinstance(was, ClassBlock) else None
     header = _leaf(old.header if old else None, person.header, item.header)
     if header is None:
         merge.rejects.append(Reject(where, (old or item).header, person.header))

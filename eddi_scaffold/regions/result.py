@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.document import Fault, placeholder_id
+from eddi_scaffold.regions.marked_file import Fault, placeholder_id
 from eddi_scaffold.regions.outside import Reject
 
 
@@ -66,7 +66,7 @@ class Merged:
 
 
 @dataclass(frozen=True)
-class Refused:
+class RefusedFile:
     """A file that must not be touched.
 
     Attributes:

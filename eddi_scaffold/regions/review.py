@@ -6,7 +6,7 @@ import ast
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 
-from eddi_scaffold.regions.document import Region
+from eddi_scaffold.regions.marked_file import Region
 from eddi_scaffold.regions.python_text import parse_python
 
 

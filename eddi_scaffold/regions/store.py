@@ -17,8 +17,8 @@ from itertools import chain, count
 from pathlib import Path
 from urllib.parse import quote
 
-from eddi_scaffold.regions.document import Fault
 from eddi_scaffold.regions.files import LINK, entries, read_regular, resolved
+from eddi_scaffold.regions.marked_file import Fault
 from eddi_scaffold.regions.markers import decode_id, encode_id
 from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.result import Orphan

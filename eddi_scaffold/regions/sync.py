@@ -13,11 +13,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.regions.document import Fault, parse
 from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.generated import record_generated
+from eddi_scaffold.regions.marked_file import Fault, parse
 from eddi_scaffold.regions.merge import may_return, merge, retire
-from eddi_scaffold.regions.result import Merged, Note, Orphan, Refused
+from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile
 from eddi_scaffold.regions.store import (
     EDDI,
     clean_temporaries,
@@ -169,7 +169,7 @@ def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal])
     refused.extend(
         Refusal(text.path, fault.line, fault.reason)
         for text, result in zip(texts, first, strict=True)
-        if isinstance(result, Refused)
+        if isinstance(result, RefusedFile)
         for fault in result.faults
     )
     done = [
@@ -192,7 +192,7 @@ def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal])
     return plan
 
 
-def _merge(texts: _Texts, orphans: Sequence[Orphan]) -> Merged | Refused:
+def _merge(texts: _Texts, orphans: Sequence[Orphan]) -> Merged | RefusedFile:
     if texts.theirs is not None:
         return merge(texts.path, texts.base, texts.mine, texts.theirs, orphans)
     if texts.mine is None:

@@ -8,11 +8,11 @@ from typing import Any
 from eddi_scaffold.config.field_types import resolve
 from eddi_scaffold.config.fields import FieldPath, FieldPathError, parse_field, path_text
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import TIMES, Fields, FieldsOf
+from eddi_scaffold.config.message_types import TIMES, Fields, MessageFields
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.language.uses import inputs_of
-from eddi_scaffold.monitors.binding import InputBinding, Monitor, fits
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.problems import Problem, error
@@ -20,7 +20,7 @@ from eddi_scaffold.problems import Problem, error
 _TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
 
-def tables(definitions: Mapping[str, Any]) -> FieldsOf:
+def tables(definitions: Mapping[str, Any]) -> MessageFields:
     """Return message type -> its fields, of the definitions as rosbags has read them."""
     found: dict[str, Fields] = {}
     for name, (_, fields) in definitions.items():
@@ -39,7 +39,9 @@ def _type(node: Any, of: Any) -> str:
     return f"{_type(*inner)}[{size if node.name == 'ARRAY' else ''}]"
 
 
-def check_fields(monitor: Monitor, known: FieldsOf, there: Collection[str]) -> Iterator[Problem]:
+def check_fields(
+    monitor: BoundMonitor, known: MessageFields, there: Collection[str]
+) -> Iterator[Problem]:
     """Report fields that the messages of a bag do not have, or not of that type (I017).
 
     Args:

@@ -14,7 +14,7 @@ from typing import Any
 
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import full_topic
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -36,12 +36,12 @@ _absolute = partial(full_topic, namespace="", package="")
 class _Wanted:
     """A topic that a monitor listens to."""
 
-    monitor: Monitor
+    monitor: BoundMonitor
     source: SimulatorOutput
 
 
 def read_bag(
-    path: Path, monitors: Sequence[Monitor], own: Collection[str] = ()
+    path: Path, monitors: Sequence[BoundMonitor], own: Collection[str] = ()
 ) -> tuple[Tape, list[Problem]]:
     """Read the messages that monitors listen to.
 
@@ -100,7 +100,7 @@ def read_bag(
         raise EddiError(error("I011", f"cannot read the bag: {reason}", place)) from None
 
 
-def _wanted(monitors: Sequence[Monitor]) -> Mapping[str, Sequence[_Wanted]]:
+def _wanted(monitors: Sequence[BoundMonitor]) -> Mapping[str, Sequence[_Wanted]]:
     """Return full name of a topic -> who listens to it."""
     found: dict[str, list[_Wanted]] = {}
     for monitor in monitors:
@@ -167,6 +167,6 @@ def _wrong_types(
                 yield error("I012", message, place, f"write `type: {of}` if the bag is right")
 
 
-def written_by_hand(monitor: Monitor) -> list[str]:
+def written_by_hand(monitor: BoundMonitor) -> list[str]:
     """Return the inputs whose values only code of a person gives: they stay unknown here."""
     return [one.model.id for one in monitor.inputs if one.requires and not one.is_given]

@@ -81,7 +81,7 @@ class GivenInput(EDDIInputBase):
         return self.update if binding.computed is None else self.update_expression
 
 
-class Node:
+class ReplayedNode:
     """One process of a monitor, which has received nothing yet.
 
     Args:

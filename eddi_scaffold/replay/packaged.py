@@ -22,12 +22,12 @@ from eddi_scaffold.config.message_types import known_messages, python_type
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, ModelInput, kinds
-from eddi_scaffold.monitors.binding import InputBinding, Monitor, fits
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
 from eddi_scaffold.replay.message_trees import Message, blank
-from eddi_scaffold.replay.node import Frame, Node, Received
+from eddi_scaffold.replay.node import Frame, Received, ReplayedNode
 from eddi_scaffold.source import Source
 
 if TYPE_CHECKING:
@@ -46,16 +46,16 @@ class Packaged:
         new: makes an ``EDDIMonitor`` and an ``EDDIInput``.
     """
 
-    monitor: Monitor
+    monitor: BoundMonitor
     by_hand: frozenset[str]
     new: Callable[[], tuple[Any, Any]]
 
-    def from_messages(self) -> tuple[RuntimeMonitor, Node]:
+    def from_messages(self) -> tuple[RuntimeMonitor, ReplayedNode]:
         """Return its monitor, and a node that is given messages."""
         eddi_monitor, eddi_input = self.new()
         return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
 
-    def from_values(self) -> tuple[RuntimeMonitor, Node]:
+    def from_values(self) -> tuple[RuntimeMonitor, ReplayedNode]:
         """Return its monitor, and a node whose inputs are given values.
 
         Hand-written lines get a message with the value where one has room for nothing else.
@@ -95,7 +95,7 @@ class Packaged:
         return lambda value: process(message_for(value))
 
 
-class _Node(Node):
+class _HandwrittenNode(ReplayedNode):
     """A node of hand-written code, which may print: data are ours alone."""
 
     def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
@@ -103,10 +103,10 @@ class _Node(Node):
             return super().step(t, messages, clock)
 
 
-def _node(eddi_monitor: Any, eddi_input: Any) -> Node:
+def _node(eddi_monitor: Any, eddi_input: Any) -> ReplayedNode:
     takes_time = "t_ns" in inspect.signature(eddi_monitor.execute_step).parameters
     step = eddi_monitor.execute_step if takes_time else None  # a package of an older version
-    return _Node(eddi_input, eddi_monitor.monitor, step)
+    return _HandwrittenNode(eddi_input, eddi_monitor.monitor, step)
 
 
 def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
@@ -180,7 +180,7 @@ def _importing(place: Path, package: str) -> Iterator[None]:
 
 def _remembered(
     folder: Path, answers: Mapping[str, Any], config: ConfigFile | None, by_hand: frozenset[str]
-) -> Monitor:
+) -> BoundMonitor:
     """Return a monitor as its package remembers it: without the elements of its model."""
     document = json.loads(answers["model_json"])
     types = {one["attribute"]: one["type"] for one in answers["inputs"]}
@@ -191,7 +191,9 @@ def _remembered(
     inputs = [
         _binding(one, types[one["attribute"]], sources, by_hand) for one in document["inputs"]
     ]
-    return Monitor(answers["package"], model, kind, config, tuple(inputs), answers["model_json"])
+    return BoundMonitor(
+        answers["package"], model, kind, config, tuple(inputs), answers["model_json"]
+    )
 
 
 def _binding(

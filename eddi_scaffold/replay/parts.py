@@ -8,23 +8,23 @@ from typing import TYPE_CHECKING
 from eddi_runtime.model_file import parse_model
 from eddi_runtime.monitor import build
 
-from eddi_scaffold.monitors.binding import InputBinding, Monitor, by_value
-from eddi_scaffold.replay.node import SECOND, GivenInput, Node
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
+from eddi_scaffold.replay.node import SECOND, GivenInput, ReplayedNode
 from eddi_scaffold.replay.playing import Part
-from eddi_scaffold.replay.publishing import Publisher
+from eddi_scaffold.replay.publishing import Publications
 from eddi_scaffold.replay.steps import ROWS, Rhythm, rhythm_of
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
 
-def compiled(monitor: Monitor) -> RuntimeMonitor:
+def compiled(monitor: BoundMonitor) -> RuntimeMonitor:
     """Return the monitor as its package would load it; hand-written code is not in it."""
     files = monitor.kind.functions.data_files(monitor.model)
     return build(parse_model(monitor.model_json, monitor.model.name, files))
 
 
-def rhythm(monitor: Monitor) -> Rhythm:
+def rhythm(monitor: BoundMonitor) -> Rhythm:
     """Return how the node of a monitor steps; without a configuration, for each row."""
     if monitor.config is None:
         return ROWS
@@ -32,18 +32,18 @@ def rhythm(monitor: Monitor) -> Rhythm:
     return rhythm_of(section.frequency, section.mode)
 
 
-def published(monitors: Sequence[Monitor]) -> frozenset[str]:
+def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
     """Return the topics that monitors publish which are played together; of one alone, none."""
     if len(monitors) < 2:
         return frozenset()
-    return frozenset(topic for one in monitors for topic in Publisher(one, one.topic).topics)
+    return frozenset(topic for one in monitors for topic in Publications(one, one.topic).topics)
 
 
-Made = tuple["RuntimeMonitor", Node]
+Made = tuple["RuntimeMonitor", ReplayedNode]
 """A monitor that runs, and a node of it."""
 
 
-def of_values(monitor: Monitor, rhythm: Rhythm, made: Made | None = None) -> Part:
+def of_values(monitor: BoundMonitor, rhythm: Rhythm, made: Made | None = None) -> Part:
     """Return a monitor whose inputs are given their values themselves.
 
     Args:
@@ -57,7 +57,7 @@ def of_values(monitor: Monitor, rhythm: Rhythm, made: Made | None = None) -> Par
 
 
 def of_messages(
-    monitors: Sequence[Monitor], rhythms: Sequence[Rhythm], made: Made | None = None
+    monitors: Sequence[BoundMonitor], rhythms: Sequence[Rhythm], made: Made | None = None
 ) -> list[Part]:
     """Return monitors that listen to topics, also to those of each other, in the order of steps.
 
@@ -75,7 +75,7 @@ def of_messages(
         topics: dict[str, list[str]] = {}
         for source in sources.values():
             topics.setdefault(monitor.topic(source.topic), []).append(source.id)
-        publisher = Publisher(monitor, monitor.topic) if several else None
+        publisher = Publications(monitor, monitor.topic) if several else None
         parts[name] = _part(
             name if several else "",
             monitor.inputs,
@@ -87,9 +87,9 @@ def of_messages(
     return _in_order(list(parts.values()))
 
 
-def _made(monitor: Monitor, bindings: Sequence[InputBinding]) -> Made:
+def _made(monitor: BoundMonitor, bindings: Sequence[InputBinding]) -> Made:
     running = compiled(monitor)
-    return running, Node(GivenInput(bindings), running)
+    return running, ReplayedNode(GivenInput(bindings), running)
 
 
 def _part(
@@ -98,7 +98,7 @@ def _part(
     rhythm: Rhythm,
     topics: Mapping[str, Sequence[str]],
     made: Made,
-    publisher: Publisher | None = None,
+    publisher: Publications | None = None,
 ) -> Part:
     limits: dict[str, set[int]] = {}
     for binding in bindings:

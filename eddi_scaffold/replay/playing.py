@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.problems import EddiError, error
-from eddi_scaffold.replay.node import Frame, Node, Received
-from eddi_scaffold.replay.publishing import Publisher
+from eddi_scaffold.replay.node import Frame, Received, ReplayedNode
+from eddi_scaffold.replay.publishing import Publications
 from eddi_scaffold.replay.recordings import Tape
 from eddi_scaffold.replay.steps import Rhythm, Steps
 
@@ -40,11 +40,11 @@ class Part:
 
     name: str
     running: RuntimeMonitor
-    node: Node
+    node: ReplayedNode
     rhythm: Rhythm
     sources: Mapping[str, Sequence[str]]
     limits: Mapping[str, Collection[int]]
-    publisher: Publisher | None = None
+    publisher: Publications | None = None
 
 
 Play = Iterator[tuple[Part, Frame]]

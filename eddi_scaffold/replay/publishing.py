@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from eddi_runtime.access import follow
 
 from eddi_scaffold.config.fields import PlainStep, plain_step
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import publications
 from eddi_scaffold.replay.message_trees import Message, message_of
 
@@ -36,7 +36,7 @@ class Channel:
     type: str
 
 
-class Publisher:
+class Publications:
     """The topics of one monitor.
 
     Attributes:
@@ -47,7 +47,7 @@ class Publisher:
         full_name: topic as in the configuration -> its full name.
     """
 
-    def __init__(self, monitor: Monitor, full_name: Callable[[str], str]) -> None:
+    def __init__(self, monitor: BoundMonitor, full_name: Callable[[str], str]) -> None:
         assert monitor.config is not None
         found, problems = publications(monitor, monitor.config)
         assert not problems, problems

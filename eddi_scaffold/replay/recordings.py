@@ -26,7 +26,7 @@ from eddi_scaffold.problems import (
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import InputType, JsonValue
-    from eddi_scaffold.monitors.binding import Monitor
+    from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.source import Source
 
 TIME = "t"
@@ -125,7 +125,7 @@ def tape_of(recording: Recording) -> Tape:
     return Tape(rows[0], rows[-1], samples, rows)
 
 
-def read_tape(source: Source, monitor: Monitor) -> tuple[Tape, list[Problem]]:
+def read_tape(source: Source, monitor: BoundMonitor) -> tuple[Tape, list[Problem]]:
     """Read the values of a monitor's inputs.
 
     Args:

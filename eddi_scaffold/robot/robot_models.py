@@ -11,9 +11,9 @@ from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
-from eddi_scaffold.mros.definitions import Models, noticed
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
 from eddi_scaffold.mros.ids import Existing
+from eddi_scaffold.mros.interface_definitions import Models, noticed
 from eddi_scaffold.mros.outputs import Outputs, silent_problems, simulator_outputs
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, warning
 from eddi_scaffold.robot.rossystem import Robot, read_robot

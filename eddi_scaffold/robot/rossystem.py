@@ -12,18 +12,18 @@ from typing import Literal
 
 from eddi_scaffold.config.block import (
     Absence,
-    Document,
-    Entry,
+    ConfigText,
     OldEntry,
+    TopicEntry,
     new_document,
     read_block,
     rewritten,
 )
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.mros.definitions import Models, SystemFile
 from eddi_scaffold.mros.directory import load_models, load_system, named
 from eddi_scaffold.mros.filters import OPTIONS, Filters, unmatched
 from eddi_scaffold.mros.ids import Existing
+from eddi_scaffold.mros.interface_definitions import Models, SystemFile
 from eddi_scaffold.mros.outputs import Include, Outputs, simulator_outputs
 from eddi_scaffold.mros.subsystems import flattened
 from eddi_scaffold.problems import (
@@ -195,14 +195,14 @@ def parse(
     _refuse_filters(filters, robot, outputs, document)
     after, notes = document.text, list[Problem]()
     if outputs.topics or not has_errors(found):
-        entries = [Entry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
+        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
         after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
     problems = in_order(_quoted([*found, *notes], document))
     before = document.text if is_there else None
     return Parsed(robot, outputs, tuple(problems), before, after)
 
 
-def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: Document) -> None:
+def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: ConfigText) -> None:
     """Refuse filters that match nothing, and report what did not resolve: it may be the cause.
 
     Raises:
@@ -234,14 +234,14 @@ def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> Absence:
     return Absence()
 
 
-def _quoted(problems: Sequence[Problem], document: Document) -> list[Problem]:
+def _quoted(problems: Sequence[Problem], document: ConfigText) -> list[Problem]:
     """Quote the configuration as it was read: what is printed comes after it is rewritten."""
     own = [one for one in problems if one.place.file == document.name]
     others = [one for one in problems if one.place.file != document.name]
     return [*others, *with_excerpts(own, document.text)]
 
 
-def _existing(document: Document) -> list[Existing]:
+def _existing(document: ConfigText) -> list[Existing]:
     return [
         Existing(entry.id, entry.topic, Place(document.name, entry.line, 1))
         for entry in document.old

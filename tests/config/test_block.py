@@ -7,12 +7,12 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config.block import Document, Entry, new_document, read_block, rewritten
+from eddi_scaffold.config.block import ConfigText, TopicEntry, new_document, read_block, rewritten
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.source import Source
 
-SCAN = Entry("scan", "sensor_msgs.LaserScan", "/scan")
-ON = Entry("on", "std_msgs.Bool", "/lamp/on")
+SCAN = TopicEntry("scan", "sensor_msgs.LaserScan", "/scan")
+ON = TopicEntry("on", "std_msgs.Bool", "/lamp/on")
 NEW = """SimulatorOutputs:
   - id: scan
     type: sensor_msgs.LaserScan
@@ -20,11 +20,11 @@ NEW = """SimulatorOutputs:
 """
 
 
-def document(text: str) -> Document:
+def document(text: str) -> ConfigText:
     return read_block(Source("c.yml", text.encode()))
 
 
-def written(text: str, *entries: Entry) -> tuple[str, list[tuple[str, int | None]]]:
+def written(text: str, *entries: TopicEntry) -> tuple[str, list[tuple[str, int | None]]]:
     new, problems = rewritten(document(text), entries)
     return new, [(problem.code, problem.place.line) for problem in problems]
 
@@ -78,7 +78,7 @@ def test_line_ends_stay() -> None:
 
 
 def test_texts_that_yaml_would_read_as_something_else_are_quoted() -> None:
-    text, _ = rewritten(new_document("c.yml"), [ON, Entry("null", "a.B", "/1")])
+    text, _ = rewritten(new_document("c.yml"), [ON, TopicEntry("null", "a.B", "/1")])
     assert '- id: "on"\n' in text
     assert '- id: "null"\n' in text
 
@@ -139,11 +139,11 @@ def test_what_cannot_be_changed(text: str, code: str, line: int, words: str) -> 
 
 
 texts = st.text(st.characters(codec="utf-8", exclude_categories=("C",)), min_size=1, max_size=8)
-entries = st.lists(st.builds(Entry, texts, texts, texts), max_size=4)
+entries = st.lists(st.builds(TopicEntry, texts, texts, texts), max_size=4)
 
 
 @given(entries)
-def test_what_is_written_is_read_back(entries: list[Entry]) -> None:
+def test_what_is_written_is_read_back(entries: list[TopicEntry]) -> None:
     text, _ = rewritten(new_document("c.yml"), entries)
     found = yaml.safe_load(text)["SimulatorOutputs"]
     assert found == [{"id": e.id, "type": e.type, "topic": e.topic} for e in entries]
@@ -166,7 +166,7 @@ blocks = st.sampled_from(
 
 @given(st.lists(parts, unique=True), blocks, st.lists(parts, unique=True), entries)
 def test_all_else_stays_and_a_second_run_changes_nothing(
-    before: list[str], block: str, after: list[str], entries: list[Entry]
+    before: list[str], block: str, after: list[str], entries: list[TopicEntry]
 ) -> None:
     rest = [part for part in after if part not in before]
     old = document("".join([*before, block, *rest]))

@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.replay.message_trees import Message, blank
 from tests.deployments.history import History, Sample
@@ -58,12 +58,12 @@ def deployment_of(case: Case) -> Deployment:
     return Deployment(members, _history(case.content, types), min(m.every for m in members))
 
 
-def _bound(config: Path) -> Monitor:
+def _bound(config: Path) -> BoundMonitor:
     (monitor,), _ = monitors_of(None, [config])
     return monitor
 
 
-def _member(row: Mapping[str, Any], monitor: Monitor) -> Member:
+def _member(row: Mapping[str, Any], monitor: BoundMonitor) -> Member:
     space = row.get("namespace", "")
     sources = {one.id: one for binding in monitor.inputs for one in binding.requires}
     topics = {name: resolved(one.topic, space) for name, one in sources.items()}

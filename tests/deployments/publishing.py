@@ -7,9 +7,9 @@ from typing import Any
 
 from eddi_runtime import Monitor as RunningMonitor
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.replay.message_trees import Message
-from eddi_scaffold.replay.publishing import Publisher as ProductPublisher
+from eddi_scaffold.replay.publishing import Publications as ProductPublisher
 
 Published = Sequence[tuple[str, Message]]
 
@@ -28,7 +28,9 @@ class Publisher(ProductPublisher):
         hazards: events whose `active` claims nothing, and whose absence does.
     """
 
-    def __init__(self, monitor: Monitor, rename: Mapping[str, str], namespace: str = "") -> None:
+    def __init__(
+        self, monitor: BoundMonitor, rename: Mapping[str, str], namespace: str = ""
+    ) -> None:
         """Take over the outputs of the configuration.
 
         Args:
@@ -67,7 +69,7 @@ class Publisher(ProductPublisher):
         return found
 
 
-def _hazards(monitor: Monitor) -> frozenset[str]:
+def _hazards(monitor: BoundMonitor) -> frozenset[str]:
     if monitor.kind.name != "event":
         return frozenset()
     events = monitor.model.data.analysis.events

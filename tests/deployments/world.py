@@ -12,9 +12,9 @@ from functools import cached_property
 
 from eddi_runtime import Monitor as RunningMonitor
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.replay.message_trees import Message
-from eddi_scaffold.replay.node import GivenInput, Node, Received
+from eddi_scaffold.replay.node import GivenInput, Received, ReplayedNode
 from eddi_scaffold.replay.parts import compiled
 from tests.deployments.history import History
 from tests.deployments.publishing import Publisher
@@ -36,7 +36,7 @@ class Member:
     """
 
     name: str
-    monitor: Monitor
+    monitor: BoundMonitor
     topics: Mapping[str, str]
     publisher: Publisher
     every: int
@@ -75,7 +75,7 @@ Claims = Mapping[str, bool]
 class _Process:
     """One running monitor."""
 
-    node: Node
+    node: ReplayedNode
     inbox: list[Received] = field(default_factory=list)
 
 
@@ -128,7 +128,7 @@ class World:
         running = self._running[member.name]
         running.reset()
         self._observer.begun(member)
-        return _Process(Node(GivenInput(member.monitor.inputs), running))
+        return _Process(ReplayedNode(GivenInput(member.monitor.inputs), running))
 
     def _tick(self, t: int) -> Claims:
         self._begin_anew(t)

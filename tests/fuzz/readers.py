@@ -22,9 +22,9 @@ from eddi_scaffold.kinds import kinds
 from eddi_scaffold.language.analysis import analyse
 from eddi_scaffold.language.report import as_json, as_text
 from eddi_scaffold.language.targets import generate
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.monitors.survey import survey_of
+from eddi_scaffold.monitors.model_survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.as_json import model_json, system_json
 from eddi_scaffold.mros.as_tree import model_tree, system_tree
@@ -79,7 +79,7 @@ def _samples(paths: Sequence[Path | str], shared: str = "") -> list[Sample]:
     return [Sample(p.name, p.read_bytes()) for p in found if p.stat().st_size <= SMALL]
 
 
-def without_cross_check(monitor: Monitor) -> Monitor:
+def without_cross_check(monitor: BoundMonitor) -> BoundMonitor:
     """Return a monitor that is not compared with an independent tool, which takes its time."""
     functions = replace(monitor.kind.functions, cross_check=None)
     return replace(monitor, kind=replace(monitor.kind, load=lambda: functions))

@@ -17,7 +17,7 @@ from eddi_runtime.inputs import InputState
 from eddi_scaffold.deployments.joining import packages_of
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.kinds import Kind, Model, kinds
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
@@ -42,7 +42,7 @@ def model_of(kind: Kind[Any]) -> Model:
     return next(model for model in models if model.kind == kind.name)
 
 
-def monitor_of(kind: Kind[Any]) -> Monitor:
+def monitor_of(kind: Kind[Any]) -> BoundMonitor:
     model, config = files_of(kind)
     (monitor,), problems = monitors_of(model, [config])
     assert not has_errors(problems)
@@ -137,7 +137,7 @@ def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Any]) -> None
     assert set(running.blocked()) <= {spec.id for spec in running.inputs}
 
 
-def without_limits(kind: Kind[Any], folder: Path) -> Monitor:
+def without_limits(kind: Kind[Any], folder: Path) -> BoundMonitor:
     """Return the monitor of the example, whose configuration lets no input grow old."""
     model, config = files_of(kind)
     shutil.copytree(config.parent, folder, dirs_exist_ok=True)

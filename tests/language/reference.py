@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from eddi_scaffold.language.syntax import File, Node
+from eddi_scaffold.language.syntax import File, SyntaxNode
 
 WINDOWS = {"average", "sum", "max", "min", "median", "stddev", "rate", "count", "time", "once"}
 
@@ -95,7 +95,7 @@ class Reference:
                 value = None
             self.samples[name] = value
 
-    def _value(self, node: Node) -> object:
+    def _value(self, node: SyntaxNode) -> object:
         args = [self.history[k][-1] for k in node.args]
         if node.op == "number":
             return float(node.text)
@@ -121,7 +121,7 @@ class Reference:
                 return self.history[event.root][-1]
         return name  # a literal of an ENUM
 
-    def _window(self, node: Node) -> object:
+    def _window(self, node: SyntaxNode) -> object:
         now, length = self.times[-1], node.window
         inside = [k for k, t in enumerate(self.times) if now - length < t <= now]
         samples = [(self.times[k], self.history[node.args[0]][k]) for k in inside]
@@ -140,7 +140,7 @@ class Reference:
             return None
         return aggregate(node.op, known)
 
-    def _state(self, node: Node) -> object:
+    def _state(self, node: SyntaxNode) -> object:
         states = [self.history[k] for k in node.args]
         if node.op in ("rise", "fall", "edge"):
             now = states[0][-1]

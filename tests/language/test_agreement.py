@@ -13,7 +13,7 @@ from hypothesis import settings
 
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.analysis import Analysis
-from eddi_scaffold.language.diagnostics import Findings, in_text
+from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.targets.monitor_model import monitor_model
 from eddi_scaffold.language.targets.python import python_module
@@ -48,7 +48,7 @@ def analysis_of(text: str) -> Analysis:
 
 
 def reference_of(text: str) -> Reference:
-    findings = Findings(text, in_text(text))
+    findings = TextFindings(text, in_text(text))
     return Reference(parse(text, findings), INPUTS, PERIOD)
 
 

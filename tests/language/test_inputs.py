@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from eddi_runtime.expressions.expression import InputExpression
 
-from eddi_scaffold.language.inputs import ExpressionText, compile_input
+from eddi_scaffold.language.input_expressions import ExpressionText, compile_input
 from eddi_scaffold.language.scope import BOOL, NUMBER, Variable
 from eddi_scaffold.problems import Place
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from eddi_scaffold.language import Variable, analyse
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.canonical import canonical
-from eddi_scaffold.language.diagnostics import Findings, in_text
+from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.scope import BOOL, NUMBER
 from eddi_scaffold.problems import EddiError
@@ -283,9 +283,9 @@ def test_printing_and_reading_round_trip() -> None:
     formulas = Formulas(rng)
     for _ in range(rounds):
         text = formulas.boolean(rng.randint(0, 4))
-        file = parse(text, Findings(text, in_text(text)))
+        file = parse(text, TextFindings(text, in_text(text)))
         once = canonical(file, file.events[0].root)
-        again = parse(once, Findings(once, in_text(once)))
+        again = parse(once, TextFindings(once, in_text(once)))
         assert canonical(again, again.events[0].root) == once
         assert [(n.op, n.args) for n in again.nodes] == [(n.op, n.args) for n in file.nodes]
 

@@ -13,9 +13,9 @@ from eddi_runtime.expressions.sampling import Sampling
 
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.canonical import canonical
-from eddi_scaffold.language.diagnostics import Findings, in_text
+from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
-from eddi_scaffold.language.syntax import File, Node, is_list_path
+from eddi_scaffold.language.syntax import File, SyntaxNode, is_list_path
 from eddi_scaffold.language.targets import generate
 from eddi_scaffold.problems import EddiError
 from tests.language.reference import NearTie, aggregate, combine
@@ -66,12 +66,12 @@ def reference(file: File, root: int, values: Mapping[str, Any]) -> Any:
     return aggregate(node.op.removeprefix("list_"), [(0, x) for x in known])
 
 
-def subtree(file: File, root: int) -> list[Node]:
+def subtree(file: File, root: int) -> list[SyntaxNode]:
     node = file.nodes[root]
     return [node, *(one for arg in node.args for one in subtree(file, arg))]
 
 
-def limits(file: File, node: Node, values: Mapping[str, Any]) -> tuple[Any, Any] | None:
+def limits(file: File, node: SyntaxNode, values: Mapping[str, Any]) -> tuple[Any, Any] | None:
     if not (node.options and node.options.within):
         return None
     low, high = (element(file, arg, values, 0, None) for arg in node.args[1:])
@@ -166,7 +166,7 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
     for seed in range(60):
         rng = random.Random(seed)
         text = DECLARATIONS + formula(rng)
-        findings = Findings(text, in_text(text))
+        findings = TextFindings(text, in_text(text))
         file = parse(text, findings)
         analysis = analyse(text, rate=10)
         assert analysis.form is not None, [p.message for p in analysis.problems]
@@ -267,7 +267,7 @@ def test_what_lists_cannot_be(text: str, column: int, message: str) -> None:
     ],
 )
 def test_the_canonical_form_is_read_again(text: str) -> None:
-    file = parse(text, Findings(text, in_text(text)))
+    file = parse(text, TextFindings(text, in_text(text)))
     assert canonical(file, file.events[0].root) == text
 
 

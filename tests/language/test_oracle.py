@@ -15,7 +15,7 @@ from eddi_runtime.expressions.values import BoolVal, NumVal
 
 from eddi_scaffold.language import Variable, analyse
 from eddi_scaffold.language.canonical import canonical
-from eddi_scaffold.language.diagnostics import Findings, in_text
+from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.scope import BOOL, NUMBER
 from eddi_scaffold.language.targets.monitor_model import monitor_model
@@ -96,12 +96,12 @@ def test_arithmetic(oracle: Any) -> None:
 
 def test_precedence_and_canonical_form(oracle: Any) -> None:
     for case in oracle["precedence"]:
-        findings = Findings(case["text"], in_text(case["text"]))
+        findings = TextFindings(case["text"], in_text(case["text"]))
         file = parse(case["text"], findings)
         found = canonical(file, file.events[0].root)
         assert found == case["parsed"]
         assert len(findings.problems) == case["warnings"]
-        again = parse(found, Findings(found, in_text(found)))
+        again = parse(found, TextFindings(found, in_text(found)))
         assert canonical(again, again.events[0].root) == found
 
 

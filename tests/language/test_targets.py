@@ -17,9 +17,9 @@ from hypothesis import settings
 
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.targets import generate
+from eddi_scaffold.language.targets.kept_bodies import keep_in_folder
 from eddi_scaffold.language.targets.monitor_model import monitor_model
 from eddi_scaffold.language.targets.names import module_name, unique_names
-from eddi_scaffold.language.targets.regions import keep_in_folder
 from eddi_scaffold.problems import EddiError
 from tests.interpreters import old_python
 from tests.language import c_program

@@ -10,7 +10,7 @@ import pytest
 
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import ModelInput, kinds
-from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.source import Source
@@ -50,7 +50,9 @@ def config_text(entry: str, sources: str = "", top: str = "") -> str:
     )
 
 
-def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None, list[Problem]]:
+def joined(
+    entry: str, sources: str = "", top: str = ""
+) -> tuple[BoundMonitor | None, list[Problem]]:
     """Join SPEED with a configuration that has one input."""
     text = config_text(entry, sources, top)
     config, problems = read_config(Source("c.yml", text.encode()))
@@ -59,7 +61,7 @@ def joined(entry: str, sources: str = "", top: str = "") -> tuple[Monitor | None
     return monitor_of(model, KIND, config)
 
 
-def sound(entry: str, **more: str) -> Monitor:
+def sound(entry: str, **more: str) -> BoundMonitor:
     monitor, problems = joined(entry, **more)
     assert monitor is not None, problems
     return monitor

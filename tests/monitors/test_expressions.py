@@ -13,7 +13,7 @@ from eddi_runtime.model_file import parse_model
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.positioned_yaml.columns import inside_scalar
 from eddi_scaffold.positioned_yaml.nodes import Map, Scalar, read_document
@@ -25,7 +25,7 @@ EXAMPLE = HERE / "examples" / "rover-events"
 SECOND = 1_000_000_000
 
 
-def joined(config: str, folder: Path = Path()) -> tuple[Monitor | None, list[Problem]]:
+def joined(config: str, folder: Path = Path()) -> tuple[BoundMonitor | None, list[Problem]]:
     (model,) = read_models(read_source(EXAMPLE / "Rover.yml")).models
     file, problems = read_config(Source(str(folder / "c.yml"), config.encode()))
     if file is None:
@@ -49,7 +49,7 @@ EDDIOutputs:
 """
 
 
-def bound(monitor: Monitor) -> EDDIInputBase:
+def bound(monitor: BoundMonitor) -> EDDIInputBase:
     eddi_input = EDDIInputBase()
     specs = parse_model(monitor.model_json, "model").inputs
     eddi_input.bind(specs)
@@ -171,7 +171,7 @@ EVENT elsewhere (EVIDENCE) := no.such.message > 1
 
 def from_file(
     folder: Path, keys: str, text: str = SAFETY, more: str = ""
-) -> tuple[Monitor | None, list[Problem]]:
+) -> tuple[BoundMonitor | None, list[Problem]]:
     (folder / "safety.events").write_text(text, encoding="utf-8")
     entry = f"expression_file: safety.events{keys}"
     return joined(config("expression: battery.present", entry, more), folder)

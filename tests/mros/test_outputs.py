@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.identifiers import is_identifier
-from eddi_scaffold.mros.definitions import Reference
 from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.filters import Filters
 from eddi_scaffold.mros.ids import Existing, Wish, give_ids, slug
+from eddi_scaffold.mros.interface_definitions import InterfaceReference
 from eddi_scaffold.mros.outputs import Outputs, simulator_outputs
 from eddi_scaffold.mros.topics import Topic, topic_name
 from eddi_scaffold.problems import Place, Problem, has_errors
@@ -61,7 +61,7 @@ def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
     for component in system.system.components:
         for interface in component.interfaces:
             if interface.kind == "publisher":
-                reference = Reference.parse(interface.ref)
+                reference = InterfaceReference.parse(interface.ref)
                 assert reference is not None
                 definitions = models.find(reference, "publisher")
                 found.append(

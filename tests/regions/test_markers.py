@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.regions.document import parse, split_lines
+from eddi_scaffold.regions.marked_file import parse, split_lines
 from eddi_scaffold.regions.markers import (
     begin_marker,
     decode_id,

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from eddi_scaffold.regions.document import parse
+from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.merge import merge, retire
-from eddi_scaffold.regions.result import Merged, Orphan, Refused
+from eddi_scaffold.regions.result import Merged, Orphan, RefusedFile
 from tests.regions.rendering import (
     CMAKE,
     INPUT,
@@ -287,7 +287,7 @@ def test_body_that_does_not_compile_is_kept_and_told() -> None:
 def test_damaged_markers_are_refused() -> None:
     base = text(A)
     result = merge(INPUT, base, base.replace("Manual edit end", "Manual end"), base)
-    assert isinstance(result, Refused)
+    assert isinstance(result, RefusedFile)
     assert result.faults[0].line > 1
 
 

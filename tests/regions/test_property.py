@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from eddi_scaffold.regions.document import Region, parse
+from eddi_scaffold.regions.marked_file import Region, parse
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 from tests.regions.rendering import (

@@ -15,13 +15,13 @@ import pytest
 
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.check import accept, broken_files, list_regions
-from eddi_scaffold.regions.document import parse
 from eddi_scaffold.regions.generated import (
     changed_generated,
     forget_generated,
     record_generated,
     save_generated_edits,
 )
+from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.regions.store import load_orphans, save_orphan, save_reject, write_file
 from eddi_scaffold.regions.sync import sync_package

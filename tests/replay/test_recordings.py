@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.binding import InputBinding, by_value
-from eddi_scaffold.replay.node import GivenInput, Node
+from eddi_scaffold.replay.node import GivenInput, ReplayedNode
 from eddi_scaffold.replay.playing import Part
 from eddi_scaffold.replay.playing import play as played
 from eddi_scaffold.replay.recordings import MAX_PROBLEMS, read_recording, tape_of
@@ -157,7 +157,7 @@ def frames(made, text, types):
         for spec in made.inputs
     ]
     topics = {spec.id: [spec.id] for spec in made.inputs}
-    part = Part("", made, Node(GivenInput(bindings), made), ROWS, topics, {})
+    part = Part("", made, ReplayedNode(GivenInput(bindings), made), ROWS, topics, {})
     return (frame for _, frame in played([part], tape_of(recording)))
 
 

@@ -21,7 +21,7 @@ from eddi_scaffold.kinds.bayesian_network.model import Network, Node
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
-from eddi_scaffold.regions.document import Region, parse
+from eddi_scaffold.regions.marked_file import Region, parse
 from eddi_scaffold.regions.store import load_orphans
 from tests.updates.templates import Templates, git
 from tests.updates.world import World, long_profile

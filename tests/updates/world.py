@@ -30,7 +30,7 @@ from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.packages import rendering, transaction
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
-from eddi_scaffold.regions.document import Document, Region, parse
+from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse
 from eddi_scaffold.regions.store import load_orphans
 from tests.updates.inputs import Element, write_inputs
 from tests.updates.templates import Templates, git
@@ -220,7 +220,7 @@ class World:
         crlf = b"\r\n" in target.read_bytes()
         target.write_bytes((text.replace("\n", "\r\n") if crlf else text).encode())
 
-    def document(self) -> Document:
+    def document(self) -> MarkedFile:
         document, faults = parse(self.text())
         assert not faults, faults
         return document

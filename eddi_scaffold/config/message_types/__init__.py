@@ -21,7 +21,7 @@ from eddi_scaffold.kinds import kinds
 __all__ = [
     "TIMES",
     "Fields",
-    "FieldsOf",
+    "MessageFields",
     "declared",
     "element",
     "fields_of",
@@ -32,12 +32,12 @@ __all__ = [
     "used",
 ]
 
-FieldsOf = Mapping[str, Fields]
+MessageFields = Mapping[str, Fields]
 """Message type (``std_msgs/Bool``) -> field -> type as in a ``.msg`` file."""
 
 
 @cache
-def known_messages() -> FieldsOf:
+def known_messages() -> MessageFields:
     """Return the fields of the common messages of ROS 1 and of our own ``eddi_messages``."""
     own = {
         f"eddi_messages/{name}": fields_of(text, "eddi_messages")
@@ -47,7 +47,7 @@ def known_messages() -> FieldsOf:
     return {**TIMES, **common_messages(), **own}
 
 
-def used(types: Iterable[str], known: FieldsOf) -> dict[str, dict[str, str]]:
+def used(types: Iterable[str], known: MessageFields) -> dict[str, dict[str, str]]:
     """Return those of the known messages that are needed to follow any path into some types."""
     found: dict[str, dict[str, str]] = {}
     waiting = list(types)

@@ -11,19 +11,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.schema import Input
-from eddi_scaffold.deployments.wiring.bounds import limit_of
+from eddi_scaffold.config.schema import InputEntry
 from eddi_scaffold.deployments.wiring.check import members_of
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, deployment
+from eddi_scaffold.deployments.wiring.lifetimes import limit_of
 from eddi_scaffold.deployments.wiring.support import Participant, published
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.problems import Problem, info
 
 _PERIODS = 2.5
 
 
 def with_default_ages(
-    monitors: Sequence[Monitor], others: Sequence[Participant] = ()
+    monitors: Sequence[BoundMonitor], others: Sequence[Participant] = ()
 ) -> list[tuple[ConfigFile, list[Problem]] | None]:
     """Return the configuration of each monitor with the limits that it lacks, if it lacks any.
 
@@ -42,7 +42,7 @@ def with_default_ages(
     return [_completed(members[id(one)], periods) if _lacks_some(one) else None for one in monitors]
 
 
-def _lacks_some(monitor: Monitor) -> bool:
+def _lacks_some(monitor: BoundMonitor) -> bool:
     return monitor.config is not None and any(
         binding.max_age is None and binding.requires for binding in monitor.inputs
     )
@@ -69,7 +69,7 @@ def _completed(
     ), reported
 
 
-def _report_limit(entry: Input, config: ConfigFile, index: int) -> Problem:
+def _report_limit(entry: InputEntry, config: ConfigFile, index: int) -> Problem:
     message = (
         f"input {entry.id!r} has no max_age: it is unknown after {entry.max_age:g} s, "
         f"{_PERIODS} periods of the monitor that publishes it"

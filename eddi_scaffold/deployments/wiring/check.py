@@ -10,7 +10,7 @@ from eddi_scaffold.deployments.wiring.deployment import Member, deployment
 from eddi_scaffold.deployments.wiring.meanings import check_meanings
 from eddi_scaffold.deployments.wiring.support import Participant, check_rings
 from eddi_scaffold.deployments.wiring.topics import check_topics
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.problems import Problem
 
 
@@ -32,6 +32,6 @@ def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) 
     ]
 
 
-def members_of(monitors: Sequence[Monitor]) -> list[Member]:
+def members_of(monitors: Sequence[BoundMonitor]) -> list[Member]:
     """Return the monitors that are wired at all: those with a configuration."""
     return [Member(monitor) for monitor in monitors if monitor.config is not None]

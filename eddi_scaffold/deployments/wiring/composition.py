@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from eddi_scaffold.config.fields import ByKey
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Publisher
-from eddi_scaffold.deployments.wiring.readings import Reading, readings
+from eddi_scaffold.deployments.wiring.readings import FieldReading, readings
 from eddi_scaffold.problems import Problem, error
 
 
@@ -33,7 +33,7 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
                 yield error("D004", message, reading.place, hint)
 
 
-def _output(publisher: Publisher, reading: Reading) -> str | None:
+def _output(publisher: Publisher, reading: FieldReading) -> str | None:
     """Return the id of the output that a field names."""
     path = publisher.publication.path or reading.path
     return next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)

@@ -12,7 +12,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.wiring.support import Participant, Published, published
 from eddi_scaffold.kinds import Kind, kinds
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
 
 
@@ -25,7 +25,7 @@ class Member:
         namespace: of its robot, such as ``/robot1``; empty for none.
     """
 
-    monitor: Monitor
+    monitor: BoundMonitor
     namespace: str = ""
 
     @cached_property

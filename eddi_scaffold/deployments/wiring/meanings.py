@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from eddi_scaffold.claims import Given, Meaning, Meanings
+from eddi_scaffold.claims import Meaning, Meanings, ValidityField
 from eddi_scaffold.config.fields import Attribute, Beside, FieldPath, Index
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, kind_of_message
-from eddi_scaffold.deployments.wiring.readings import Field, Reading, readings
+from eddi_scaffold.deployments.wiring.readings import Field, FieldReading, readings
 from eddi_scaffold.monitors.publications import STATUS
 from eddi_scaffold.problems import Problem, error, warning
 
@@ -38,7 +38,7 @@ def _inverted(member: Member, input_: str) -> Problem:
     return error("D002", message, place, hint)
 
 
-def _judge(deployment: Deployment, member: Member, reading: Reading) -> Iterator[Problem]:
+def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Iterator[Problem]:
     found = _read(deployment, member, (reading.source, reading.path))
     if found is None:
         return
@@ -116,7 +116,7 @@ def _pattern(path: FieldPath) -> Iterator[str]:
 
 
 def _is_given(
-    deployment: Deployment, member: Member, reading: Reading, given: Given, of: _Read
+    deployment: Deployment, member: Member, reading: FieldReading, given: ValidityField, of: _Read
 ) -> bool:
     """Return whether an accompanying test ensures that a field has a meaning."""
     for field, holds in reading.beside:
@@ -128,6 +128,6 @@ def _is_given(
     return False
 
 
-def _is_at(read: _Read, publisher: object, given: Given) -> bool:
+def _is_at(read: _Read, publisher: object, given: ValidityField) -> bool:
     field = "".join(_pattern(read.path))
     return (read.publisher, read.message, field) == (publisher, given.message, f".{given.field}")

@@ -12,7 +12,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.language.uses import uses
-from eddi_scaffold.monitors.binding import InputBinding, Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.problems import Place
@@ -21,7 +21,7 @@ Field = tuple[SimulatorOutput, FieldPath]
 
 
 @dataclass(frozen=True)
-class Reading:
+class FieldReading:
     """One use of one field.
 
     Attributes:
@@ -53,11 +53,11 @@ class Readings:
             silence does.
     """
 
-    fields: Sequence[Reading]
+    fields: Sequence[FieldReading]
     inverted: Sequence[str]
 
 
-def readings(monitor: Monitor) -> Readings:
+def readings(monitor: BoundMonitor) -> Readings:
     """Return what the inputs of a monitor read, and what for."""
     assert monitor.config is not None
     reader = _Reader(monitor, monitor.config)
@@ -66,14 +66,14 @@ def readings(monitor: Monitor) -> Readings:
 
 
 class _Reader:
-    def __init__(self, monitor: Monitor, config: ConfigFile) -> None:
+    def __init__(self, monitor: BoundMonitor, config: ConfigFile) -> None:
         self.inverted: dict[str, None] = {}
         self._config = config
         self._bindings = {binding.attribute: binding for binding in monitor.inputs}
         self._entries = {one.id: k for k, one in enumerate(config.config.EDDIInputs)}
         self._sources = {attribute(one.id): one for one in config.config.SimulatorOutputs}
 
-    def of(self, binding: InputBinding, used: Sequence[Use]) -> Iterator[Reading]:
+    def of(self, binding: InputBinding, used: Sequence[Use]) -> Iterator[FieldReading]:
         """Yield what an input reads when it is used in some ways."""
         if binding.model.id not in self._entries or not used:
             return
@@ -90,9 +90,9 @@ class _Reader:
                 beside = tuple(self._beside(use))
                 shown = entry.field or ".".join(s.name for s in path if isinstance(s, Attribute))
                 place = self._place(binding, key)
-                yield Reading(binding.model.id, shown, place, source, path, use.holds, beside)
+                yield FieldReading(binding.model.id, shown, place, source, path, use.holds, beside)
 
-    def _computed(self, binding: InputBinding, used: Sequence[Use]) -> Iterator[Reading]:
+    def _computed(self, binding: InputBinding, used: Sequence[Use]) -> Iterator[FieldReading]:
         document: Any = binding.computed
         if document["polarity"] == "HAZARD" and any(use.holds(True) for use in used):
             self.inverted[binding.model.id] = None
@@ -103,7 +103,9 @@ class _Reader:
                 for name, found in uses(form, output["node"], wanted=wanted).items():
                     yield from self._named(binding, name, found)
 
-    def _named(self, binding: InputBinding, name: str, found: Sequence[Use]) -> Iterator[Reading]:
+    def _named(
+        self, binding: InputBinding, name: str, found: Sequence[Use]
+    ) -> Iterator[FieldReading]:
         head = head_of(name)
         if head not in self._sources:
             other = self._bindings.get(head)
@@ -118,7 +120,7 @@ class _Reader:
                 for other, holds in use.beside
                 if head_of(other) in self._sources
             )
-            yield Reading(binding.model.id, name, place, source, path, use.holds, beside)
+            yield FieldReading(binding.model.id, name, place, source, path, use.holds, beside)
 
     def _beside(self, use: Use) -> Iterator[tuple[Field, Holds]]:
         """Yield the fields of the other inputs that a use of one input names."""

@@ -6,7 +6,7 @@ from eddi_scaffold.escaping import python_comment, python_literal
 from eddi_scaffold.kinds import EditableMethod, EditableModule
 from eddi_scaffold.kinds.bayesian_network.model import Node
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
-from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, Settings, settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, NetworkOptions, settings_of
 from eddi_scaffold.kinds.bayesian_network.proposing import proposed_bins
 
 FILE = "bayesian_network_config.py"
@@ -37,7 +37,7 @@ def config_module(model: NetworkModel) -> EditableModule:
     )
 
 
-def _method(node: Node, attribute: str, settings: Settings) -> EditableMethod:
+def _method(node: Node, attribute: str, settings: NetworkOptions) -> EditableMethod:
     outcomes = [f"outcome_{name}" for name in identifiers(node.states)]
     pairs = [
         f"    {python_literal(state)}: {name},"
@@ -57,7 +57,7 @@ def _method(node: Node, attribute: str, settings: Settings) -> EditableMethod:
     )
 
 
-def _comments(node: Node, settings: Settings) -> list[str]:
+def _comments(node: Node, settings: NetworkOptions) -> list[str]:
     lines = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
     if node.id in settings.outputs:
         lines.append("Declared as an output.")

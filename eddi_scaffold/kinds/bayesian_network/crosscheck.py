@@ -41,7 +41,7 @@ def cross_check(model: NetworkModel, model_json: str) -> CrossCheck:
     monitor = build(parse_model(model_json, "the runtime model"))
     assert isinstance(monitor, BayesianNetworkMonitor)
     cases = list(cases_of(network, settings.observed))
-    peer = Peer(network)
+    peer = PgmpyNetwork(network)
     largest = 0.0
     for case in cases:
         largest = max(largest, _difference(monitor, peer, settings.inferred, case))
@@ -80,7 +80,7 @@ def cases_of(network: Network, observed: Sequence[str], seed: int = 1) -> Iterat
         }
 
 
-class Peer:
+class PgmpyNetwork:
     """The network in pgmpy, passed in memory: its readers and writers change names."""
 
     def __init__(self, network: Network) -> None:
@@ -140,7 +140,7 @@ class Peer:
 
 
 def _difference(
-    monitor: BayesianNetworkMonitor, peer: Peer, outputs: Sequence[str], case: Case
+    monitor: BayesianNetworkMonitor, peer: PgmpyNetwork, outputs: Sequence[str], case: Case
 ) -> float:
     try:
         ours = monitor.inference.posteriors(case)

@@ -10,7 +10,7 @@ from eddi_scaffold.kinds.bayesian_network.check import check_network, first_miss
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem
 from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.readers.findings import Findings
+from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
@@ -37,7 +37,7 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], li
     networks: list[Network] = []
     problems: list[Problem] = []
     for element in network_elements(document):
-        findings = Findings(document)
+        findings = EddiFindings(document)
         drafts = _Reader(document, element, findings).read()
         name = document.attribute(element, _NAME) or source.stem
         network, found = check_network(name, drafts, document.place(element))
@@ -65,7 +65,7 @@ class _Node:
 
 
 class _Reader:
-    def __init__(self, document: EddiDocument, network: Element, findings: Findings) -> None:
+    def __init__(self, document: EddiDocument, network: Element, findings: EddiFindings) -> None:
         self.document, self.network, self.findings = document, network, findings
         self.nodes: dict[Element, _Node] = {}
 

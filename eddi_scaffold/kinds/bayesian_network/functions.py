@@ -35,7 +35,7 @@ from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.xmi import load
 from eddi_scaffold.source import Source
 
-KIND = "bayesian_network"
+NAME = "bayesian_network"
 
 
 def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
@@ -62,7 +62,7 @@ def read_file(source: Source, _marks: Sequence[str]) -> Reading:
 
 
 def _reading(networks: Sequence[Network], problems: Sequence[Problem], source: Source) -> Reading:
-    models = [NetworkModel(KIND, one.name, one, source, one.place) for one in networks]
+    models = [NetworkModel(NAME, one.name, one, source, one.place) for one in networks]
     return Reading(tuple(models), tuple(in_order(problems)))
 
 
@@ -109,7 +109,7 @@ def outline(model: NetworkModel) -> Sequence[str]:
 
 def export(model: NetworkModel) -> Mapping[str, str]:
     """Return the network as XDSL and as XMLBIF."""
-    stem = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or KIND
+    stem = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or NAME
     return {f"{stem}.xdsl": to_xdsl(model.data), f"{stem}.xmlbif": to_xmlbif(model.data)}
 
 

@@ -134,7 +134,7 @@ def _ways(method: _Method) -> Iterator[Fault]:
         yield "B413", max(twice.lines), text, "two states for sure mean nothing: set one"
 
 
-def _chain(method: _Method, chain: ways.Chain) -> Iterator[Fault]:
+def _chain(method: _Method, chain: ways.IfChain) -> Iterator[Fault]:
     for one in chain.zeros_in_else():
         text = f"{method.name}: this `else` sets an outcome to 0, which it is already"
         yield "B411", one.lineno, text, "is 1.0 meant?"

@@ -11,7 +11,7 @@ MOST = 256
 """Bodies with more ways than that are not followed."""
 
 
-class Outcome(ast.Assign):
+class OutcomeAssignment(ast.Assign):
     """An assignment ``outcome_<state> = ...`` (only for type checks)."""
 
     targets: list[ast.Name]  # type: ignore[assignment]  # narrowed by `sets_outcome`
@@ -33,7 +33,7 @@ class Way:
 
 
 @dataclass(frozen=True)
-class Chain:
+class IfChain:
     """``if``, ``elif`` ..., ``else``.
 
     Attributes:
@@ -95,7 +95,7 @@ def statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
                 yield item
 
 
-def sets_outcome(statement: ast.stmt) -> TypeGuard[Outcome]:
+def sets_outcome(statement: ast.stmt) -> TypeGuard[OutcomeAssignment]:
     """Return whether a statement is ``outcome_<state> = ...``."""
     if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
         return False
@@ -126,12 +126,12 @@ def constant(value: ast.expr) -> float | None:
     return None
 
 
-def is_zero(statement: Outcome) -> bool:
+def is_zero(statement: OutcomeAssignment) -> bool:
     """Return whether an outcome is set to 0."""
     return constant(statement.value) == 0.0
 
 
-def chains(body: Sequence[ast.stmt]) -> Iterator[Chain]:
+def chains(body: Sequence[ast.stmt]) -> Iterator[IfChain]:
     """Yield every ``if`` of a body with its ``elif`` and ``else``, those inside others too."""
     links: set[ast.If] = set()
     for one in statements(body):
@@ -143,7 +143,7 @@ def chains(body: Sequence[ast.stmt]) -> Iterator[Chain]:
             tests.append(rest[0].test)
             blocks.append(tuple(rest[0].body))
             rest = rest[0].orelse
-        yield Chain(one.lineno, tuple(tests), tuple(blocks), tuple(rest))
+        yield IfChain(one.lineno, tuple(tests), tuple(blocks), tuple(rest))
 
 
 def through(body: Sequence[ast.stmt]) -> frozenset[Way] | None:
@@ -177,7 +177,7 @@ def _follow(body: Sequence[ast.stmt], ways: frozenset[Way], ends: set[Way]) -> f
     return ways
 
 
-def _with(way: Way, one: Outcome) -> Way:
+def _with(way: Way, one: OutcomeAssignment) -> Way:
     name, value = one.targets[0].id, constant(one.value)
     names, sure = way.names - {name}, way.sure - {name}
     if value != 0.0:

@@ -27,7 +27,7 @@ _CHOICES = {"evidence_mode": ("virtual", "d7.2"), "on_inconsistent": ("silent", 
 
 
 @dataclass(frozen=True)
-class Settings:
+class NetworkOptions:
     """A network's use, checked.
 
     Attributes:
@@ -60,7 +60,7 @@ class Settings:
         return tuple(dict.fromkeys([*self.outputs, *(one.node for one in self.thresholds)]))
 
 
-NetworkModel = TypedModel[Network, Settings]
+NetworkModel = TypedModel[Network, NetworkOptions]
 """A network; its options come from a configuration."""
 
 
@@ -76,7 +76,7 @@ def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | Non
     return replace(model, name=options.id or model.name, options=settings), problems
 
 
-def _settings(network: Network, options: Options) -> tuple[Settings | None, list[Problem]]:
+def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
     """Return the settings, also of a network that is too wide for them."""
     declarations, problems = read_discretisation(network, options)
     problems += _wrong_choices(options)
@@ -102,7 +102,7 @@ def _settings(network: Network, options: Options) -> tuple[Settings | None, list
         "on_inconsistent": values.get("on_inconsistent", "silent"),
         "explain": values.get("explain", False),
     }
-    settings = Settings(
+    settings = NetworkOptions(
         tuple(outputs),
         tuple(observed),
         tuple(declarations),
@@ -117,12 +117,12 @@ def _settings(network: Network, options: Options) -> tuple[Settings | None, list
     return settings, problems
 
 
-def _judged(settings: Settings) -> list[str]:
+def _judged(settings: NetworkOptions) -> list[str]:
     """Return the nodes whose posteriors count: the outputs and those of thresholds."""
     return [*settings.outputs, *(one.node for one in settings.thresholds)]
 
 
-def settings_of(model: NetworkModel) -> Settings:
+def settings_of(model: NetworkModel) -> NetworkOptions:
     """Return the settings of a model, by default those without a configuration."""
     settings = model.options
     if settings is None:

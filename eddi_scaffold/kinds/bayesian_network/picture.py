@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
 from eddi_scaffold.kinds.bayesian_network.model import Node
-from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, Settings, settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, NetworkOptions, settings_of
 
 _LEGEND = (
     LegendEntry("output", "table", "output"),
@@ -26,7 +26,7 @@ def diagram(model: NetworkModel) -> Diagram:
     return Diagram(f"Bayesian network {model.name}", nodes, edges, "down", _LEGEND, text)
 
 
-def _node(node: Node, settings: Settings, *, configured: bool) -> DiagramNode:
+def _node(node: Node, settings: NetworkOptions, *, configured: bool) -> DiagramNode:
     tone: Tone = "neutral"
     if node.id in settings.outputs:
         tone = "output"

@@ -17,7 +17,7 @@ from eddi_scaffold.kinds.consert.model import (
 from eddi_scaffold.kinds.consert.ranges import is_inside, range_text, span
 
 if TYPE_CHECKING:
-    from eddi_scaffold.kinds.consert.ranges import Span
+    from eddi_scaffold.kinds.consert.ranges import Interval
 
 _KINDS = {
     BinaryDimension: "Binary",
@@ -82,7 +82,7 @@ def fits(given: Dimension, wanted: Dimension) -> bool:
     return True
 
 
-def _spans(dimension: NumericDimension) -> list[Span]:
+def _spans(dimension: NumericDimension) -> list[Interval]:
     unit = units.find(dimension.uom) or units.RATIO
     return [span(one, unit.factor) for one in dimension.covered]
 

@@ -19,7 +19,7 @@ _MAX_DIGITS = 64
 
 
 @dataclass(frozen=True)
-class Span:
+class Interval:
     """A range with exact ends; the start lies inside, the end only when ``closed``."""
 
     start: Exact
@@ -39,13 +39,13 @@ def exact(bound: Bound) -> Exact:
         return Fraction(bound.value)
 
 
-def span(one: Range, factor: Fraction = Fraction(1)) -> Span:
+def span(one: Range, factor: Fraction = Fraction(1)) -> Interval:
     """Return a range with exact ends, multiplied by a positive factor."""
     start, end = (
         value if isinstance(value, float) else value * factor
         for value in (exact(one.start), exact(one.end))
     )
-    return Span(start, end, one.inclusive)
+    return Interval(start, end, one.inclusive)
 
 
 def is_nan(bound: Bound) -> bool:
@@ -64,7 +64,7 @@ def is_empty(one: Range) -> bool:
 def overlap(ranges: Sequence[Range]) -> list[tuple[Range, Range]]:
     """Return pairs of neighbouring ranges that share more than an end, by their starts."""
     found: list[tuple[Range, Range]] = []
-    widest: tuple[Span, Range] | None = None
+    widest: tuple[Interval, Range] | None = None
     for here, one in sorted(((span(r), r) for r in ranges), key=lambda pair: _by_start(pair[0])):
         if widest is not None and _shares(widest[0], here):
             found.append((widest[1], one))
@@ -73,35 +73,35 @@ def overlap(ranges: Sequence[Range]) -> list[tuple[Range, Range]]:
     return found
 
 
-def merged(spans: Iterable[Span]) -> list[Span]:
+def merged(spans: Iterable[Interval]) -> list[Interval]:
     """Return the same numbers in as few spans as possible, by their starts."""
-    result: list[Span] = []
+    result: list[Interval] = []
     for here in sorted(spans, key=_by_start):
         if result and here.start <= result[-1].end:
             before = result.pop()
             end, closed = max((before.end, before.closed), (here.end, here.closed))
-            here = Span(before.start, end, closed)  # noqa: PLW2901 - the merged span goes on
+            here = Interval(before.start, end, closed)  # noqa: PLW2901 - the merged span goes on
         result.append(here)
     return result
 
 
-def is_inside(inner: Iterable[Span], outer: Iterable[Span]) -> bool:
+def is_inside(inner: Iterable[Interval], outer: Iterable[Interval]) -> bool:
     """Return whether every number of ``inner`` is one of ``outer``."""
     outside = merged(outer)
     return all(any(_contains(o, i) for o in outside) for i in merged(inner))
 
 
-def _by_start(one: Span) -> tuple[Exact, Exact, bool]:
+def _by_start(one: Interval) -> tuple[Exact, Exact, bool]:
     return one.start, one.end, one.closed
 
 
-def _shares(first: Span, second: Span) -> bool:
+def _shares(first: Interval, second: Interval) -> bool:
     return second.start < first.end or (
         second.start == first.end and first.closed and first.start == second.start
     )
 
 
-def _contains(outer: Span, inner: Span) -> bool:
+def _contains(outer: Interval, inner: Interval) -> bool:
     if inner.start < outer.start:
         return False
     if inner.closed and not outer.closed:

@@ -9,15 +9,15 @@ from eddi_runtime.reliability.cut_sets import LIMIT, minimal_cut_sets
 from eddi_runtime.reliability.diagram import COHERENT, NODE_LIMIT, TooLargeError, build
 
 from eddi_scaffold.kinds.reliability.check_chain import check_chain
-from eddi_scaffold.kinds.reliability.graph import order
+from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
 from eddi_scaffold.kinds.reliability.model import (
     DYNAMIC,
     Chain,
-    Component,
+    ComponentModel,
     FaultTree,
     Gate,
-    System,
+    ReliabilitySystem,
 )
 from eddi_scaffold.kinds.reliability.runtime_model import gate_name, gates_of, runtime_model, used
 from eddi_scaffold.problems import NearNames, Place, Problem, error, has_errors, warning
@@ -26,7 +26,7 @@ _ALL = "\0"
 """Stands above all models; no model is called so."""
 
 
-def check_system(system: System) -> list[Problem]:
+def check_system(system: ReliabilitySystem) -> list[Problem]:
     """Return all problems of the models that the top uses (R001, R005 to R016)."""
     problems = list(_references(system))
     if has_errors(problems):
@@ -41,7 +41,7 @@ def check_system(system: System) -> list[Problem]:
     return [*problems, *_open_ports(system), *_dependence(system), *_inputs(system)]
 
 
-def _open_ports(system: System) -> Iterator[Problem]:
+def _open_ports(system: ReliabilitySystem) -> Iterator[Problem]:
     """Refuse evidence from trees that leave out unconnected ports."""
     if not system.thresholds:
         return
@@ -61,7 +61,7 @@ def _open_ports(system: System) -> Iterator[Problem]:
                 yield error("R005", message, gate.place, hint)
 
 
-def _references(system: System) -> Iterator[Problem]:
+def _references(system: ReliabilitySystem) -> Iterator[Problem]:
     names = list(system.components)
     near = NearNames(names, "there are")
     for component in system.components.values():
@@ -76,7 +76,7 @@ def _references(system: System) -> Iterator[Problem]:
         yield error("R012", f"models use each other in a cycle: {_shown(cycle)}", place)
 
 
-def _place_of_use(component: Component, model: str) -> Place:
+def _place_of_use(component: ComponentModel, model: str) -> Place:
     """Return where a model names another one."""
     if isinstance(component.content, FaultTree):
         for event in component.content.events.values():
@@ -91,7 +91,7 @@ def _shown(cycle: tuple[str, ...]) -> str:
     return " -> ".join([*members, members[0]])
 
 
-def _tree(component: Component, tree: FaultTree) -> list[Problem]:
+def _tree(component: ComponentModel, tree: FaultTree) -> list[Problem]:
     below = {key: gate.of for key, gate in tree.gates.items()}
     names, cycle = order(tree.top, below)
     if cycle:
@@ -179,8 +179,10 @@ def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Proble
             yield error("R009", message, gate.place, hint)
 
 
-def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
-    part = runtime_model(System({component.name: component}, component.name))["components"][0]
+def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
+    part = runtime_model(ReliabilitySystem({component.name: component}, component.name))[
+        "components"
+    ][0]
     gates, events = gates_of(part), part["events"]
     coherent = all(gate.type in COHERENT for gate in gates)
     if tree.approximate:
@@ -216,7 +218,7 @@ def _diagram(component: Component, tree: FaultTree) -> list[Problem]:
     return [warning("R016", message, component.place)]
 
 
-def _no_bounds(component: Component, tree: FaultTree) -> Problem:
+def _no_bounds(component: ComponentModel, tree: FaultTree) -> Problem:
     name = component.name
     names, _ = order(tree.top, {key: gate.of for key, gate in tree.gates.items()})
     gates = [tree.gates[key] for key in names if key in tree.gates]
@@ -237,7 +239,7 @@ def _sets(sets: frozenset[frozenset[str]]) -> str:
     return f"{text} and {len(shown) - 10} more" if len(shown) > 10 else text
 
 
-def _dependence(system: System) -> Iterator[Problem]:
+def _dependence(system: ReliabilitySystem) -> Iterator[Problem]:
     """Report models that enter the top's result in two places, as if they were independent."""
     part = runtime_model(system)["components"]
     within: dict[str, set[str]] = {}
@@ -258,10 +260,10 @@ def _dependence(system: System) -> Iterator[Problem]:
         within[item["name"]] = reached
 
 
-def _inputs(system: System) -> Iterator[Problem]:
+def _inputs(system: ReliabilitySystem) -> Iterator[Problem]:
     owners: dict[str, Place] = {}
     for component in used(system).components.values():
-        alone = System({component.name: component}, component.name)
+        alone = ReliabilitySystem({component.name: component}, component.name)
         for one in inputs_of(alone):
             shared = isinstance(component.content, Chain)  # a verdict may serve several chains
             if one.id in owners and not shared:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.claims import Given, Meaning, Meanings
+from eddi_scaffold.claims import Meaning, Meanings, ValidityField
 
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
 _NUMBER = Meaning(
-    given=(Given("ReliabilityOutput", "valid", value=True),),
+    given=(ValidityField("ReliabilityOutput", "valid", value=True),),
     refused="the numbers mean something only where `valid` is true",
     instead=f"{_THRESHOLD}, or `valid AND ...`",
 )

@@ -14,7 +14,7 @@ from eddi_scaffold.quantities import (
     rate_factor,
 )
 from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.readers.findings import Findings
+from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling
 from eddi_scaffold.readers.xmi import Element
 
@@ -30,7 +30,7 @@ _CCF, _IS_CCF = Spelling("ccfFailures"), Spelling("isCcf")
 class Laws:
     """Reads laws of one document."""
 
-    def __init__(self, document: EddiDocument, findings: Findings) -> None:
+    def __init__(self, document: EddiDocument, findings: EddiFindings) -> None:
         self._document, self._findings = document, findings
 
     def key_value(self, element: Element, key: str) -> str | None:

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.eddi_laws import Laws
-from eddi_scaffold.kinds.reliability.graph import order
 from eddi_scaffold.kinds.reliability.model import (
     GATES,
     Arc,
+    BasicEvent,
     Chain,
-    Component,
-    Event,
+    ComponentModel,
     FaultTree,
     Gate,
-    System,
+    ReliabilitySystem,
 )
 from eddi_scaffold.problems import Place, Problem
 from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.readers.findings import Findings
+from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
@@ -42,30 +42,32 @@ _CUT_SETS, _SETS = Spelling("minimalCutsets"), Spelling("cutsets", ("cutset",))
 _K = ("k", "voteThreshold", "vote", "n")
 
 
-def read_eddi(document: EddiDocument, source: Source) -> tuple[list[System], list[Problem]]:
+def read_eddi(
+    document: EddiDocument, source: Source
+) -> tuple[list[ReliabilitySystem], list[Problem]]:
     """Read every chain and every top event of a document, in document order.
 
     Returns:
         One system for each, with the models that it uses, and all problems found.
     """
-    findings = Findings(document)
+    findings = EddiFindings(document)
     reader = _Reader(document, source, findings)
     systems = reader.systems()
     return systems, findings.problems()
 
 
 class _Reader:
-    def __init__(self, document: EddiDocument, source: Source, findings: Findings) -> None:
+    def __init__(self, document: EddiDocument, source: Source, findings: EddiFindings) -> None:
         self.document, self.source, self.findings = document, source, findings
         self.laws = Laws(document, findings)
         self.chain_of: dict[Element, str] = {}
-        self.chains: dict[str, Component] = {}
+        self.chains: dict[str, ComponentModel] = {}
         self.trees: list[Element] = []
         self.names: dict[Element, str] = {}
         self.below: dict[Element, list[Element]] = {}
         self.model_of: dict[Element, Element] = {}
 
-    def systems(self) -> list[System]:
+    def systems(self) -> list[ReliabilitySystem]:
         elements: list[Element] = []
         for root in self.document.roots:
             elements += select(root, _CANDIDATES)
@@ -83,11 +85,13 @@ class _Reader:
         for cause in self.model_of:
             self.below[cause] = self._targets(cause, _CAUSES)
         used = {b for cause, below in self.below.items() for b in below if b is not cause}
-        found: list[System] = []
+        found: list[ReliabilitySystem] = []
         for element in elements:
             name = self.names.get(element)
             if name in self.chains:
-                found.append(System({name: self.chains[name]}, name, place=self._place(element)))
+                found.append(
+                    ReliabilitySystem({name: self.chains[name]}, name, place=self._place(element))
+                )
             elif element in self.trees and name is not None:
                 found += self._tops(element, name, used)
         return found
@@ -140,7 +144,7 @@ class _Reader:
             tuple(fail),
             tuple(arcs),
         )
-        self.chains[name] = Component(name, "markov", chain, place=self._place(element))
+        self.chains[name] = ComponentModel(name, "markov", chain, place=self._place(element))
 
     def _arcs(self, transition: Element, states: dict[Element, str]) -> Iterator[Arc]:
         sources, targets = self._targets(transition, _FROM), self._targets(transition, _TO)
@@ -166,7 +170,7 @@ class _Reader:
 
     # trees
 
-    def _tops(self, tree: Element, name: str, used: set[Element]) -> Iterator[System]:
+    def _tops(self, tree: Element, name: str, used: set[Element]) -> Iterator[ReliabilitySystem]:
         causes = self.document.children(tree, _CAUSES)
         free = [cause for cause in causes if cause not in used]
         tops = [cause for cause in free if self._is_output(cause)] or [
@@ -178,9 +182,9 @@ class _Reader:
             full = name if len(tops) == 1 else f"{name}/{self._named(top, 0, 'top')}"
             content, uses = self._tree(top, tree)
             place = self._place(tree if len(tops) == 1 else top)
-            component = Component(full, "fault_tree", content, place=place)
+            component = ComponentModel(full, "fault_tree", content, place=place)
             chains = {one: self.chains[one] for one in uses}
-            yield System({**chains, full: component}, full, place=place)
+            yield ReliabilitySystem({**chains, full: component}, full, place=place)
 
     def _cycle(self, causes: list[Element]) -> bool:
         ids = {cause: str(i) for i, cause in enumerate(self.below)}
@@ -203,7 +207,7 @@ class _Reader:
                 reached[cause] = None
                 waiting += reversed([b for b in self.below.get(cause, []) if b in self.model_of])
         ids = self._ids(list(reached), tree)
-        events: dict[str, Event] = {}
+        events: dict[str, BasicEvent] = {}
         gates: dict[str, Gate] = {}
         uses: dict[str, None] = {}
         for cause in reached:
@@ -270,15 +274,15 @@ class _Reader:
         text = next(iter(found.values()), "")
         return int(text) if text.isdecimal() and len(text) < 10 else None
 
-    def _event(self, cause: Element, name: str) -> Event:
+    def _event(self, cause: Element, name: str) -> BasicEvent:
         failure = next(iter(self._targets(cause, _FAILURE)), None)
         if failure is None:
             failure = self._by_name(cause)
         place = self._place(cause)
         if failure is None:
-            return Event(name, None, place=place)
+            return BasicEvent(name, None, place=place)
         law = self.laws.law(failure, name, self.chain_of.get(failure))
-        return Event(name, law, place=place)
+        return BasicEvent(name, law, place=place)
 
     def _by_name(self, cause: Element) -> Element | None:
         own = self.document.attribute(cause, _NAME)

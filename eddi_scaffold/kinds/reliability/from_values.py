@@ -16,9 +16,9 @@ from eddi_scaffold.kinds.reliability.from_values_content import read_chain, read
 from eddi_scaffold.kinds.reliability.model import (
     TYPES,
     Chain,
-    Component,
+    ComponentModel,
     FaultTree,
-    System,
+    ReliabilitySystem,
     Threshold,
 )
 from eddi_scaffold.kinds.reliability.values import KEY, Values
@@ -36,8 +36,8 @@ _Make = Callable[[Values, str], Mapping[str, Any] | None]
 
 
 def read_system(
-    values: Values, library: Mapping[str, System], base: System | None
-) -> tuple[System | None, list[Problem]]:
+    values: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem | None
+) -> tuple[ReliabilitySystem | None, list[Problem]]:
     """Read the keys of a monitor.
 
     Args:
@@ -65,7 +65,7 @@ def read_system(
     horizon, moving = _horizon(values, base)
     worst = values.choice("on_unknown", ("inactive", "worst_case"))
     gap = values.quantity("max_gap", quantities.duration, needs_unit=True, positive=True)
-    system = System(
+    system = ReliabilitySystem(
         components,
         top,
         horizon,
@@ -80,7 +80,7 @@ def read_system(
     return (None if values.failed else system), values.problems
 
 
-def _top(components: dict[str, Component], values: Values) -> str:
+def _top(components: dict[str, ComponentModel], values: Values) -> str:
     """Return the one model that no other uses; several become a series."""
     used = {name for one in components.values() for name in one.below}
     free = [name for name in components if name not in used] or list(components)
@@ -90,11 +90,11 @@ def _top(components: dict[str, Component], values: Values) -> str:
         values.error("R001", "there is no model: the key 'models' is missing or empty")
         return ""
     name = "all" if "all" not in components else "all_models"
-    components[name] = Component(name, "series", uses=tuple(free), place=values.place())
+    components[name] = ComponentModel(name, "series", uses=tuple(free), place=values.place())
     return name
 
 
-def _horizon(values: Values, base: System | None) -> tuple[float, bool]:
+def _horizon(values: Values, base: ReliabilitySystem | None) -> tuple[float, bool]:
     longest = values.quantity("mission_time", quantities.duration, positive=True)
     if values.text("horizon") == "mission_end":
         if longest is None:
@@ -153,10 +153,10 @@ def _check_id(entry: Values, name: str) -> None:
 def _component(
     name: str,
     entry: Values,
-    library: Mapping[str, System],
-    before: Component | None,
+    library: Mapping[str, ReliabilitySystem],
+    before: ComponentModel | None,
     known: Sequence[str] = (),
-) -> Mapping[str, Component]:
+) -> Mapping[str, ComponentModel]:
     given = entry.text("type")
     kind = given or (before.type if before else None)
     if kind not in TYPES:
@@ -176,14 +176,14 @@ def _component(
         if entry.value("of") == []:
             message = f"series {name!r} has no model: it would never fail"
             entry.error("R005", message, "of", hint="list models, or take it out")
-        return {name: Component(name, kind, uses=uses, place=entry.place())}
+        return {name: ComponentModel(name, kind, uses=uses, place=entry.place())}
     values = _MAKERS[kind](entry, name)
     if values is None:
         return {}
-    return {name: Component(name, kind, values=values, place=entry.place())}
+    return {name: ComponentModel(name, kind, values=values, place=entry.place())}
 
 
-def _type_of(wanted: str | None, library: Mapping[str, System]) -> str:
+def _type_of(wanted: str | None, library: Mapping[str, ReliabilitySystem]) -> str:
     system = library.get(wanted or "")
     if system is not None:
         return f"write `type: {system.components[system.top].type}`"
@@ -194,10 +194,10 @@ def _content(
     name: str,
     kind: str,
     entry: Values,
-    library: Mapping[str, System],
-    before: Component | None,
-) -> Mapping[str, Component]:
-    found: dict[str, Component] = {}
+    library: Mapping[str, ReliabilitySystem],
+    before: ComponentModel | None,
+) -> Mapping[str, ComponentModel]:
+    found: dict[str, ComponentModel] = {}
     source = before
     wanted = entry.text("model")
     if wanted is not None:
@@ -215,7 +215,7 @@ def _content(
         content = read_tree(name, entry, own if isinstance(own, FaultTree) else None)
     if content is None:
         return {}
-    component = Component(name, kind, content, place=entry.place())
+    component = ComponentModel(name, kind, content, place=entry.place())
     if wanted is not None:  # the chains that the tree of the file is bound to
         system = library[wanted]
         found = {n: system.components[n] for n in component.below if n in system.components}
@@ -321,6 +321,6 @@ _MAKERS: Mapping[str, _Make] = {
 }
 
 
-def with_rate(system: System, frequency: float | None) -> System:
+def with_rate(system: ReliabilitySystem, frequency: float | None) -> ReliabilitySystem:
     """Return the system for so many steps per second."""
     return system if frequency is None else replace(system, quantum=1.0 / frequency)

@@ -8,8 +8,8 @@ from eddi_scaffold.kinds.reliability.check_chain import starts_failed
 from eddi_scaffold.kinds.reliability.model import (
     GATES,
     Arc,
+    BasicEvent,
     Chain,
-    Event,
     FaultTree,
     Gate,
     Law,
@@ -167,7 +167,9 @@ def _only_top(name: str, entry: Values, gates: dict[str, Gate]) -> str | None:
     return None
 
 
-def _declare(entry: Values, gates: dict[str, Gate], events: dict[str, Event], top: str) -> None:
+def _declare(
+    entry: Values, gates: dict[str, Gate], events: dict[str, BasicEvent], top: str
+) -> None:
     """Report names without a definition."""
     known = [*gates, *events]
     if top not in known:
@@ -182,7 +184,7 @@ def _declare(entry: Values, gates: dict[str, Gate], events: dict[str, Event], to
         entry.error("R001", f"{both!r} is a gate and an event", "events", both, KEY)
 
 
-def _event(name: str, entry: Values, before: Event | None) -> Event:
+def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
     entry.only(("rate", "scale", "shape", "p", "model", "observed", "age"))
     law = before.law if before else None
     value = entry.quantity("rate", rate)
@@ -212,4 +214,4 @@ def _event(name: str, entry: Values, before: Event | None) -> Event:
         entry.error("R002", message, "age")
     shown = before.name if before else name
     age = before.age if age is None and before else age
-    return Event(shown, law, observed, age, before.place if before else entry.place())
+    return BasicEvent(shown, law, observed, age, before.place if before else entry.place())

@@ -13,7 +13,7 @@ from eddi_scaffold.kinds.reliability.check import check_system
 from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
 from eddi_scaffold.kinds.reliability.from_values import KEYS, read_system, with_rate
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.model import NAME, ReliabilityModel, System
+from eddi_scaffold.kinds.reliability.model import NAME, ReliabilityModel, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.picture import picture
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
@@ -75,7 +75,7 @@ def _finder(root: Node) -> Callable[..., Place]:
     return find
 
 
-def _library(values: Values, source: Source) -> Mapping[str, System]:
+def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
     """Read the EDDI that the key ``file`` names, relative to the configuration."""
     name = values.text("file")
     if name is None:
@@ -99,7 +99,7 @@ def configure(
     model: ReliabilityModel, options: Options
 ) -> tuple[ReliabilityModel | None, list[Problem]]:
     """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
-    system: System | None = model.data
+    system: ReliabilitySystem | None = model.data
     given = {key: value for key, value in options.values.items() if key in KEYS}
     problems: list[Problem] = []
     if given:
@@ -118,11 +118,11 @@ def configure(
     return replace(model, data=system, name=options.id or model.name), problems
 
 
-def _broken(system: System) -> bool:
+def _broken(system: ReliabilitySystem) -> bool:
     return has_errors(check_system(system))
 
 
-def _always_late(system: System) -> list[Problem]:
+def _always_late(system: ReliabilitySystem) -> list[Problem]:
     """Return a warning when every step comes later than is usual (R014)."""
     if system.max_gap is None or system.max_gap >= system.quantum:
         return []
@@ -133,7 +133,7 @@ def _always_late(system: System) -> list[Problem]:
     return [warning("R014", message, system.place, "leave out `max_gap`")]
 
 
-def _never(system: System) -> list[Problem]:
+def _never(system: ReliabilitySystem) -> list[Problem]:
     """Return a warning for each threshold that decides nothing at the start (R014).
 
     Where the mission's end is an input, the best is that it comes at once.

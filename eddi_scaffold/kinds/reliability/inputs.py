@@ -8,14 +8,19 @@ from dataclasses import replace
 
 from eddi_scaffold.claims import Use
 from eddi_scaffold.kinds import ModelInput
-from eddi_scaffold.kinds.reliability.model import Chain, Component, FaultTree, System
+from eddi_scaffold.kinds.reliability.model import (
+    Chain,
+    ComponentModel,
+    FaultTree,
+    ReliabilitySystem,
+)
 from eddi_scaffold.units import accepted
 
 MISSION_END = "mission_end"
 _COHERENT = ("AND", "OR", "VOTE")
 
 
-def inputs_of(system: System) -> list[ModelInput]:
+def inputs_of(system: ReliabilitySystem) -> list[ModelInput]:
     """Return the inputs in the order of the models; one that serves two of them once."""
     found: dict[str, ModelInput] = {}
     for component in system.components.values():
@@ -31,7 +36,7 @@ def inputs_of(system: System) -> list[ModelInput]:
     return [_with_uses(one) for one in inputs] if _is_coherent(system) else inputs
 
 
-def _is_coherent(system: System) -> bool:
+def _is_coherent(system: ReliabilitySystem) -> bool:
     """Return whether a failure of a part never makes the system better: AND, OR and VOTE only."""
     trees = [c.content for c in system.components.values() if isinstance(c.content, FaultTree)]
     return all(gate.type in _COHERENT for tree in trees for gate in tree.gates.values())
@@ -49,7 +54,7 @@ def input_id(model: str, rest: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]", "_", f"{model}_{rest}")
 
 
-def _inputs(component: Component) -> Iterator[ModelInput]:
+def _inputs(component: ComponentModel) -> Iterator[ModelInput]:
     name, content, values = component.name, component.content, component.values
     if isinstance(content, Chain):
         for one in content.observe:
@@ -78,7 +83,7 @@ def _inputs(component: Component) -> Iterator[ModelInput]:
         yield replace(_number(name, "available", text, units, good), type="int")
 
 
-def _motors(component: Component) -> Iterator[ModelInput]:
+def _motors(component: ComponentModel) -> Iterator[ModelInput]:
     count = len(component.values["rates"])
     if component.values["status"] == "list":
         yield ModelInput(
@@ -100,7 +105,7 @@ def _truth(name: str, text: str, start: bool) -> ModelInput:
     )
 
 
-def _temperature(component: Component, text: str) -> ModelInput:
+def _temperature(component: ComponentModel, text: str) -> ModelInput:
     usual, most = component.values["t_ref"], component.values["t_max"]
     return _number(
         component.name, "temperature", text, min(usual, most), f"at most {most:g}", unit="degC"

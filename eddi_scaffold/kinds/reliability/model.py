@@ -40,7 +40,7 @@ class Law:
 
 
 @dataclass(frozen=True)
-class Event:
+class BasicEvent:
     """A basic event; ``law`` is None while no probability was given.
 
     Attributes:
@@ -84,7 +84,7 @@ class FaultTree:
     """
 
     top: str
-    events: Mapping[str, Event]
+    events: Mapping[str, BasicEvent]
     gates: Mapping[str, Gate]
     repair: bool = False
     node_limit: int | None = None
@@ -132,7 +132,7 @@ class Chain:
 
 
 @dataclass(frozen=True)
-class Component:
+class ComponentModel:
     """One model of a monitor.
 
     Attributes:
@@ -177,7 +177,7 @@ class Threshold:
 
 
 @dataclass(frozen=True)
-class System:
+class ReliabilitySystem:
     """Models with a horizon: all that a monitor needs.
 
     Attributes:
@@ -191,7 +191,7 @@ class System:
         quantum: seconds of one step of the chains.
     """
 
-    components: Mapping[str, Component]
+    components: Mapping[str, ComponentModel]
     top: str
     horizon: float = 1.0
     mission_end: bool = False
@@ -207,5 +207,5 @@ class System:
         return max(1.0, 2.5 * self.quantum) if self.max_gap is None else self.max_gap
 
 
-ReliabilityModel = TypedModel[System, None]
+ReliabilityModel = TypedModel[ReliabilitySystem, None]
 """A system of chains and trees; the configuration goes into the system itself."""

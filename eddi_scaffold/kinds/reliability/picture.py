@@ -6,7 +6,13 @@ from collections.abc import Iterator
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.diagram import Shape, Tone
-from eddi_scaffold.kinds.reliability.model import Chain, Component, FaultTree, Gate, System
+from eddi_scaffold.kinds.reliability.model import (
+    Chain,
+    ComponentModel,
+    FaultTree,
+    Gate,
+    ReliabilitySystem,
+)
 from eddi_scaffold.kinds.reliability.report import law_text
 
 _LEGEND = (
@@ -19,7 +25,7 @@ _LEGEND = (
 _SHAPES: dict[str, Shape] = {"AND": "and", "PAND": "and", "SAND": "and", "NOT": "not"}
 
 
-def picture(name: str, system: System) -> Diagram:
+def picture(name: str, system: ReliabilitySystem) -> Diagram:
     """Return what a picture of the chains and trees shows."""
     nodes: list[DiagramNode] = []
     edges: list[DiagramEdge] = []
@@ -49,7 +55,7 @@ def picture(name: str, system: System) -> Diagram:
     return Diagram(f"Reliability {name}", tuple(nodes), tuple(edges), "up", legend, text)
 
 
-def _top(system: System, name: str) -> str:
+def _top(system: ReliabilitySystem, name: str) -> str:
     """Return the node that represents the failure of a model."""
     content = system.components[name].content
     if isinstance(content, Chain):
@@ -76,7 +82,7 @@ def _label(gate: Gate) -> str:
     return f"{gate.k}/{len(gate.of)}" if gate.type == "VOTE" else gate.type
 
 
-def _tree_edges(system: System, name: str, tree: FaultTree) -> Iterator[DiagramEdge]:
+def _tree_edges(system: ReliabilitySystem, name: str, tree: FaultTree) -> Iterator[DiagramEdge]:
     for key, gate in tree.gates.items():
         for below in gate.of:
             yield DiagramEdge(f"{name}:{below}", f"{name}:{key}", arrow=False)
@@ -85,5 +91,5 @@ def _tree_edges(system: System, name: str, tree: FaultTree) -> Iterator[DiagramE
             yield DiagramEdge(_top(system, event.law.model), f"{name}:{key}")
 
 
-def _box(component: Component) -> DiagramNode:
+def _box(component: ComponentModel) -> DiagramNode:
     return DiagramNode(component.name, (component.name, component.type), "box", "neutral")

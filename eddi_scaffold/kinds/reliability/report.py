@@ -10,7 +10,13 @@ from eddi_runtime.reliability.cut_sets import minimal_cut_sets
 from eddi_runtime.reliability.diagram import NODE_LIMIT, build
 
 from eddi_scaffold.escaping import markdown_code, markdown_text
-from eddi_scaffold.kinds.reliability.model import Chain, Component, Event, FaultTree, System
+from eddi_scaffold.kinds.reliability.model import (
+    BasicEvent,
+    Chain,
+    ComponentModel,
+    FaultTree,
+    ReliabilitySystem,
+)
 from eddi_scaffold.kinds.reliability.runtime_model import gates_of, runtime_model
 from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
 
@@ -24,7 +30,7 @@ _UNITS = {
 """Units of the numbers of ready-made models, as they are kept."""
 
 
-def counts(system: System) -> Mapping[str, int]:
+def counts(system: ReliabilitySystem) -> Mapping[str, int]:
     """Return how many models, states, gates and events there are."""
     states = gates = events = 0
     for component in system.components.values():
@@ -37,7 +43,7 @@ def counts(system: System) -> Mapping[str, int]:
     return {key: value for key, value in found.items() if value}
 
 
-def outline(system: System) -> list[str]:
+def outline(system: ReliabilitySystem) -> list[str]:
     """Return lines with two blanks per level."""
     until = "mission_end, at most " if system.mission_end else ""
     lines = [f"horizon {until}{system.horizon:g} h"]
@@ -53,7 +59,7 @@ def outline(system: System) -> list[str]:
     return lines
 
 
-def _content(component: Component) -> Iterator[str]:
+def _content(component: ComponentModel) -> Iterator[str]:
     content = component.content
     if isinstance(content, Chain):
         if content.age:
@@ -107,7 +113,7 @@ def _tree(tree: FaultTree) -> Iterator[str]:
             waiting += [(below, depth + 1) for below in reversed(gate.of)]
 
 
-def law_text(event: Event) -> str:
+def law_text(event: BasicEvent) -> str:
     """Return the law of an event in few words."""
     law = event.law
     if law is None:
@@ -123,7 +129,7 @@ def law_text(event: Event) -> str:
     return f"{text}, observed" if event.observed else text
 
 
-def readme(system: System) -> list[str]:
+def readme(system: ReliabilitySystem) -> list[str]:
     """Return numbers at the start of the mission, thresholds and minimal cut sets."""
     start = at_start(system)
     life = mean_life(system)
@@ -157,7 +163,7 @@ def readme(system: System) -> list[str]:
     return lines
 
 
-def _cut_sets(component: Component) -> list[str]:
+def _cut_sets(component: ComponentModel) -> list[str]:
     names, tree = cut_sets(component), f"`{markdown_code(component.name)}`"
     if names is None:
         reason = "has NOT or XOR, more than 10,000 minimal cut sets, or they take too long to find"
@@ -169,12 +175,14 @@ def _cut_sets(component: Component) -> list[str]:
     return [*lines, ""]
 
 
-def cut_sets(component: Component) -> list[list[str]] | None:
+def cut_sets(component: ComponentModel) -> list[list[str]] | None:
     """Return the minimal cut sets of a fault tree, smallest first; None: none, or too many.
 
     A tree with NOT or XOR has none.
     """
-    part = runtime_model(System({component.name: component}, component.name))["components"][0]
+    part = runtime_model(ReliabilitySystem({component.name: component}, component.name))[
+        "components"
+    ][0]
     found = part.get("cut_sets")
     if found is None:
         limit = part.get("node_limit", NODE_LIMIT)

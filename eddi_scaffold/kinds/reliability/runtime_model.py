@@ -9,20 +9,20 @@ from typing import Any
 from eddi_runtime.reliability.cut_sets import cut_sets_of_gates
 from eddi_runtime.reliability.diagram import Gate as Number
 
-from eddi_scaffold.kinds.reliability.graph import order
+from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.inputs import input_id
 from eddi_scaffold.kinds.reliability.model import (
     DYNAMIC,
     Chain,
-    Component,
+    ComponentModel,
     FaultTree,
     Gate,
-    System,
+    ReliabilitySystem,
 )
 from eddi_scaffold.problems import Place
 
 
-def runtime_model(system: System) -> dict[str, Any]:
+def runtime_model(system: ReliabilitySystem) -> dict[str, Any]:
     """Return what the runtime compiles: only what the top uses, each behind what it needs."""
     below = {name: one.below for name, one in system.components.items()}
     names = [n for n in order(system.top, below)[0] if n in system.components]
@@ -41,7 +41,7 @@ def runtime_model(system: System) -> dict[str, Any]:
     }
 
 
-def used(system: System) -> System:
+def used(system: ReliabilitySystem) -> ReliabilitySystem:
     """Return the system without models that the top does not use."""
     below = {name: one.below for name, one in system.components.items()}
     names = set(order(system.top, below)[0])
@@ -49,7 +49,7 @@ def used(system: System) -> System:
     return replace(system, components=kept)
 
 
-def _component(component: Component) -> dict[str, Any]:
+def _component(component: ComponentModel) -> dict[str, Any]:
     head = {"name": component.name, "type": component.type, "place": _place(component.place)}
     if isinstance(component.content, FaultTree):
         return {**head, **_tree(component.name, component.content)}
@@ -185,7 +185,7 @@ def _gate(gate: Gate, number: dict[str, int]) -> dict[str, Any]:
     return found
 
 
-def _propulsion(component: Component) -> dict[str, Any]:
+def _propulsion(component: ComponentModel) -> dict[str, Any]:
     values = component.values
     name, count = component.name, len(values["rates"])
     rates: list[float] = [0.0] * count
@@ -206,14 +206,14 @@ def _propulsion(component: Component) -> dict[str, Any]:
     }
 
 
-def _battery(component: Component) -> dict[str, Any]:
+def _battery(component: ComponentModel) -> dict[str, Any]:
     found = {**component.values, "level": input_id(component.name, "level")}
     if "t_ref" in component.values:
         found["temperature"] = input_id(component.name, "temperature")
     return found
 
 
-def _processor(component: Component) -> dict[str, Any]:
+def _processor(component: ComponentModel) -> dict[str, Any]:
     return {
         **component.values,
         "temperature": input_id(component.name, "temperature"),
@@ -221,11 +221,11 @@ def _processor(component: Component) -> dict[str, Any]:
     }
 
 
-def _k_out_of_n(component: Component) -> dict[str, Any]:
+def _k_out_of_n(component: ComponentModel) -> dict[str, Any]:
     return {**component.values, "available": input_id(component.name, "available")}
 
 
-def _series(component: Component) -> dict[str, Any]:
+def _series(component: ComponentModel) -> dict[str, Any]:
     return {"of": list(component.uses)}
 
 

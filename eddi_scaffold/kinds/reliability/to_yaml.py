@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.kinds.reliability.model import Chain, Component, Event, FaultTree, System
+from eddi_scaffold.kinds.reliability.model import (
+    BasicEvent,
+    Chain,
+    ComponentModel,
+    FaultTree,
+    ReliabilitySystem,
+)
 from eddi_scaffold.positioned_yaml.nodes import dump_plain
 
 
-def to_yaml(system: System) -> str:
+def to_yaml(system: ReliabilitySystem) -> str:
     """Return the text of a file that reads back as the same system."""
     data: dict[str, Any] = {}
     if system.mission_end:
@@ -38,7 +44,7 @@ def _per_hour(value: float) -> str:
     return f"{value!r} 1/h"
 
 
-def _component(component: Component) -> dict[str, Any]:
+def _component(component: ComponentModel) -> dict[str, Any]:
     content = component.content
     if isinstance(content, Chain):
         return {"type": "markov", **_chain(content)}
@@ -102,7 +108,7 @@ def _tree(tree: FaultTree) -> dict[str, Any]:
     return found
 
 
-def _event(event: Event) -> dict[str, Any]:
+def _event(event: BasicEvent) -> dict[str, Any]:
     law = event.law
     found: dict[str, Any] = {}
     if law is not None:

@@ -14,7 +14,7 @@ from eddi_runtime.reliability.monitor import ReliabilityMonitor
 from eddi_runtime.reliability.result import ReliabilityResult
 
 from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
-from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, System
+from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -28,7 +28,7 @@ class _TooRoughError(Exception):
 
 
 def at_start(
-    system: System, *, known: bool = True, seconds_left: float | None = None
+    system: ReliabilitySystem, *, known: bool = True, seconds_left: float | None = None
 ) -> ReliabilityResult:
     """Return the first result with everything in order, or with nothing known.
 
@@ -44,7 +44,7 @@ def at_start(
     return monitor.execute_step(SimpleNamespace(**values), 0)
 
 
-def mean_life(system: System) -> float | None:
+def mean_life(system: ReliabilitySystem) -> float | None:
     """Return the mean time to failure of the top in hours from the start of the mission.
 
     The integral of the reliability with everything in order (adaptive Gauss-Legendre, relative
@@ -112,7 +112,7 @@ def _gauss(reliability: Any, left: float, right: float) -> float:
     return half * math.fsum(values)
 
 
-def _size(system: System) -> int:
+def _size(system: ReliabilitySystem) -> int:
     size = 0
     for component in used(system).components.values():
         if isinstance(component.content, Chain):
@@ -122,7 +122,7 @@ def _size(system: System) -> int:
     return size
 
 
-def _model_file(system: System) -> ModelFile:
+def _model_file(system: ReliabilitySystem) -> ModelFile:
     specs = tuple(runtime_inputs.InputSpec(one.id, one.id) for one in inputs_of(used(system)))
     return ModelFile("", "reliability", "m", "", {}, specs, runtime_model(system), {}, _no_data)
 
@@ -131,6 +131,6 @@ def _no_data(_: str) -> bytes:
     return b""
 
 
-def _start(system: System) -> dict[str, Any]:
+def _start(system: ReliabilitySystem) -> dict[str, Any]:
     """Return inputs that report no failure."""
     return {one.id: one.sample for one in inputs_of(used(system))}

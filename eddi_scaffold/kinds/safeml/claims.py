@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.claims import Given, Meaning, Meanings
+from eddi_scaffold.claims import Meaning, Meanings, ValidityField
 
 _IN_SCOPE = "`field: in_scope` of SafeMLStatus"
 
@@ -16,7 +16,7 @@ def _fields(message: str) -> dict[str, Meaning]:
             (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
         ),
         "odd_violation": Meaning(
-            given=(Given(message, "omission", value=False),),
+            given=(ValidityField(message, "omission", value=False),),
             refused="`odd_violation` has no meaning while there is no verdict",
             instead=f"{_IN_SCOPE}, or `NOT omission` with it",
         ),

@@ -10,7 +10,7 @@ from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.kinds import DeclaredInput, Functions, ModelInput, Options, Reading, with_status
 from eddi_scaffold.kinds.safeml import report, runtime_model
 from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
-from eddi_scaffold.kinds.safeml.model import Connection, Plan, Planned, SafeMLFile, SafeMLModel
+from eddi_scaffold.kinds.safeml.model import Plan, Planned, SafeMLFile, SafeMLModel, SafeMLOptions
 from eddi_scaffold.kinds.safeml.picture import picture
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
@@ -74,7 +74,7 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
     if max_age is None and options.frequency is not None:
         max_age = _PERIODS / options.frequency
     input_id = options.inputs[0].id if options.inputs else DEFAULT_INPUT
-    connection = Connection(planned.plan, input_id, max_age, options.frequency)
+    connection = SafeMLOptions(planned.plan, input_id, max_age, options.frequency)
     return replace(model, name=options.id or model.name, options=connection), problems
 
 
@@ -151,7 +151,7 @@ def _plan(model: SafeMLModel) -> Plan | None:
     return _planned(model, single=model.data.settings.input_dtype == "float32").plan
 
 
-def _connection(model: SafeMLModel) -> Connection:
+def _connection(model: SafeMLModel) -> SafeMLOptions:
     assert model.options is not None, "it was configured"
     return model.options
 

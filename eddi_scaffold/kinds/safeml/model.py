@@ -29,7 +29,7 @@ METRIC_NAMES: Mapping[Metric, str] = {short: long for long, short in METRICS.ite
 
 
 @dataclass(frozen=True)
-class Settings:
+class SafeMLSettings:
     """``safeml_config.yml`` (SESAME D7.2 Fig 23 and our own keys).
 
     Attributes:
@@ -74,7 +74,7 @@ class Settings:
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class ReferenceSample:
     """A reference sample that was read without errors.
 
     Attributes:
@@ -90,8 +90,8 @@ class Reference:
 class SafeMLFile:
     """A configuration together with the reference that it names."""
 
-    settings: Settings
-    reference: Reference
+    settings: SafeMLSettings
+    reference: ReferenceSample
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Plan:
         constant: features that never change in the reference.
     """
 
-    settings: Settings
+    settings: SafeMLSettings
     spec: DesignSpec
     labels: tuple[str, ...]
     n: int
@@ -163,7 +163,7 @@ class Planned:
 
 
 @dataclass(frozen=True)
-class Connection:
+class SafeMLOptions:
     """What the eddi_config.yml adds.
 
     Attributes:
@@ -179,5 +179,5 @@ class Connection:
     frequency: float | None
 
 
-SafeMLModel = TypedModel[SafeMLFile, Connection]
+SafeMLModel = TypedModel[SafeMLFile, SafeMLOptions]
 """A SafeML monitor; its options are how it is connected."""

@@ -17,9 +17,9 @@ from eddi_scaffold.kinds.safeml.model import (
     Calibration,
     Plan,
     Planned,
-    Reference,
+    ReferenceSample,
     Rows,
-    Settings,
+    SafeMLSettings,
 )
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,
@@ -41,7 +41,7 @@ _LISTED = 10
 
 
 @lru_cache(maxsize=8)
-def plan(settings: Settings, reference: Reference, *, single: bool) -> Planned:
+def plan(settings: SafeMLSettings, reference: ReferenceSample, *, single: bool) -> Planned:
     """Find tests and thresholds.
 
     Args:
@@ -56,7 +56,9 @@ def plan(settings: Settings, reference: Reference, *, single: bool) -> Planned:
 
 
 class _Planner:
-    def __init__(self, settings: Settings, reference: Reference, *, single: bool) -> None:
+    def __init__(
+        self, settings: SafeMLSettings, reference: ReferenceSample, *, single: bool
+    ) -> None:
         self.settings = settings
         self.problems: list[Problem] = []
         self.single = single

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from eddi_runtime.safeml.reference import BLANKS, filled_lines
 
-from eddi_scaffold.kinds.safeml.model import Reference, Rows
+from eddi_scaffold.kinds.safeml.model import ReferenceSample, Rows
 from eddi_scaffold.problems import Place, Problem, error, has_errors
 from eddi_scaffold.source import Source
 
@@ -25,7 +25,7 @@ _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
 _WRITTEN = 'numpy.savetxt(name, array, delimiter=",") writes such a file'
 
 
-def read_reference(source: Source) -> tuple[Reference | None, list[Problem]]:
+def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem]]:
     """Read a reference sample.
 
     Returns:
@@ -48,7 +48,7 @@ def read_reference(source: Source) -> tuple[Reference | None, list[Problem]]:
     if len(values) < 2:
         place = Place(source.name, lines[0][0])
         problems.append(error("L004", "the reference has one row only: no distribution", place))
-    return (None if problems else Reference(source, values)), problems
+    return (None if problems else ReferenceSample(source, values)), problems
 
 
 class _Reader:

@@ -7,10 +7,10 @@ from typing import Any
 
 from eddi_scaffold.kinds.safeml.model import (
     METRIC_NAMES,
-    Connection,
     Plan,
-    Reference,
+    ReferenceSample,
     SafeMLFile,
+    SafeMLOptions,
 )
 from eddi_scaffold.kinds.safeml.plan import upwards
 from eddi_scaffold.source import Source
@@ -51,7 +51,7 @@ def runtime_model(file: SafeMLFile, plan: Plan) -> dict[str, Any]:
     }
 
 
-def settings(connection: Connection) -> dict[str, Any]:
+def settings(connection: SafeMLOptions) -> dict[str, Any]:
     """Return the ``settings`` part."""
     own = connection.plan.settings
     return {
@@ -95,7 +95,7 @@ def _yaml(value: float | None) -> str:
     return "null" if value is None else str(value).lower()
 
 
-def _reference(reference: Reference) -> dict[str, Any]:
+def _reference(reference: ReferenceSample) -> dict[str, Any]:
     rows, features = reference.rows.shape
     return {
         "file": REFERENCE_FILE,

@@ -9,7 +9,7 @@ from typing import Any
 
 from eddi_runtime.safeml.arrays import NAMES as BACKENDS
 
-from eddi_scaffold.kinds.safeml.model import METRICS, Settings
+from eddi_scaffold.kinds.safeml.model import METRICS, SafeMLSettings
 from eddi_scaffold.positioned_yaml.nodes import (
     Map,
     Node,
@@ -34,7 +34,7 @@ class _Wrong(Exception):  # noqa: N818 - control flow inside this module
     """A value is not what its key expects; the text states what is expected."""
 
 
-def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:
+def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]:
     """Read a configuration.
 
     Returns:
@@ -60,7 +60,7 @@ def read_settings(source: Source) -> tuple[Settings | None, list[Problem]]:
         return None, problems
     values["metric"] = values.pop("distance_metric")
     places = {key.text: node.place for key, node in root.entries}
-    return Settings(**values, places={"": root.place, **places}), []
+    return SafeMLSettings(**values, places={"": root.place, **places}), []
 
 
 def _unknown(root: Map) -> list[Problem]:

@@ -12,15 +12,15 @@ from io import BufferedReader
 from typing import Any
 from urllib.parse import parse_qs
 
-from eddi_scaffold.language.page.answers import (
+from eddi_scaffold.language.page.html import Page, render
+from eddi_scaffold.language.page.limits import LimitedServer, TimedInput
+from eddi_scaffold.language.page.responses import (
     ReadSignal,
     Request,
     analysis_of,
     answer,
     download,
 )
-from eddi_scaffold.language.page.html import Page, render
-from eddi_scaffold.language.page.limits import LimitedServer, TimedInput
 from eddi_scaffold.language.report import as_json
 from eddi_scaffold.language.targets import generate
 from eddi_scaffold.problems import EddiError, error

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from eddi_scaffold.language.targets import c_step
 from eddi_scaffold.language.targets.c_functions import TYPES, functions
+from eddi_scaffold.language.targets.kept_bodies import HEADER, region
 from eddi_scaffold.language.targets.monitor_model import MonitorModel, describe
 from eddi_scaffold.language.targets.names import unique_names
-from eddi_scaffold.language.targets.regions import HEADER, region
 
 _KLEENE = """\
 #ifndef EDDI_EVENT_TYPES

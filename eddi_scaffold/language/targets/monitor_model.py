@@ -13,7 +13,7 @@ from eddi_scaffold.language.targets.names import module_name, unique_names
 
 
 @dataclass(frozen=True)
-class Given:
+class HostArgument:
     """One value that the host gives.
 
     Attributes:
@@ -55,7 +55,7 @@ class MonitorModel:
     units: tuple[str, ...]
     enums: tuple[str, ...]
     sampling: Sampling
-    given: tuple[Given, ...] = ()
+    given: tuple[HostArgument, ...] = ()
 
     @property
     def has_lists(self) -> bool:
@@ -86,7 +86,7 @@ def monitor_model(analysis: Analysis, name: str) -> MonitorModel:
     return replace(model, given=_given(model, analysis))
 
 
-def _given(model: MonitorModel, analysis: Analysis) -> tuple[Given, ...]:
+def _given(model: MonitorModel, analysis: Analysis) -> tuple[HostArgument, ...]:
     """Return what the host gives: variables as they are, and the parts of reductions."""
     inputs = model.sampling.inputs
     plain = {
@@ -107,7 +107,7 @@ def _given(model: MonitorModel, analysis: Analysis) -> tuple[Given, ...]:
             variable.stamped and number in used
             for variable, used in zip(model.form.variables, model.sampling.uses, strict=True)
         )
-        found.append(Given(one, *plain[one.name], stamped))
+        found.append(HostArgument(one, *plain[one.name], stamped))
     return tuple(found)
 
 

@@ -11,8 +11,8 @@ from eddi_runtime.expressions.form import BUFFERED, WINDOWS, Variable
 from eddi_runtime.expressions.source import CLASSES, class_lines
 
 from eddi_scaffold.escaping import python_literal
-from eddi_scaffold.language.targets.monitor_model import Given, MonitorModel
-from eddi_scaffold.language.targets.regions import HEADER, region
+from eddi_scaffold.language.targets.kept_bodies import HEADER, region
+from eddi_scaffold.language.targets.monitor_model import HostArgument, MonitorModel
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
 _KIND = {"number": "NumVal", "bool": "BoolVal", "enum": "str", "text": "str"}
@@ -239,7 +239,7 @@ def _arguments(model: MonitorModel) -> tuple[list[str], list[str]]:
     return lines, calls
 
 
-def _part(one: Given, value: str) -> str:
+def _part(one: HostArgument, value: str) -> str:
     """Return what a reduction takes: lists as they are, numbers without NumVal."""
     return f"as_number({value})" if not one.input.list and one.input.type == "number" else value
 

@@ -10,17 +10,17 @@ from eddi_scaffold.mros.model import (
     Artifact,
     Field,
     Interface,
-    Kind,
-    Model,
-    Node,
+    InterfaceKind,
     Notice,
     Package,
+    RosModel,
+    RosNode,
     Spec,
 )
 from eddi_scaffold.mros.text import Text
 
 _PACKAGES = ("Package", "CatkinPackage", "AmentPackage")
-_SECTIONS: dict[str, tuple[Kind, str, str]] = {
+_SECTIONS: dict[str, tuple[InterfaceKind, str, str]] = {
     "Publishers": ("publisher", "Publisher", "message"),
     "publisher": ("publisher", "Publisher", "message"),
     "Subscribers": ("subscriber", "Subscriber", "message"),
@@ -38,7 +38,7 @@ _SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"
 _PARTS = ("message", "request", "response", "goal", "result", "feedback")
 
 
-def read_model(text: Text) -> Model:
+def read_model(text: Text) -> RosModel:
     """Read the packages of a file.
 
     Raises:
@@ -61,7 +61,7 @@ class _ModelReader:
     braces: Braces
     packages: list[Package] = field(default_factory=list)
 
-    def read(self) -> Model:
+    def read(self) -> RosModel:
         braces = self.braces
         braces.expect("PackageSet")
         opened = braces.open()
@@ -75,7 +75,7 @@ class _ModelReader:
         message = "this brace closes nothing: the packages ended before; what was read counts"
         notices = [Notice("M004", message, line, col) for line, col in braces.surplus()]
         braces.expect_end("package set")
-        return Model("brace", tuple(self.packages), tuple(notices))
+        return RosModel("brace", tuple(self.packages), tuple(notices))
 
     def _package(self) -> None:
         braces = self.braces
@@ -136,7 +136,7 @@ class _ModelReader:
         braces.close("}", opened, *(() if node else ("'Node'",)))
         return Artifact(name, node, line, col)
 
-    def _node(self) -> Node:
+    def _node(self) -> RosNode:
         braces = self.braces
         braces.expect("Node")
         opened = braces.open()
@@ -156,9 +156,9 @@ class _ModelReader:
             braces.accept_punct(",")
         known = [word for word in _SECTIONS if word[0].isupper()]
         braces.close("}", opened, *either([*known, "Parameters"]))
-        return Node(name, tuple(interfaces), parameters)
+        return RosNode(name, tuple(interfaces), parameters)
 
-    def _interface(self, kind: Kind, entry: str, type_word: str) -> Interface:
+    def _interface(self, kind: InterfaceKind, entry: str, type_word: str) -> Interface:
         braces = self.braces
         line, col = braces.place()
         if braces.accept(entry) is None:

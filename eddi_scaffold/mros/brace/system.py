@@ -9,7 +9,7 @@ from eddi_scaffold.mros.brace.tokens import Braces, either
 from eddi_scaffold.mros.model import (
     Component,
     Connection,
-    Kind,
+    InterfaceKind,
     System,
     SystemInterface,
 )
@@ -20,7 +20,7 @@ from eddi_scaffold.mros.text import Text
 class _Section:
     """The words of one section of a component."""
 
-    kind: Kind
+    kind: InterfaceKind
     entries: tuple[str, ...]
     reference: str
 

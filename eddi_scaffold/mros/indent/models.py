@@ -10,16 +10,16 @@ from eddi_scaffold.mros.model import (
     Artifact,
     Field,
     Interface,
-    Kind,
-    Model,
-    Node,
+    InterfaceKind,
     Package,
+    RosModel,
+    RosNode,
     Spec,
 )
 from eddi_scaffold.mros.text import Text, quoted
 
 _PACKAGE = ("fromgitrepo", "artifacts", "msgs", "srvs", "actions", "specs", "dependencies")
-_KINDS: dict[str, Kind] = {
+_KINDS: dict[str, InterfaceKind] = {
     "publisher": "publisher",
     "subscriber": "subscriber",
     "serviceserver": "serviceserver",
@@ -27,13 +27,13 @@ _KINDS: dict[str, Kind] = {
     "actionserver": "actionserver",
     "actionclient": "actionclient",
 }
-_SECTIONS: dict[str, Kind] = _KINDS | {f"{name}s": kind for name, kind in _KINDS.items()}
+_SECTIONS: dict[str, InterfaceKind] = _KINDS | {f"{name}s": kind for name, kind in _KINDS.items()}
 _SPEC_KINDS = {"msgs": "topic", "srvs": "service", "actions": "action", "specs": ""}
 _SPEC_WORDS = {"msg": "topic", "srv": "service", "action": "action"}
 _PARTS = ("message", "request", "response", "goal", "result", "feedback")
 
 
-def read_model(text: Text) -> Model:
+def read_model(text: Text) -> RosModel:
     """Read the packages of a file.
 
     Raises:
@@ -42,7 +42,7 @@ def read_model(text: Text) -> Model:
     reader = _ModelReader(text, Keys(text))
     lines = [line for line in blocks_of(text) if not line.is_mark]
     packages = tuple(reader.package(line) for line in lines)
-    return Model("indent", packages, tuple(reader.keys.notices))
+    return RosModel("indent", packages, tuple(reader.keys.notices))
 
 
 @dataclass
@@ -103,10 +103,10 @@ class _ModelReader:
                     parameters += len(inner.below)
                     skip_block(self.text, inner)
                 rest.end()
-        node = None if node_name is None else Node(node_name, tuple(interfaces), parameters)
+        node = None if node_name is None else RosNode(node_name, tuple(interfaces), parameters)
         return Artifact(name, node, *place)
 
-    def _interface(self, line: Line, kind: Kind) -> Interface:
+    def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
         words = Words(self.text, line)
         place = words.place()
         name = words.key("the name of an interface")

@@ -10,14 +10,14 @@ from eddi_scaffold.mros.indent.lines import Line, Words, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     Component,
     Connection,
-    Kind,
+    InterfaceKind,
     SubSystem,
     System,
     SystemInterface,
 )
 from eddi_scaffold.mros.text import Text, alternatives
 
-_ARROWS: dict[str, Kind] = {
+_ARROWS: dict[str, InterfaceKind] = {
     "pub->": "publisher",
     "sub->": "subscriber",
     "ss->": "serviceserver",
@@ -25,7 +25,7 @@ _ARROWS: dict[str, Kind] = {
     "as->": "actionserver",
     "ac->": "actionclient",
 }
-_FROM: dict[str, Kind] = {
+_FROM: dict[str, InterfaceKind] = {
     "frompub": "publisher",
     "fromsub": "subscriber",
     "fromss": "serviceserver",

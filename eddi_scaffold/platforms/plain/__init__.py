@@ -11,14 +11,14 @@ from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
 from eddi_scaffold.monitors.answers import shared_answers
-from eddi_scaffold.monitors.binding import InputBinding, Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.platforms import PackageAnswers, Platform, Templates
 from eddi_scaffold.problems import Problem
 
 _TEMPLATES = Templates("plain_monitor")
 
 
-def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
+def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers = shared_answers(monitor, _TEMPLATES.monitor)
     answers["description_literal"] = toml_text(answers["description"])
     needs = list(monitor.kind.requirements)

@@ -6,8 +6,8 @@ from shlex import quote
 
 from eddi_scaffold.platforms import Platform, Workspace
 from eddi_scaffold.platforms.ros1 import templates
-from eddi_scaffold.platforms.ros1.answers import monitor_answers, support_answers
 from eddi_scaffold.platforms.ros1.names import LAUNCHER, taken_names
+from eddi_scaffold.platforms.ros1.package_answers import monitor_answers, support_answers
 
 
 def _next_steps(place: Path, _monitors: Sequence[str]) -> Sequence[str]:

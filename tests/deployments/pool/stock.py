@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eddi_runtime import Monitor as RunningMonitor
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.replay.parts import compiled
 from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
@@ -51,7 +51,7 @@ def offering(offer: str) -> Sequence[Template]:
 
 
 @cache
-def bound(template: Template) -> Monitor:
+def bound(template: Template) -> BoundMonitor:
     """Return the monitor of a template, as the product reads and joins its files."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in template.files.items():

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
 from tests.cli.command import run
@@ -29,12 +29,12 @@ def written(folder: Path, name: str, sources: str, entry: str, frequency: float 
     return config
 
 
-def read(*configs: Path) -> tuple[dict[str, Monitor], list[Problem]]:
+def read(*configs: Path) -> tuple[dict[str, BoundMonitor], list[Problem]]:
     monitors, problems = monitors_of(None, configs)
     return {one.package: one for one in monitors}, problems
 
 
-def limits(monitor: Monitor) -> list[object]:
+def limits(monitor: BoundMonitor) -> list[object]:
     return [spec["max_age"] for spec in json.loads(monitor.model_json)["inputs"]]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.deployments.wiring.acceptances import acceptances
-from eddi_scaffold.deployments.wiring.bounds import bounds
 from eddi_scaffold.deployments.wiring.check import members_of
+from eddi_scaffold.deployments.wiring.lifetimes import bounds
 from eddi_scaffold.deployments.wiring.support import Participant
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
-from eddi_scaffold.monitors.binding import Monitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.source import Source, read_source
@@ -34,7 +34,7 @@ def read_path(path: Path) -> Model:
     return model
 
 
-def joined(model: Model, config: str | None = None) -> tuple[Monitor | None, list[Problem]]:
+def joined(model: Model, config: str | None = None) -> tuple[BoundMonitor | None, list[Problem]]:
     """Join a model with the text of a configuration."""
     if config is None:
         return monitor_of(model, KIND, None)
@@ -45,7 +45,7 @@ def joined(model: Model, config: str | None = None) -> tuple[Monitor | None, lis
     return monitor, [*problems, *more]
 
 
-def running(monitor: Monitor) -> BayesianNetworkMonitor:
+def running(monitor: BoundMonitor) -> BayesianNetworkMonitor:
     found = build(parse_model(monitor.model_json, "model"))
     assert isinstance(found, BayesianNetworkMonitor)
     return found

@@ -12,9 +12,9 @@ import yaml
 
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.platforms.ros1.answers import monitor_answers, support_answers
+from eddi_scaffold.platforms.ros1.package_answers import monitor_answers, support_answers
 from tests.kinds.bayesian_network.networks import running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
 from tests.shared_data import shared
@@ -23,7 +23,7 @@ LOW = '{id: RiskIsLow, node: Critical, state: "Yes", at_most: 0.3, hold: 1 s, to
 MORE = "{id: Safe, node: Critical, state: ['No'], at_least: 0.8, release: 0.75}"
 
 
-def pedestrian(folder: Path, evidence: str = "", outputs: str = "") -> Monitor:
+def pedestrian(folder: Path, evidence: str = "", outputs: str = "") -> BoundMonitor:
     text = (EXAMPLE / "eddi_config.yml").read_text("utf-8")
     section = f"  evidence: [{evidence}]\n" if evidence else ""
     config = folder / "c.yml"
@@ -138,7 +138,7 @@ def test_what_the_network_of_a_shared_case_may_claim(name: str, tmp_path: Path) 
 
 
 def play(
-    monitor: Monitor, case: dict[str, Any], every: float
+    monitor: BoundMonitor, case: dict[str, Any], every: float
 ) -> Iterator[tuple[float, dict[str, bool]]]:
     """Yield time and claims of each step; messages are as old as the case says."""
     assert monitor.config is not None

@@ -23,7 +23,7 @@ from eddi_scaffold.kinds.consert.model import (
     Range,
     RequiredService,
 )
-from eddi_scaffold.kinds.consert.ranges import Span, exact, is_inside
+from eddi_scaffold.kinds.consert.ranges import Interval, exact, is_inside
 from tests.diagnosed import assert_example
 
 
@@ -179,7 +179,7 @@ def test_open_ends_and_exact_bounds():
 
 spans = st.lists(
     st.tuples(st.integers(0, 8), st.integers(1, 4), st.booleans()).map(
-        lambda t: Span(Fraction(t[0]), Fraction(t[0] + t[1]), t[2])
+        lambda t: Interval(Fraction(t[0]), Fraction(t[0] + t[1]), t[2])
     ),
     max_size=4,
 )

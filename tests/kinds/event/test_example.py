@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import read_source
@@ -18,7 +18,7 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
 
 
 @pytest.fixture(scope="module")
-def monitors() -> list[Monitor]:
+def monitors() -> list[BoundMonitor]:
     configs = [EXAMPLE / "motor_config.yml", EXAMPLE / "drive_config.yml"]
     return monitors_of(EXAMPLE / "drive.yml", configs)[0]
 
@@ -27,7 +27,7 @@ def test_no_file_has_a_problem() -> None:
     assert check_files([*sorted(EXAMPLE.glob("*.yml")), *EXAMPLE.glob("*.events")]) == []
 
 
-def test_the_guarantee_follows_the_event(monitors: list[Monitor]) -> None:
+def test_the_guarantee_follows_the_event(monitors: list[BoundMonitor]) -> None:
     motor, drive = monitors
     other = compiled(drive)
     full_speed = {}

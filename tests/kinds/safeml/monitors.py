@@ -8,7 +8,7 @@ from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
 
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.replay.parts import compiled
@@ -38,7 +38,7 @@ def lay(folder: Path, rows: Sequence[Sequence[float]], **keys: Any) -> Path:
 
 def joined(
     folder: Path, rows: Sequence[Sequence[float]], connected: str = "", **keys: Any
-) -> tuple[Monitor, list[Problem]]:
+) -> tuple[BoundMonitor, list[Problem]]:
     """Return the monitor that is generated of this, and all warnings."""
     path = lay(folder, rows, **keys)
     if not connected:

@@ -18,7 +18,7 @@ from eddi_runtime.safeml.comparison import Comparison
 from eddi_runtime.safeml.design import Design
 
 from eddi_scaffold.kinds.safeml.calibration import largest_statistics
-from eddi_scaffold.kinds.safeml.model import Metric, Plan, Reference, Settings
+from eddi_scaffold.kinds.safeml.model import Metric, Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.source import Source
 
@@ -59,8 +59,8 @@ FAULTS: Mapping[str, Callable[[Rows, np.random.Generator], Rows]] = {
 
 def planned(rows: Rows, metric: Metric, components: int | None, **more: Any) -> Plan:
     """Return the plan of a reference; the configuration is SESAME D7.2's but for what is given."""
-    settings = Settings(WINDOW, "", LEVEL, metric, n_components=components, **more)
-    found = plan(settings, Reference(Source("", b""), rows), single=False)
+    settings = SafeMLSettings(WINDOW, "", LEVEL, metric, n_components=components, **more)
+    found = plan(settings, ReferenceSample(Source("", b""), rows), single=False)
     assert found.plan is not None, found.problems
     return found.plan
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.replay.running import changes, picture
@@ -22,7 +22,7 @@ FOG = 11.3
 
 
 @pytest.fixture(scope="module")
-def monitors() -> list[Monitor]:
+def monitors() -> list[BoundMonitor]:
     configs = [EXAMPLE / "perception_config.yml", EXAMPLE / "landing_config.yml"]
     return monitors_of(EXAMPLE / "landing.yml", configs)[0]
 
@@ -31,7 +31,7 @@ def test_no_file_has_a_problem() -> None:
     assert check_files(sorted(EXAMPLE.glob("*.yml"))) == []
 
 
-def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[Monitor]) -> None:
+def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[BoundMonitor]) -> None:
     scope, landing = monitors
     other = compiled(landing)
     verdicts, precise = {}, {}
@@ -58,13 +58,13 @@ def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[Monito
     assert {feature for feature, _ in worst.weights[:2]} & {1, 2}  # contrast and sharpness
 
 
-def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[Monitor]) -> None:
+def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[BoundMonitor]) -> None:
     svg = picture("Camera", played(monitors[0], read_source(EXAMPLE / "recording.csv")))
     for name in ("statistic", "threshold", "odd_violation", "omission"):
         assert f">{name}<" in svg
 
 
-def test_run_says_why_there_is_no_verdict(monitors: list[Monitor]) -> None:
+def test_run_says_why_there_is_no_verdict(monitors: list[BoundMonitor]) -> None:
     good = "1 2 3 4 5 6"
     rows = [good, good, '""', "1 nan 3 4 5 6", "1 2 3", good, good, *[""] * 11, good]
     text = "t,frame\n" + "".join(f"{k / 10:g},{row}\n" for k, row in enumerate(rows))
@@ -96,7 +96,7 @@ def test_the_status_message_has_the_evidence_as_a_field(tmp_path: Path) -> None:
     assert landing.inputs[0].expression == "scope.in_scope"
 
 
-def test_the_conserts_input_needs_no_hand_edit(monitors: list[Monitor]) -> None:
+def test_the_conserts_input_needs_no_hand_edit(monitors: list[BoundMonitor]) -> None:
     scope, landing = monitors
     assert [binding.expression for binding in scope.inputs] == ["features"]
     assert landing.inputs[0].requires[0].type == "eddi_messages/SafeMLOutput"

@@ -15,7 +15,7 @@ import yaml
 from eddi_runtime.safeml.comparison import Comparison
 from eddi_runtime.safeml.limits import critical_value, limit_quantile
 
-from eddi_scaffold.kinds.safeml.model import Plan, Reference, Settings
+from eddi_scaffold.kinds.safeml.model import Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.thresholds import ks_asymptotic, ks_tail, theoretical
 from eddi_scaffold.source import Source
@@ -103,7 +103,7 @@ def recipe(case: dict[str, Any]) -> np.ndarray[Any, Any]:
 
 
 def planned(case: dict[str, Any]) -> Plan:
-    settings = Settings(
+    settings = SafeMLSettings(
         case["window_size"],
         "",
         case["significance_level"],
@@ -111,7 +111,7 @@ def planned(case: dict[str, Any]) -> Plan:
         calibration="stream",
         calibration_stride=case["stride"],
     )
-    made = plan(settings, Reference(Source("", b""), recipe(case)), single=False).plan
+    made = plan(settings, ReferenceSample(Source("", b""), recipe(case)), single=False).plan
     assert made is not None
     return made
 

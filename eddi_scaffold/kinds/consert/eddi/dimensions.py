@@ -6,7 +6,7 @@ import math
 import re
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import spelling as names
+from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.english import read_english
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
@@ -19,7 +19,7 @@ from eddi_scaffold.kinds.consert.model import (
 )
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.findings import Findings
+    from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
 
@@ -29,7 +29,7 @@ _SUBSETS: dict[str, Subset] = {"guarantee": "Guarantee", "demand": "Demand"}
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def sesame_dimensions(element: Element, findings: Findings) -> tuple[Dimension, ...]:
+def sesame_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
     """Read the dimensions of a guarantee, demand or evidence, those of all its properties."""
     document = findings.document
     dimensions = []
@@ -42,7 +42,7 @@ def sesame_dimensions(element: Element, findings: Findings) -> tuple[Dimension, 
     return tuple(dimensions)
 
 
-def english_dimensions(element: Element, findings: Findings) -> tuple[Dimension, ...]:
+def english_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
     """Read the refinements of the safety properties of a guarantee or demand."""
     document = findings.document
     dimensions = []
@@ -58,7 +58,7 @@ def english_dimensions(element: Element, findings: Findings) -> tuple[Dimension,
     return tuple(dimensions)
 
 
-def english_dimension(text: str, element: Element, findings: Findings) -> Dimension:
+def english_dimension(text: str, element: Element, findings: EddiFindings) -> Dimension:
     """Read one English text."""
     read = read_english(text)
     if read.remark is not None:
@@ -68,7 +68,7 @@ def english_dimension(text: str, element: Element, findings: Findings) -> Dimens
     return read.dimension
 
 
-def read_boolean(value: str, what: str, element: Element, findings: Findings) -> bool | None:
+def read_boolean(value: str, what: str, element: Element, findings: EddiFindings) -> bool | None:
     """Read ``true`` or ``false``; ``None`` and X011 for anything else."""
     found = _BOOLEANS.get(value.strip().casefold())
     if found is None:
@@ -76,7 +76,7 @@ def read_boolean(value: str, what: str, element: Element, findings: Findings) ->
     return found
 
 
-def _check_property_type(part: Element, findings: Findings) -> None:
+def _check_property_type(part: Element, findings: EddiFindings) -> None:
     document = findings.document
     found, problems, _ = document.targets(part, names.PROPERTY_TYPE)
     findings.add(*problems)
@@ -89,7 +89,7 @@ def _check_property_type(part: Element, findings: Findings) -> None:
             findings.error("X009", message, part)
 
 
-def _dimension(element: Element, findings: Findings) -> Dimension | None:
+def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
     stated = findings.document.class_of(element)
     allowed = "BinaryDimension, CategoricalDimension, NumericDimension"
     if not stated.name:
@@ -116,7 +116,7 @@ def _dimension(element: Element, findings: Findings) -> Dimension | None:
     return NumericDimension(kind, covered, subset, unit, place)
 
 
-def _dimension_type(element: Element, findings: Findings) -> str | None:
+def _dimension_type(element: Element, findings: EddiFindings) -> str | None:
     document = findings.document
     for child in document.children(element, names.DIMENSION_TYPE):
         kind = document.attribute(child, names.NAME)
@@ -129,7 +129,7 @@ def _dimension_type(element: Element, findings: Findings) -> str | None:
     return kind or None
 
 
-def _subset(element: Element, findings: Findings) -> Subset:
+def _subset(element: Element, findings: EddiFindings) -> Subset:
     text = findings.document.attribute(element, names.SUBSET)
     if text is None:
         message = "subset is absent, taken as Guarantee (a demand asks at most)"
@@ -142,7 +142,7 @@ def _subset(element: Element, findings: Findings) -> Subset:
     return subset or "Guarantee"
 
 
-def _range(part: Element, findings: Findings) -> Range | None:
+def _range(part: Element, findings: EddiFindings) -> Range | None:
     start = _bound(part, names.START, findings)
     end = _bound(part, names.END, findings)
     text = findings.document.attribute(part, names.INCLUSIVE)
@@ -157,7 +157,7 @@ def _range(part: Element, findings: Findings) -> Range | None:
     return Range(start, end, inclusive, findings.document.place(part))
 
 
-def _bound(part: Element, spelling: Spelling, findings: Findings) -> Bound | None:
+def _bound(part: Element, spelling: Spelling, findings: EddiFindings) -> Bound | None:
     text = _mandatory(part, spelling, findings)
     if text is None:
         return None
@@ -173,7 +173,7 @@ def _bound(part: Element, spelling: Spelling, findings: Findings) -> Bound | Non
     return None
 
 
-def _mandatory(element: Element, spelling: Spelling, findings: Findings) -> str | None:
+def _mandatory(element: Element, spelling: Spelling, findings: EddiFindings) -> str | None:
     value = findings.document.attribute(element, spelling)
     if value is None:
         owner = findings.document.describe(element)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import spelling as names
+from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.readers.spelling import Spelling, is_misprint, local_name
 from eddi_scaffold.readers.xmi import stray_texts
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Container, Mapping, Sequence
 
     from eddi_scaffold.problems import Level
-    from eddi_scaffold.readers.findings import Findings
+    from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.xmi import Element
 
 _PROPERTY_PARTS = (names.PROPERTY, names.SAFETY_PROPERTIES, names.INTEGRITY_LEVEL)
@@ -48,7 +48,7 @@ _KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
 """Feature -> what an object there may have besides the common names."""
 
 
-def check_consert_names(consert: Element, findings: Findings) -> None:
+def check_consert_names(consert: Element, findings: EddiFindings) -> None:
     """Report names below a ConSert that are misspelt or unknown, once per name and file."""
     waiting: list[tuple[Element, Spelling]] = [(consert, names.CONSERTS)]
     while waiting:
@@ -66,7 +66,7 @@ def check_consert_names(consert: Element, findings: Findings) -> None:
         waiting += reversed(found)
 
 
-def check_stray_text(parts: Sequence[Element], findings: Findings) -> None:
+def check_stray_text(parts: Sequence[Element], findings: EddiFindings) -> None:
     """Report character data around these parts of a file: between objects there should be none."""
     roots = frozenset(findings.document.roots)
     texts = [found for root in findings.document.roots for found in stray_texts(root, deep=False)]
@@ -85,7 +85,7 @@ def _top(part: Element, roots: Container[Element]) -> Element:
 
 
 def _match(
-    name: str, what: str, known: Sequence[Spelling], element: Element, findings: Findings
+    name: str, what: str, known: Sequence[Spelling], element: Element, findings: EddiFindings
 ) -> Spelling | None:
     """Return the feature that a printed name means."""
     match = next((spelling for spelling in known if spelling.accepts(name)), None)

@@ -9,12 +9,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
-from eddi_scaffold.kinds.consert.eddi import spelling as names
-from eddi_scaffold.kinds.consert.eddi.graph import read_graph
+from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.eddi.names import check_consert_names, check_stray_text
+from eddi_scaffold.kinds.consert.eddi.parts import read_parts
 from eddi_scaffold.kinds.consert.eddi.services import provided_services, required_services
 from eddi_scaffold.kinds.consert.model import ConSert
-from eddi_scaffold.readers.findings import Findings
+from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import is_misprint, local_name
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def read_eddi(
         The ConSerts without an error of the XML form, and all problems found. A file without
         ConSerts gives neither.
     """
-    findings = Findings(document)
+    findings = EddiFindings(document)
     conserts: list[ConSert] = []
     parts: list[Element] = []
     first: dict[str, Element] = {}
@@ -76,35 +76,35 @@ def consert_elements(document: EddiDocument) -> Iterator[Element]:
 
 
 def _consert(
-    element: Element, source: Source, findings: Findings
+    element: Element, source: Source, findings: EddiFindings
 ) -> tuple[ConSert | None, list[Element]]:
     """Read one ConSert; ``None`` when it has an error. Also return its services."""
     errors = findings.errors
     check_consert_names(element, findings)
-    graph = read_graph(element, findings)
-    required = required_services(element, graph, findings)
-    provided = provided_services(element, graph, findings)
+    parts = read_parts(element, findings)
+    required = required_services(element, parts, findings)
+    provided = provided_services(element, parts, findings)
     if findings.errors > errors:
-        return None, graph.services
+        return None, parts.services
     consert = ConSert(
         _name(element, source, findings.document),
-        tuple(graph.guarantees),
-        tuple(graph.demands),
-        tuple(graph.evidence),
-        tuple(graph.gates),
-        tuple(graph.edges),
+        tuple(parts.guarantees),
+        tuple(parts.demands),
+        tuple(parts.evidence),
+        tuple(parts.gates),
+        tuple(parts.edges),
         required,
         provided,
         findings.document.place(element),
     )
-    return consert, graph.services
+    return consert, parts.services
 
 
 def _name(element: Element, source: Source, document: EddiDocument) -> str:
     return document.attribute(element, names.NAME) or source.stem
 
 
-def _check_class(element: Element, findings: Findings) -> None:
+def _check_class(element: Element, findings: EddiFindings) -> None:
     package = element.getparent()
     printed = findings.document.class_of(package).printed if package is not None else ""
     if package is not None and is_misprint(local_name(printed)):
@@ -112,7 +112,7 @@ def _check_class(element: Element, findings: Findings) -> None:
         findings.count("warning", "X006", message, package)
 
 
-def _check_untyped(document: EddiDocument, findings: Findings) -> None:
+def _check_untyped(document: EddiDocument, findings: EddiFindings) -> None:
     """Refuse packages that contain ConSerts and are not declared as ConSert packages."""
     for package in document.packages():
         if not document.class_of(package).name and any(
@@ -122,7 +122,7 @@ def _check_untyped(document: EddiDocument, findings: Findings) -> None:
             findings.error("X010", message, package, "expected a ConSertPackage")
 
 
-def _count_misprints(element: Element, findings: Findings) -> None:
+def _count_misprints(element: Element, findings: EddiFindings) -> None:
     for (printed, intended), times in findings.document.references.misprints.items():
         level: Level = "warning" if is_misprint(printed) else "info"
         message = f'"{printed}" in a path is read as "{intended}"'

@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import spelling as names
-from eddi_scaffold.kinds.consert.eddi.graph import node_name
+from eddi_scaffold.kinds.consert.eddi import vocabulary as names
+from eddi_scaffold.kinds.consert.eddi.parts import node_name
 from eddi_scaffold.kinds.consert.model import ProvidedService, RequiredService
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from eddi_scaffold.kinds.consert.eddi.graph import Graph
-    from eddi_scaffold.readers.findings import Findings
+    from eddi_scaffold.kinds.consert.eddi.parts import ConSertParts
+    from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
 
 
 def required_services(
-    consert: Element, graph: Graph, findings: Findings
+    consert: Element, parts: ConSertParts, findings: EddiFindings
 ) -> tuple[RequiredService, ...]:
     """Return the services that the demands need, in the order of their first use."""
     demands = findings.document.children(consert, names.DEMANDS)
-    members = _referred(demands, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES, graph, findings)
-    members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, graph, findings)
-    graph.services += members
+    members = _referred(demands, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES, parts, findings)
+    members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, parts, findings)
+    parts.services += members
     return tuple(
         RequiredService(name, kind, tuple(ids), findings.document.place(service))
         for service, ids in members.items()
@@ -33,14 +33,14 @@ def required_services(
 
 
 def provided_services(
-    consert: Element, graph: Graph, findings: Findings
+    consert: Element, parts: ConSertParts, findings: EddiFindings
 ) -> tuple[ProvidedService, ...]:
     """Return the services that the guarantees provide, in the order of their first use."""
     guarantees = findings.document.children(consert, names.GUARANTEES)
     wanted = names.PROVIDED_SERVICES
-    members = _referred(guarantees, names.PROVIDED_SERVICE, wanted, graph, findings)
-    members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, graph, findings)
-    graph.services += members
+    members = _referred(guarantees, names.PROVIDED_SERVICE, wanted, parts, findings)
+    members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, parts, findings)
+    parts.services += members
     return tuple(
         ProvidedService(name, kind, tuple(ids), findings.document.place(service))
         for service, ids in members.items()
@@ -49,7 +49,11 @@ def provided_services(
 
 
 def _referred(
-    elements: Iterable[Element], link: Spelling, wanted: Spelling, graph: Graph, findings: Findings
+    elements: Iterable[Element],
+    link: Spelling,
+    wanted: Spelling,
+    parts: ConSertParts,
+    findings: EddiFindings,
 ) -> dict[Element, list[str]]:
     """Return the services that elements refer to, with the ids of these elements."""
     members: dict[Element, list[str]] = {}
@@ -61,13 +65,13 @@ def _referred(
                 shown = findings.document.describe(service)
                 message = f"{link.name} points at {shown}, expected one of {wanted.name}"
                 findings.error("X009", message, element)
-            elif element in graph.ids:
-                members.setdefault(service, []).append(graph.ids[element])
+            elif element in parts.ids:
+                members.setdefault(service, []).append(parts.ids[element])
     return members
 
 
 def _listed(
-    consert: Element, feature: Spelling, link: Spelling, graph: Graph, findings: Findings
+    consert: Element, feature: Spelling, link: Spelling, parts: ConSertParts, findings: EddiFindings
 ) -> dict[Element, list[str]]:
     """Return the services of the configuration around a ConSert, with the ids that they list."""
     configuration = consert.getparent()
@@ -80,8 +84,8 @@ def _listed(
         findings.add(*problems)
         members[service] = []
         for end in found:
-            if end in graph.ids and link.accepts(document.feature(end)):
-                members[service].append(graph.ids[end])
+            if end in parts.ids and link.accepts(document.feature(end)):
+                members[service].append(parts.ids[end])
             elif end.getparent() is not consert or not link.accepts(document.feature(end)):
                 message = (
                     f"{link.name} points at {document.describe(end)}, expected one of "
@@ -91,7 +95,7 @@ def _listed(
     return members
 
 
-def _service_type(service: Element, findings: Findings) -> str | None:
+def _service_type(service: Element, findings: EddiFindings) -> str | None:
     for child in findings.document.children(service, names.SERVICE_TYPE):
         kind = findings.document.attribute(child, names.NAME)
         if kind:

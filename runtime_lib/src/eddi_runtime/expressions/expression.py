@@ -44,7 +44,7 @@ class InputExpression:
     """
 
     def __init__(self, document: Mapping[str, Any]) -> None:
-        """Compile what ``eddi_scaffold.language.inputs`` made.
+        """Compile what ``eddi_scaffold.language.input_expressions`` made.
 
         Raises:
             ModelError: the document is damaged.

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import PackageAnswers, Platform, Templates, Workspace
 from eddi_scaffold.problems import Problem
 
 _TEMPLATES = Templates("robot", ("fleet",))
 
 
-def _monitor(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
+def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers = shared_answers(monitor, _TEMPLATES.monitor) | {"colour": "red"}
     return PackageAnswers(monitor.package, answers), []
 

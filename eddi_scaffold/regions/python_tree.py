@@ -11,8 +11,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.document import placeholder_id, split_lines
 from eddi_scaffold.regions.formatting import framed
+from eddi_scaffold.regions.marked_file import placeholder_id, split_lines
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_shallow
 
@@ -33,7 +33,7 @@ class Leaf:
 
 
 @dataclass(frozen=True)
-class Group:
+class ClassBlock:
     """A class.
 
     Attributes:
@@ -44,7 +44,7 @@ class Group:
 
     key: str
     header: tuple[str, ...]
-    items: tuple[Leaf | Group, ...]
+    items: tuple[Leaf | ClassBlock, ...]
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -52,7 +52,7 @@ class Group:
         return self.header + tuple(line for item in self.items for line in item.lines)
 
 
-Item = Leaf | Group
+Item = Leaf | ClassBlock
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def split(lines: Sequence[str]) -> tuple[Item, ...]:
     return tuple(_numbered(_block(parse_shallow(text).body, lines, 0, len(lines))))
 
 
-def split_function(lines: Sequence[str]) -> Group | None:
+def split_function(lines: Sequence[str]) -> ClassBlock | None:
     """Return the statements of one function, ``None`` where control flow decides their order."""
     text = framed(lines)
     shown = split_lines(text)
@@ -96,7 +96,7 @@ def split_function(lines: Sequence[str]) -> Group | None:
     offset = len(shown) - len(lines)
     first = _above(shown, node.body[0].lineno - 1)
     members = tuple(_numbered(_block(node.body, shown, first, len(shown))))
-    return Group(f"def {node.name}", tuple(shown[offset:first]), members)
+    return ClassBlock(f"def {node.name}", tuple(shown[offset:first]), members)
 
 
 def _numbered(items: list[Item]) -> Iterator[Item]:
@@ -105,7 +105,9 @@ def _numbered(items: list[Item]) -> Iterator[Item]:
         seen[item.key] += 1
         key = item.key if seen[item.key] == 1 else f"{item.key} #{seen[item.key]}"
         yield (
-            Leaf(key, item.lines) if isinstance(item, Leaf) else Group(key, item.header, item.items)
+            Leaf(key, item.lines)
+            if isinstance(item, Leaf)
+            else ClassBlock(key, item.header, item.items)
         )
 
 
@@ -156,7 +158,7 @@ def _item(span: _Span, lines: Sequence[str], start: int, stop: int) -> Item:
         return Leaf(key, tuple(lines[start:stop]))
     first = _above(lines, next(_spans(node.body)).start)
     members = tuple(_numbered(_block(node.body, lines, first, stop)))
-    return Group(key, tuple(lines[start:first]), members)
+    return ClassBlock(key, tuple(lines[start:first]), members)
 
 
 def _above(lines: Sequence[str], first: int) -> int:

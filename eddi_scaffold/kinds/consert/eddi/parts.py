@@ -1,11 +1,11 @@
-"""The graph of one ConSert in EDDI XML: its nodes, edges and invariant."""
+"""The parts of one ConSert in EDDI XML: its nodes, edges and invariant."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import spelling as names
+from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.eddi.dimensions import (
     english_dimension,
     english_dimensions,
@@ -23,7 +23,7 @@ from eddi_scaffold.kinds.consert.model import (
 )
 
 if TYPE_CHECKING:
-    from eddi_scaffold.readers.findings import Findings
+    from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
 
@@ -33,7 +33,7 @@ _FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
 
 
 @dataclass
-class Graph:
+class ConSertParts:
     """What was read of one ConSert.
 
     Attributes:
@@ -50,20 +50,20 @@ class Graph:
     services: list[Element] = field(default_factory=list)
 
 
-def read_graph(consert: Element, findings: Findings) -> Graph:
+def read_parts(consert: Element, findings: EddiFindings) -> ConSertParts:
     """Read nodes and edges of a ``conSerts`` or ``conSert`` element."""
-    graph = Graph()
+    parts = ConSertParts()
     invariants = findings.document.children(consert, names.INVARIANT)
-    if _read_nodes(consert, graph, findings):
+    if _read_nodes(consert, parts, findings):
         for element in invariants:
-            _gate(element, graph, findings, name="Invariant")
-        _read_edges(consert, graph, findings)
+            _gate(element, parts, findings, name="Invariant")
+        _read_edges(consert, parts, findings)
         for element in invariants:
-            _apply_invariant(element, graph, findings)
-    return graph
+            _apply_invariant(element, parts, findings)
+    return parts
 
 
-def _read_nodes(consert: Element, graph: Graph, findings: Findings) -> bool:
+def _read_nodes(consert: Element, parts: ConSertParts, findings: EddiFindings) -> bool:
     """Read evidence, demands, gates and guarantees, unless there are too many."""
     readers = {
         names.GUARANTEES: _guarantee,
@@ -79,25 +79,25 @@ def _read_nodes(consert: Element, graph: Graph, findings: Findings) -> bool:
         return False
     for reader, elements in groups:
         for element in elements:
-            reader(element, graph, findings)
+            reader(element, parts, findings)
     return True
 
 
-def _read_edges(consert: Element, graph: Graph, findings: Findings) -> None:
+def _read_edges(consert: Element, parts: ConSertParts, findings: EddiFindings) -> None:
     """Read an edge from each source to each target of each propagation, unless too many."""
     for element in findings.document.children(consert, names.PROPAGATIONS):
-        sources = _ends(element, names.SOURCE, consert, graph, findings)
-        targets = _ends(element, names.TARGET, consert, graph, findings)
-        total = len(graph.edges) + len(sources) * len(targets)
+        sources = _ends(element, names.SOURCE, consert, parts, findings)
+        targets = _ends(element, names.TARGET, consert, parts, findings)
+        total = len(parts.edges) + len(sources) * len(targets)
         if total > MAX_EDGES:
             message = f"the number of edges is {total}, more than the limit of {MAX_EDGES}"
             findings.error("X003", message, element, "split the ConSert")
             return
         place = findings.document.place(element)
-        graph.edges += [Propagation(s, t, place) for s in sources for t in targets]
+        parts.edges += [Propagation(s, t, place) for s in sources for t in targets]
 
 
-def node_name(element: Element, findings: Findings) -> str | None:
+def node_name(element: Element, findings: EddiFindings) -> str | None:
     """Return the name of an element that needs one; X010 when it has none."""
     name = findings.document.attribute(element, names.NAME)
     if not name:
@@ -106,45 +106,45 @@ def node_name(element: Element, findings: Findings) -> str | None:
     return name or None
 
 
-def description_of(element: Element, findings: Findings) -> str | None:
+def description_of(element: Element, findings: EddiFindings) -> str | None:
     """Return the description, ``None`` when it is absent or empty."""
     return findings.document.attribute(element, names.DESCRIPTION) or None
 
 
-def _dimensions(element: Element, findings: Findings) -> tuple[Dimension, ...]:
+def _dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
     return sesame_dimensions(element, findings) + english_dimensions(element, findings)
 
 
-def _guarantee(element: Element, graph: Graph, findings: Findings) -> None:
+def _guarantee(element: Element, parts: ConSertParts, findings: EddiFindings) -> None:
     name = node_name(element, findings)
     dimensions = _dimensions(element, findings)
     default = _boolean(element, names.DEFAULT, findings)
     ranking = _integer(element, names.RANKING, findings)
     if name is None:
         return
-    graph.ids[element] = name
+    parts.ids[element] = name
     place = findings.document.place(element)
     description = description_of(element, findings)
-    graph.guarantees.append(Guarantee(name, dimensions, description, default, ranking, place))
+    parts.guarantees.append(Guarantee(name, dimensions, description, default, ranking, place))
 
 
-def _demand(element: Element, graph: Graph, findings: Findings) -> None:
+def _demand(element: Element, parts: ConSertParts, findings: EddiFindings) -> None:
     name = node_name(element, findings)
     dimensions = _dimensions(element, findings)
     if name is None:
         return
-    graph.ids[element] = name
+    parts.ids[element] = name
     place = findings.document.place(element)
-    graph.demands.append(Demand(name, dimensions, description_of(element, findings), place))
+    parts.demands.append(Demand(name, dimensions, description_of(element, findings), place))
 
 
-def _evidence(element: Element, graph: Graph, findings: Findings) -> None:
+def _evidence(element: Element, parts: ConSertParts, findings: EddiFindings) -> None:
     errors = findings.errors
     name = node_name(element, findings)
     dimensions = _dimensions(element, findings) or _described(element, findings)
     if name is None:
         return
-    graph.ids[element] = name
+    parts.ids[element] = name
     if len(dimensions) != 1:
         # A dimension with an error of its own is not missing.
         if dimensions or findings.errors == errors:
@@ -154,10 +154,10 @@ def _evidence(element: Element, graph: Graph, findings: Findings) -> None:
         return
     place = findings.document.place(element)
     description = description_of(element, findings)
-    graph.evidence.append(Evidence(name, dimensions[0], description, place))
+    parts.evidence.append(Evidence(name, dimensions[0], description, place))
 
 
-def _described(element: Element, findings: Findings) -> tuple[Dimension, ...]:
+def _described(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
     """Read the English description of evidence: only the older dialect has its dimension there."""
     if not is_older(element, findings):
         return ()
@@ -169,14 +169,16 @@ def _described(element: Element, findings: Findings) -> tuple[Dimension, ...]:
     return (english_dimension(text, element, findings),) if text.strip() else ()
 
 
-def is_older(part: Element, findings: Findings) -> bool:
+def is_older(part: Element, findings: EddiFindings) -> bool:
     """Return whether a part of a ConSert is of the older dialect: ``configurations / conSert``."""
     consert = part.getparent()
     owner = consert.getparent() if consert is not None else None
     return owner is not None and names.CONFIGURATIONS.accepts(findings.document.feature(owner))
 
 
-def _gate(element: Element, graph: Graph, findings: Findings, name: str | None = None) -> None:
+def _gate(
+    element: Element, parts: ConSertParts, findings: EddiFindings, name: str | None = None
+) -> None:
     document = findings.document
     id_ = document.attribute(element, names.NAME) or name or node_name(element, findings)
     text = document.attribute(element, names.GATE_TYPE)
@@ -187,12 +189,16 @@ def _gate(element: Element, graph: Graph, findings: Findings, name: str | None =
         findings.error("X011", f"{message}, allowed: AND, OR", element)
     if id_ is None or function is None:
         return
-    graph.ids[element] = id_
-    graph.gates.append(Gate(id_, "Or" if function == "Or" else "And", document.place(element)))
+    parts.ids[element] = id_
+    parts.gates.append(Gate(id_, "Or" if function == "Or" else "And", document.place(element)))
 
 
 def _ends(
-    element: Element, spelling: Spelling, consert: Element, graph: Graph, findings: Findings
+    element: Element,
+    spelling: Spelling,
+    consert: Element,
+    parts: ConSertParts,
+    findings: EddiFindings,
 ) -> list[str]:
     found, problems, present = findings.document.targets(element, spelling)
     findings.add(*problems)
@@ -201,20 +207,20 @@ def _ends(
         findings.error("X010", f'the attribute "{spelling.name}" of {kind} is missing', element)
     ids = []
     for end in found:
-        if end in graph.ids:
-            ids.append(graph.ids[end])
+        if end in parts.ids:
+            ids.append(parts.ids[end])
         elif end.getparent() is not consert or not _is_node(end, findings):
             _wrong_end(element, spelling, end, findings)
     return ids
 
 
-def _is_node(end: Element, findings: Findings) -> bool:
+def _is_node(end: Element, findings: EddiFindings) -> bool:
     feature = findings.document.feature(end)
     parts = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
     return any(part.accepts(feature) for part in parts)
 
 
-def _wrong_end(element: Element, spelling: Spelling, end: Element, findings: Findings) -> None:
+def _wrong_end(element: Element, spelling: Spelling, end: Element, findings: EddiFindings) -> None:
     hint = None
     if _is_node(end, findings):
         where = "of another ConSert"
@@ -228,32 +234,32 @@ def _wrong_end(element: Element, spelling: Spelling, end: Element, findings: Fin
     findings.error("X009", message, element, hint)
 
 
-def _apply_invariant(element: Element, graph: Graph, findings: Findings) -> None:
+def _apply_invariant(element: Element, parts: ConSertParts, findings: EddiFindings) -> None:
     """Let the invariant support every guarantee that has support: no invariant, no guarantee."""
-    id_ = graph.ids.get(element)
+    id_ = parts.ids.get(element)
     if id_ is None:
         return
-    supported = {edge.target for edge in graph.edges}
+    supported = {edge.target for edge in parts.edges}
     if id_ not in supported:
-        graph.gates = [gate for gate in graph.gates if gate.id != id_]
+        parts.gates = [gate for gate in parts.gates if gate.id != id_]
         message = f'the invariant "{id_}" has no input, it is ignored'
         findings.warning("X006", message, element)
         return
     place = findings.document.place(element)
-    guarded = [g.id for g in graph.guarantees if not g.default and g.id in supported]
-    graph.edges += [Propagation(id_, target, place) for target in guarded]
+    guarded = [g.id for g in parts.guarantees if not g.default and g.id in supported]
+    parts.edges += [Propagation(id_, target, place) for target in guarded]
     message = f'the invariant "{id_}" is read as an input of every guarantee'
     findings.count("info", "X006", message, element)
 
 
-def _boolean(element: Element, spelling: Spelling, findings: Findings) -> bool:
+def _boolean(element: Element, spelling: Spelling, findings: EddiFindings) -> bool:
     text = findings.document.attribute(element, spelling)
     if text is None:
         return False
     return read_boolean(text, spelling.name, element, findings) or False
 
 
-def _integer(element: Element, spelling: Spelling, findings: Findings) -> int | None:
+def _integer(element: Element, spelling: Spelling, findings: EddiFindings) -> int | None:
     text = findings.document.attribute(element, spelling)
     if text is None:
         return None

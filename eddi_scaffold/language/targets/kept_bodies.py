@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.document import Document, parse
+from eddi_scaffold.regions.marked_file import MarkedFile, parse
 from eddi_scaffold.regions.markers import Style, begin_marker, end_marker
 from eddi_scaffold.source import read_source
 
@@ -76,7 +76,7 @@ def keep_regions(new: str, old: str, name: str) -> Kept:
     return Kept(_HASH_MARKER.sub(r"\1// ", "".join(parts)), lost)
 
 
-def _parsed(text: str, name: str) -> Document:
+def _parsed(text: str, name: str) -> MarkedFile:
     document, faults = parse(_C_MARKER.sub(r"\1#  ", text))
     if faults:
         message = "the markers of its editable regions are broken"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eddi_scaffold.language.scope import BOOL, NUMBER, Scope, Type, Variable
 from eddi_scaffold.language.signatures import arguments_of, result_of
-from eddi_scaffold.language.syntax import File, Node
+from eddi_scaffold.language.syntax import File, SyntaxNode
 
 
 def infer_types(file: File, scope: Scope) -> None:
@@ -47,7 +47,7 @@ class _Inference:
             found = self._type.get(self._root(name))
             self._scope.variables[name] = Variable(name, found, declared=False)
 
-    def _same(self, left: Node, right: Node) -> None:
+    def _same(self, left: SyntaxNode, right: SyntaxNode) -> None:
         left_open, right_open = self._is_open(left), self._is_open(right)
         if left_open and right_open:
             one, other = self._root(left.text), self._root(right.text)
@@ -61,11 +61,11 @@ class _Inference:
             if found is not None:
                 self._set(name, found)
 
-    def _set(self, node: Node, type_: Type) -> None:
+    def _set(self, node: SyntaxNode, type_: Type) -> None:
         if self._is_open(node):
             self._type.setdefault(self._root(node.text), type_)
 
-    def _is_open(self, node: Node) -> bool:
+    def _is_open(self, node: SyntaxNode) -> bool:
         return node.op == "name" and node.text in self._parent
 
     def _root(self, name: str) -> str:
@@ -74,7 +74,7 @@ class _Inference:
             name = self._parent[name]
         return name
 
-    def _known(self, node: Node) -> Type | None:
+    def _known(self, node: SyntaxNode) -> Type | None:
         """Return the type of a node that is no open name."""
         if node.op == "name":
             return self._scope.type_of(node.text)

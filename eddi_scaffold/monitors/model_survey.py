@@ -13,8 +13,8 @@ from eddi_scaffold.monitors.loading import is_config, is_mros, read_models
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.as_json import failure_json, model_json, system_json
 from eddi_scaffold.mros.as_tree import model_tree, system_tree
-from eddi_scaffold.mros.definitions import noticed
 from eddi_scaffold.mros.directory import problem_of
+from eddi_scaffold.mros.interface_definitions import noticed
 from eddi_scaffold.problems import EddiError, Problem
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml

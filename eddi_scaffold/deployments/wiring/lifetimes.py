@@ -18,7 +18,7 @@ from eddi_scaffold.kinds import JsonValue
 
 
 @dataclass(frozen=True)
-class Bound:
+class ClaimLifetime:
     """When a claim goes away at the latest after a source fell silent.
 
     Attributes:
@@ -55,7 +55,7 @@ _Times = dict[str, tuple[float, float]]
 """Source -> bound while all monitors live, and bound whatever dies."""
 
 
-def bounds(participants: Sequence[Participant]) -> list[Bound]:
+def bounds(participants: Sequence[Participant]) -> list[ClaimLifetime]:
     """Return the bounds of all claims, in the order of the participants; claims have no ring."""
     support = supports(participants)
     owners = {one.claim(output): (one, output) for one in participants for output in one.outputs}
@@ -65,7 +65,7 @@ def bounds(participants: Sequence[Participant]) -> list[Bound]:
         one, output = owners[claim]
         known[claim] = _times(one, output, published, known, support[claim])
     return [
-        Bound(claim, source, *times)
+        ClaimLifetime(claim, source, *times)
         for claim in owners
         for source, times in sorted(known.get(claim, {}).items())
     ]

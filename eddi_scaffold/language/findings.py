@@ -16,7 +16,7 @@ EXPRESSION = "<expression>"
 MAX_FINDINGS = 100
 
 
-class Findings:
+class TextFindings:
     """Collects what is wrong with one text.
 
     Attributes:

@@ -7,12 +7,12 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.regions.bodies import is_empty, same_body
-from eddi_scaffold.regions.document import Document, Region
+from eddi_scaffold.regions.marked_file import MarkedFile, Region
 from eddi_scaffold.regions.result import Note, Orphan
 
 
 @dataclass(frozen=True)
-class Claim:
+class Placement:
     """The body of one region of the new text.
 
     Attributes:
@@ -31,7 +31,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Claims:
+class Placements:
     """All bodies of a file.
 
     Attributes:
@@ -41,13 +41,13 @@ class Claims:
         notes: what to report.
     """
 
-    by_id: Mapping[str, Claim]
+    by_id: Mapping[str, Placement]
     orphans: tuple[Orphan, ...]
     taken: tuple[Orphan, ...]
     notes: tuple[Note, ...]
 
 
-def adopt_ids(document: Document, theirs: Document) -> Document:
+def adopt_ids(document: MarkedFile, theirs: MarkedFile) -> MarkedFile:
     """Give regions without id the id of the one region in the same function of ``theirs``."""
     counted = Counter(region.function for region in theirs.regions.values())
     known = {
@@ -56,7 +56,7 @@ def adopt_ids(document: Document, theirs: Document) -> Document:
         if region.function and counted[region.function] == 1
     }
     present = set(document.regions)
-    return Document(
+    return MarkedFile(
         tuple(
             replace(part, id=known[part.function])
             if isinstance(part, Region)
@@ -71,11 +71,11 @@ def adopt_ids(document: Document, theirs: Document) -> Document:
 
 def claim_bodies(
     path: str,
-    base: Document | None,
-    mine: Document | None,
-    theirs: Document,
+    base: MarkedFile | None,
+    mine: MarkedFile | None,
+    theirs: MarkedFile,
     orphans: Sequence[Orphan],
-) -> Claims:
+) -> Placements:
     """Decide for each region of the new text whose body it gets."""
     old = base.regions if base else {}
     own = mine.regions if mine else {}
@@ -85,7 +85,7 @@ def claim_bodies(
         for region in own.values()
         if not _untouched(region, old.get(region.id), new.get(region.id))
     }
-    claims: dict[str, Claim] = {}
+    claims: dict[str, Placement] = {}
     claimed: set[str] = set()
     taken: list[Orphan] = []
     notes: list[Note] = []
@@ -98,7 +98,7 @@ def claim_bodies(
             # A marker that lost its whole comment still means what the base has; one with an id
             # but no signature was never looked at (an adopted package).
             sig = source.sig if source.explicit or before is None else before.sig
-            claim = Claim(region, source.body, sig, source.indent, edited=True)
+            claim = Placement(region, source.body, sig, source.indent, edited=True)
             notes.extend(_report_changes(path, claim, source, old.get(region.id)))
         else:
             # A region that is no news and holds the default was emptied by the person on purpose.
@@ -106,9 +106,9 @@ def claim_bodies(
             names = [*([region.id] if news else ()), *(former if base else ())]
             saved = _saved(names, [o for o in orphans if o not in taken])
             if saved is None:
-                claim = Claim(region, region.body, region.sig, region.indent, edited=False)
+                claim = Placement(region, region.body, region.sig, region.indent, edited=False)
             else:
-                claim = Claim(region, saved.body, saved.sig, saved.indent, edited=True)
+                claim = Placement(region, saved.body, saved.sig, saved.indent, edited=True)
                 text = f"the saved body of region {saved.id!r} is back in region {region.id!r}"
                 notes.append(Note(path, None, text, attention=False))
                 taken.append(saved)
@@ -124,7 +124,7 @@ def claim_bodies(
         Note(path, own[o.id].line, f"region {o.id!r} is gone; its body is saved in .eddi/orphans")
         for o in lost
     )
-    return Claims(claims, lost, tuple(taken), tuple(notes))
+    return Placements(claims, lost, tuple(taken), tuple(notes))
 
 
 def _untouched(region: Region, before: Region | None, after: Region | None) -> bool:
@@ -132,7 +132,7 @@ def _untouched(region: Region, before: Region | None, after: Region | None) -> b
 
 
 def _former_ids(
-    region: Region, base: Document | None, own: Mapping[str, Region], new: Mapping[str, Region]
+    region: Region, base: MarkedFile | None, own: Mapping[str, Region], new: Mapping[str, Region]
 ) -> list[str]:
     """Return the former ids that are news; an old declaration must not catch another element.
 
@@ -161,12 +161,12 @@ def _saved(names: Iterable[str], orphans: Sequence[Orphan]) -> Orphan | None:
     return None
 
 
-def _is_restored(orphan: Orphan, claim: Claim | None) -> bool:
+def _is_restored(orphan: Orphan, claim: Placement | None) -> bool:
     return claim is not None and claim.edited and same_body(orphan.body, claim.body)
 
 
 def _report_changes(
-    path: str, claim: Claim, source: Region | None, before: Region | None
+    path: str, claim: Placement, source: Region | None, before: Region | None
 ) -> list[Note]:
     region, line = claim.region, source.line if source else None
     notes = []

@@ -11,7 +11,7 @@ from eddi_scaffold.config.schema import Config, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
-from eddi_scaffold.monitors.binding import Monitor
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1 import templates
@@ -23,7 +23,7 @@ _RELEASE = ".".join(__version__.split(".")[:3])
 """Version of the packages that all monitors share: they come with the generator."""
 
 
-def monitor_answers(monitor: Monitor) -> tuple[PackageAnswers, list[Problem]]:
+def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     """Return the answers of one monitor package; the configuration is there (``needs_config``)."""
     assert monitor.config is not None, "the ros1 platform needs a configuration"
     config = monitor.config.config
@@ -101,11 +101,11 @@ def support_answers(monitors: Sequence[str], config: Config | None) -> list[Pack
     ]
 
 
-def _used(monitor: Monitor, source_id: str) -> bool:
+def _used(monitor: BoundMonitor, source_id: str) -> bool:
     return any(source_id == source.id for binding in monitor.inputs for source in binding.requires)
 
 
-def _takes_every(monitor: Monitor, source_id: str) -> bool:
+def _takes_every(monitor: BoundMonitor, source_id: str) -> bool:
     """Return whether some input takes every message of this topic, not the latest one."""
     return any(
         binding.model.every_message and binding.requires[:1] and binding.requires[0].id == source_id
@@ -113,7 +113,7 @@ def _takes_every(monitor: Monitor, source_id: str) -> bool:
     )
 
 
-def _subscribed(monitor: Monitor) -> Iterable[SimulatorOutput]:
+def _subscribed(monitor: BoundMonitor) -> Iterable[SimulatorOutput]:
     """Return the simulator outputs that an input requires, in the order of the configuration."""
     assert monitor.config is not None
     seen: set[str] = set()
@@ -151,7 +151,7 @@ def _imports(classes: dict[str, str]) -> list[str]:
 
 
 def _check(
-    monitor: Monitor, config: ConfigFile, published: Sequence[Publication]
+    monitor: BoundMonitor, config: ConfigFile, published: Sequence[Publication]
 ) -> Iterable[Problem]:
     """Find outputs that are missing, heard by their own monitor, or of two types on one topic.
 

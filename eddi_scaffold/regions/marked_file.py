@@ -61,7 +61,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Document:
+class MarkedFile:
     """A file split at its markers.
 
     Attributes:
@@ -108,7 +108,7 @@ def split_lines(text: str) -> list[str]:
     return [*ends, lines[-1]] if lines[-1] else ends
 
 
-def parse(text: str) -> tuple[Document, list[Fault]]:
+def parse(text: str) -> tuple[MarkedFile, list[Fault]]:
     """Split a file's text at its markers.
 
     Returns:
@@ -119,7 +119,7 @@ def parse(text: str) -> tuple[Document, list[Fault]]:
 
 
 @lru_cache(maxsize=32)  # a sync looks at a rendering and a person's text several times
-def _parsed(text: str) -> tuple[Document, tuple[Fault, ...]]:
+def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     lines = split_lines(text)
     faults: list[Fault] = []
     parts: list[str | Region] = []
@@ -152,7 +152,7 @@ def _parsed(text: str) -> tuple[Document, tuple[Fault, ...]]:
             Fault(begin.line, "the region has no end marker; put it back below the hand code")
         )
     faults.extend(_duplicates(parts))
-    return Document(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
+    return MarkedFile(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
 
 
 def _nested(outer: Marker, inner: Marker) -> Fault:

@@ -7,10 +7,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.mros.model import MISSPELT_KEY, Interface, Kind, Model, Node, Notice, System
+from eddi_scaffold.mros.model import (
+    MISSPELT_KEY,
+    Interface,
+    InterfaceKind,
+    Notice,
+    RosModel,
+    RosNode,
+    System,
+)
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
-WORDS: dict[Kind, str] = {
+WORDS: dict[InterfaceKind, str] = {
     "publisher": "a publisher",
     "subscriber": "a subscriber",
     "serviceserver": "a service server",
@@ -21,7 +29,7 @@ WORDS: dict[Kind, str] = {
 
 
 @dataclass(frozen=True)
-class ModelFile:
+class NodeModelFile:
     """One readable file of node models.
 
     Attributes:
@@ -29,7 +37,7 @@ class ModelFile:
     """
 
     file: str
-    model: Model
+    model: RosModel
 
 
 @dataclass(frozen=True)
@@ -55,7 +63,7 @@ class Models:
         problems: of the files, which may be readable all the same.
     """
 
-    files: tuple[ModelFile, ...]
+    files: tuple[NodeModelFile, ...]
     systems: tuple[SystemFile, ...] = ()
     skipped: tuple[str, ...] = ()
     problems: tuple[Problem, ...] = ()
@@ -73,7 +81,7 @@ class NodeModel:
     file: str
     package: str
     artifact: str
-    node: Node
+    node: RosNode
 
 
 @dataclass(frozen=True)
@@ -85,7 +93,7 @@ class Definition:
 
 
 @dataclass(frozen=True)
-class Reference:
+class InterfaceReference:
     """What a system declares about where an interface is defined.
 
     Attributes:
@@ -98,7 +106,7 @@ class Reference:
     interface: str
 
     @classmethod
-    def parse(cls, text: str) -> Reference | None:
+    def parse(cls, text: str) -> InterfaceReference | None:
         """Parse ``artifact::interface`` or ``package.artifact.node.interface``."""
         artifact, colons, interface = text.partition("::")
         if colons and artifact and interface:
@@ -117,7 +125,7 @@ class Reference:
 class Definitions:
     """All nodes and interfaces of some files, found by name."""
 
-    def __init__(self, files: Iterable[ModelFile], skipped: Sequence[str] = ()) -> None:
+    def __init__(self, files: Iterable[NodeModelFile], skipped: Sequence[str] = ()) -> None:
         self._skipped = skipped
         self._nodes: dict[tuple[str, str], list[NodeModel]] = defaultdict(list)
         self._by_artifact: dict[str, list[NodeModel]] = defaultdict(list)
@@ -133,7 +141,7 @@ class Definitions:
         """Return the models of a node, in reading order."""
         return self._nodes.get((package, node), ())
 
-    def find(self, reference: Reference, kind: Kind) -> list[Definition]:
+    def find(self, reference: InterfaceReference, kind: InterfaceKind) -> list[Definition]:
         """Return the definitions that a reference can mean, in reading order."""
         return [
             Definition(model, interface)
@@ -143,7 +151,7 @@ class Definitions:
             if interface.kind == kind and interface.name == reference.interface
         ]
 
-    def reason(self, reference: Reference, kind: Kind) -> tuple[str, str | None]:
+    def reason(self, reference: InterfaceReference, kind: InterfaceKind) -> tuple[str, str | None]:
         """Explain why a reference finds nothing: message and hint."""
         named = [
             model
@@ -184,7 +192,7 @@ class Definitions:
         near = did_you_mean(wanted, known)
         return f"{near} ({skipped})" if near and skipped else near or skipped
 
-    def _no_node(self, reference: Reference) -> tuple[str, str | None]:
+    def _no_node(self, reference: InterfaceReference) -> tuple[str, str | None]:
         every = self._every_node()
         if reference.package:
             wanted = f"{reference.package}.{reference.artifact}.{reference.node}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from eddi_scaffold.language.analysis import Analysis, analyse
-from eddi_scaffold.language.diagnostics import Locate
+from eddi_scaffold.language.findings import Locate
 from eddi_scaffold.language.scope import Variable
 from eddi_scaffold.problems import Problem, error, has_errors
 
