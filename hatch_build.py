@@ -14,6 +14,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from hatchling.builders.config import BuilderConfig
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))  # nothing of ours is installed while it is built
@@ -30,7 +31,7 @@ PATHS = (
 BUNDLE = "templates.bundle"
 
 
-class TemplateBundle(BuildHookInterface):  # type: ignore[type-arg]
+class TemplateBundle(BuildHookInterface[BuilderConfig]):
     """Build hook of hatchling for wheel and sdist."""
 
     PLUGIN_NAME = "custom"

@@ -6,12 +6,11 @@ codes, places and hints. What this module exports is public and changes only wit
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.kinds import Model, Reading
+from eddi_scaffold.kinds import JsonValue, Model, Reading
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
@@ -103,7 +102,7 @@ def generate(
 
 def run(
     recording: Path, model: Path | None = None, config: Path | None = None
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Mapping[str, JsonValue]]:
     """Run one monitor on recorded inputs, with the steps of its node; hand-written code is not run.
 
     Args:

@@ -6,7 +6,6 @@ import ast
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold.adopting.expected import foreign
 from eddi_scaffold.adopting.modules import Body, ParsedModule, whole_body
@@ -35,7 +34,7 @@ class Adoption:
 
     old: OldPackage
     model: Model
-    kind: Kind[Any]
+    kind: Kind[Model]
     model_file: Path
     wiring: Wiring
     bodies: tuple[Orphan, ...]
@@ -106,7 +105,7 @@ def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path,
     raise EddiError(error("A004", message, Place(str(old.folder)), hint))
 
 
-def _fitting(wiring: Wiring, model: Model, kind: Kind[Any]) -> Wiring:
+def _fitting(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
     """Leave out inputs that the model does not have, and defaults that would be good evidence."""
     declared = tuple(
         DeclaredInput(one.id, None, None, one.default, model.place) for one in wiring.inputs
@@ -127,7 +126,7 @@ def _fitting(wiring: Wiring, model: Model, kind: Kind[Any]) -> Wiring:
     return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))
 
 
-def _names(model: Model, kind: Kind[Any], region: str) -> dict[str, str]:
+def _names(model: Model, kind: Kind[Model], region: str) -> dict[str, str]:
     """Return name in Python -> id of the region's element: the name itself, then its identifier."""
     if region == "input":
         return {}

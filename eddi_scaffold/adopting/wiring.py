@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from types import EllipsisType
 
 from eddi_scaffold.adopting.modules import ParsedModule
 from eddi_scaffold.kinds import JsonValue
@@ -190,11 +191,12 @@ def _required(module: ParsedModule) -> Iterator[tuple[str, tuple[str, ...]]]:
                 yield name.removeprefix("process_"), tuple(k for k in keys if isinstance(k, str))
 
 
-def _constant(node: ast.expr) -> JsonValue:
+def _constant(node: ast.expr) -> JsonValue | bytes | EllipsisType:
     try:
-        return ast.literal_eval(node)
+        found: JsonValue | bytes | EllipsisType = ast.literal_eval(node)
     except (ValueError, TypeError, MemoryError, RecursionError):
         return None
+    return found
 
 
 def _name_of(node: ast.AST) -> str:

@@ -25,6 +25,7 @@ def compose(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
+    from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.problems import EddiError, error
 
@@ -33,11 +34,11 @@ def compose(
         label, separator, file = argument.partition("=")
         named = bool(separator) and not Path(argument).exists()
         reading = checked_models(Path(file if named else argument), default_guarantee or ())
-        found = [model for model in reading.models if model.kind == "consert"]
+        found = [(one.name, one.data) for one in reading.models if isinstance(one.data, ConSert)]
         if named and len(found) != 1:
             message = f"{file} holds {len(found)} ConSerts, `NAME=` can name only one"
             raise EddiError(error("G010", message, hint="leave the name out"))
-        instances += [(label if named else model.name, model.data) for model in found]
+        instances += [(label if named else name, consert) for name, consert in found]
         if not as_json:
             console.problems(reading.problems)
     repeated = sorted({name for name, _ in instances if [n for n, _ in instances].count(name) > 1})

@@ -64,6 +64,6 @@ def with_global_options(command: Callable[..., None]) -> Callable[..., None]:
 
     whole = own.replace(parameters=[*own.parameters.values(), *added])
     # Typer reads one or the other, according to its version.
-    taking_all.__signature__ = whole  # type: ignore[attr-defined]  # functions may have one
+    vars(taking_all)["__signature__"] = whole
     taking_all.__annotations__ = {one.name: one.annotation for one in whole.parameters.values()}
     return taking_all

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,7 +12,7 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
-    from eddi_scaffold.kinds import JsonValue, Model
+    from eddi_scaffold.kinds import Model
     from eddi_scaffold.monitors.model_survey import Shown
 
 
@@ -85,7 +85,7 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
         raise typer.Exit(exit_status.NO if shown.tree else exit_status.BAD_INPUT)
 
 
-def _print(survey: JsonValue, models: Sequence[Model], chosen: Sequence[Model]) -> None:
+def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[Model]) -> None:
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.model_survey import is_one_of

@@ -11,7 +11,7 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Generic, Literal, NoReturn, TypeAlias, TypeVar
 
 from eddi_scaffold.claims import Acceptance, Meanings, Use
 from eddi_scaffold.problems import EddiError, Place, error
@@ -24,8 +24,12 @@ if TYPE_CHECKING:
 
 InputType = Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"]
 """``state``: a text, the name of a state, or one number per state (likelihoods)."""
-JsonValue = Any
-"""What ``json`` reads and writes: None, bool, int, float, str, list, dict."""
+JsonValue: TypeAlias = (
+    "bool | int | float | str | Sequence[JsonValue] | Mapping[str, JsonValue] | None"
+)
+"""What ``json`` reads and writes."""
+JsonObject: TypeAlias = Mapping[str, JsonValue]
+"""A document such as ``config/model.json``, or a part of it."""
 
 
 @dataclass(frozen=True)
@@ -87,12 +91,12 @@ class ModelOutput:
     of: str = ""
 
 
-D = TypeVar("D")
-C = TypeVar("C")
+D_co = TypeVar("D_co", covariant=True)
+C_co = TypeVar("C_co", covariant=True)
 
 
 @dataclass(frozen=True)
-class TypedModel(Generic[D, C]):
+class TypedModel(Generic[D_co, C_co]):
     """One model of a kind, checked as far as it could be.
 
     Attributes:
@@ -107,13 +111,13 @@ class TypedModel(Generic[D, C]):
 
     kind: str
     name: str
-    data: D
+    data: D_co
     source: Source
     place: Place
-    options: C | None = None
+    options: C_co | None = None
 
 
-Model = TypedModel[Any, Any]
+Model = TypedModel[object, object]
 """A model of any kind, whose content is not inspected."""
 M = TypeVar("M", bound=Model)
 
@@ -269,11 +273,11 @@ def _as_it_is(model: M, _: Options) -> tuple[M | None, list[Problem]]:
     return model, []
 
 
-def _nothing(_: Model) -> Any:
+def _nothing(_: object) -> Mapping[str, NoReturn]:
     return {}
 
 
-def _none(_: Model) -> Any:
+def _none(_: object) -> Sequence[NoReturn]:
     return ()
 
 
@@ -281,20 +285,16 @@ def _not_in_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]
     return Reading((), ())
 
 
-def _no_meanings(_document: JsonValue | None, _part: str | None) -> Meanings:
+def _no_meanings(_document: JsonObject | None, _part: str | None) -> Meanings:
     return {}
 
 
-def _accepts_nothing(_document: JsonValue, _frequency: float) -> Sequence[Acceptance]:
+def _accepts_nothing(_document: JsonObject, _frequency: float) -> Sequence[Acceptance]:
     return ()
 
 
-def _no_lag(_document: JsonValue, _frequency: float) -> float:
+def _no_lag(_document: JsonObject, _frequency: float) -> float:
     return 0.0
-
-
-def _no_support(_: JsonValue) -> Mapping[str, frozenset[str]]:
-    return {}
 
 
 def with_status(message: str) -> Callable[[Model], Mapping[str, str]]:
@@ -348,12 +348,12 @@ class Functions(Generic[M]):
     outline: Callable[[M], Sequence[str]]
     export: Callable[[M], Mapping[str, str]]
     inputs: Callable[[M], Sequence[ModelInput]]
-    runtime_model: Callable[[M], dict[str, JsonValue]]
+    runtime_model: Callable[[M], JsonObject]
     read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading] = _not_in_eddi
     check: Callable[[M], Sequence[Problem]] = _none
     beside: Callable[[M], Mapping[str, str]] = _nothing
     configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is
-    settings: Callable[[M], dict[str, JsonValue]] = _nothing
+    settings: Callable[[M], JsonObject] = _nothing
     modules: Callable[[M], Sequence[EditableModule]] = _none
     data_files: Callable[[M], Mapping[str, bytes]] = _nothing
     cross_check: Callable[[M, str], CrossCheck] | None = None
@@ -362,11 +362,11 @@ class Functions(Generic[M]):
     parts: Callable[[M], Sequence[str]] = _none
     outputs: Callable[[M], Sequence[ModelOutput]] = _none
     ids: Callable[[M], Mapping[str, Sequence[str]]] = _nothing
-    meanings: Callable[[JsonValue | None, str | None], Meanings] = _no_meanings
-    accepted: Callable[[JsonValue, float], Sequence[Acceptance]] = _accepts_nothing
-    limits: Callable[[JsonValue], Mapping[str, float]] = _nothing
-    lag: Callable[[JsonValue, float], float] = _no_lag
-    support: Callable[[JsonValue], Mapping[str, frozenset[str]]] = _no_support
+    meanings: Callable[[JsonObject | None, str | None], Meanings] = _no_meanings
+    accepted: Callable[[JsonObject, float], Sequence[Acceptance]] = _accepts_nothing
+    limits: Callable[[JsonObject], Mapping[str, float]] = _nothing
+    lag: Callable[[JsonObject, float], float] = _no_lag
+    support: Callable[[JsonObject], Mapping[str, frozenset[str]]] = _nothing
     unfulfilled: Callable[[M, str, M, str], str | None] | None = None
 
 
@@ -411,11 +411,12 @@ class Kind(Generic[M]):
 
 
 @cache
-def kinds() -> Mapping[str, Kind[Any]]:
+def kinds() -> Mapping[str, Kind[Model]]:
     """Return every kind by name, sorted: each is a folder here that offers ``KIND``."""
     found = {}
     for module in pkgutil.iter_modules(__path__):
         if module.ispkg:
-            kind: Kind[Any] = importlib.import_module(f"{__name__}.{module.name}").KIND
+            # A function of it is given models of its own only: those whose `kind` is its name.
+            kind: Kind[Model] = importlib.import_module(f"{__name__}.{module.name}").KIND
             found[kind.name] = kind
     return dict(sorted(found.items()))

@@ -107,7 +107,7 @@ def _runtime_names(inputs: Sequence[InputBinding]) -> list[str]:
     return ["EDDIInputBase", *called]
 
 
-def identity_answers(package: str, description: str, config: Config | None) -> dict[str, JsonValue]:
+def identity_answers(package: str, description: str, config: Config | None) -> dict[str, str]:
     """Return the answers for every package.xml."""
     section = config.Package if config else None
     maintainer = (section.maintainer if section else None) or _DEFAULT_MAINTAINER

@@ -9,7 +9,6 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from eddi_scaffold import units
 from eddi_scaffold.config import fields
@@ -111,7 +110,7 @@ class BoundMonitor:
 
     package: str
     model: Model
-    kind: Kind[Any]
+    kind: Kind[Model]
     config: ConfigFile | None
     inputs: tuple[InputBinding, ...]
     model_json: str
@@ -125,7 +124,7 @@ class BoundMonitor:
 
 def monitor_of(
     model: Model,
-    kind: Kind[Any],
+    kind: Kind[Model],
     config: ConfigFile | None,
     marks: Sequence[str] = (),
 ) -> tuple[BoundMonitor | None, list[Problem]]:
@@ -178,7 +177,7 @@ def _known_types(config: ConfigFile | None) -> MessageFields:
 def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str, JsonValue]:
     every = {"every_message": True} if binding.model.every_message else {}
     computed = {"expression": binding.computed} if binding.computed is not None else {}
-    document = {
+    document: dict[str, JsonValue] = {
         **every,
         **computed,
         "id": binding.model.id,
@@ -192,7 +191,7 @@ def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str
     return {**document, "accepts": accepts} if accepts else document
 
 
-def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> Iterable[Problem]:
+def _check_model_section(model: Model, kind: Kind[Model], config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
         message = f"the model is a {kind.title}, the configuration declares {section.type!r}"
@@ -206,7 +205,7 @@ def _check_model_section(model: Model, kind: Kind[Any], config: ConfigFile) -> I
 
 
 def _bind(
-    model: Model, kind: Kind[Any], config: ConfigFile | None, known: MessageFields
+    model: Model, kind: Kind[Model], config: ConfigFile | None, known: MessageFields
 ) -> tuple[list[InputBinding], list[Problem]]:
     inputs = kind.functions.inputs(model)
     if config is None:

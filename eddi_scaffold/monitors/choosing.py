@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model, named_model_path
@@ -14,7 +13,7 @@ from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, erro
 
 
 def select(
-    models: Sequence[Model], name: str | None, kind: Kind[Any] | None = None
+    models: Sequence[Model], name: str | None, kind: Kind[Model] | None = None
 ) -> Sequence[Model]:
     """Select the models called ``name`` (compared without case) and of ``kind``.
 
@@ -67,7 +66,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     return found[0]
 
 
-def _kinds_of(config: ConfigFile) -> Sequence[Kind[Any]]:
+def _kinds_of(config: ConfigFile) -> Sequence[Kind[Model]]:
     """Return the kinds that the ``Model: type:`` of a configuration can mean."""
     wanted = config.config.Model.type.casefold()
     return [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from eddi_runtime import EDDIInputBase
 from eddi_runtime import __version__ as runtime_version
@@ -17,7 +16,7 @@ from eddi_scaffold.problems import EddiError, Place, error
 
 def model_document(
     model: Model,
-    kind: Kind[Any],
+    kind: Kind[Model],
     inputs: Sequence[dict[str, JsonValue]],
     place: Place,
 ) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model_path
@@ -22,7 +23,7 @@ from eddi_scaffold.readers.survey import survey
 from eddi_scaffold.source import Source, read_source
 
 
-def survey_of(source: Source) -> tuple[dict[str, JsonValue], list[Problem]]:
+def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
     """Return models, elements and references of a file, and what makes it unreadable."""
     if is_xml(source) and not any(kind.sniff(source) for kind in kinds().values()):
         document, problems = read_document(source)
@@ -111,12 +112,12 @@ def configured(source: Source, more: Sequence[Source]) -> Configured:
     return Configured(source, tuple(configs), tuple(problems))
 
 
-def only(survey: dict[str, JsonValue], chosen: Sequence[Model]) -> dict[str, JsonValue]:
+def only(survey: Mapping[str, Any], chosen: Sequence[Model]) -> dict[str, Any]:
     """Return a survey with no more than the chosen models; the facts of the file stay."""
     return {**survey, "models": [one for one in survey["models"] if is_one_of(one, chosen)]}
 
 
-def is_one_of(found: JsonValue, models: Sequence[Model]) -> bool:
+def is_one_of(found: Mapping[str, Any], models: Sequence[Model]) -> bool:
     """Is this model of a survey among ``models``?
 
     In XML its place shows this: a fault tree becomes a model for each of its top events.

@@ -112,10 +112,9 @@ def copied(answers: Answers, folder: Path) -> None:
         )
 
 
-def leaves(value: object, path: PATHS = ()) -> Iterator[PATHS]:
+def leaves(value: dict[str, Any] | list[Any], path: PATHS = ()) -> Iterator[PATHS]:
     """Yield the place of every text, list and map in some answers."""
-    parts = value.items() if isinstance(value, dict) else enumerate(value)  # type: ignore[arg-type]
-    for key, part in parts:
+    for key, part in value.items() if isinstance(value, dict) else enumerate(value):
         yield (*path, key)
         if isinstance(part, dict | list):
             yield from leaves(part, (*path, key))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import json
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -26,10 +27,8 @@ from eddi_scaffold.problems import EddiError
 from tests.cli.command import XML_HEAD, XML_TAIL, template
 from tests.hostile_texts import HOSTILE
 
-try:
+if sys.version_info >= (3, 11):
     import tomllib
-except ImportError:  # Python 3.10
-    tomllib = None  # type: ignore[assignment]
 
 pytestmark = pytest.mark.slow
 
@@ -173,7 +172,7 @@ def check_texts(files: dict[str, bytes]) -> None:
             ET.fromstring(data)
         if path.endswith(("model.json", "manifest.json")):
             json.loads(data)
-        if path.endswith(".toml") and tomllib is not None:
+        if path.endswith(".toml") and sys.version_info >= (3, 11):
             tomllib.loads(data.decode())
         if path.endswith("README.md"):
             assert not {"html_block", "html_inline", "link_open", "image"} & set(shown(data))

@@ -23,7 +23,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import has_errors
 from eddi_scaffold.replay.parts import compiled
-from eddi_scaffold.replay.publishing import Publisher
+from eddi_scaffold.replay.publishing import Publications
 from eddi_scaffold.source import Source, read_source
 from tests.checkouts import HERE
 from tests.cli.command import run
@@ -32,17 +32,17 @@ from tests.kinds.examples import EXAMPLES
 each_kind = pytest.mark.parametrize("kind", kinds().values(), ids=list(kinds()))
 
 
-def files_of(kind: Kind[Any]) -> tuple[Path, Path]:
+def files_of(kind: Kind[Model]) -> tuple[Path, Path]:
     model, config = EXAMPLES[kind.name]
     return HERE / "examples" / model, HERE / "examples" / config
 
 
-def model_of(kind: Kind[Any]) -> Model:
+def model_of(kind: Kind[Model]) -> Model:
     models = read_models(read_source(files_of(kind)[0])).models
     return next(model for model in models if model.kind == kind.name)
 
 
-def monitor_of(kind: Kind[Any]) -> BoundMonitor:
+def monitor_of(kind: Kind[Model]) -> BoundMonitor:
     model, config = files_of(kind)
     (monitor,), problems = monitors_of(model, [config])
     assert not has_errors(problems)
@@ -66,7 +66,7 @@ def test_descriptions_are_cheap() -> None:
 
 
 @each_kind
-def test_it_recognises_its_own_files(kind: Kind[Any]) -> None:
+def test_it_recognises_its_own_files(kind: Kind[Model]) -> None:
     for name, text in kind.functions.export(model_of(kind)).items():
         if Path(name).suffix == ".csv":
             continue
@@ -75,7 +75,7 @@ def test_it_recognises_its_own_files(kind: Kind[Any]) -> None:
 
 
 @each_kind
-def test_it_checks_and_shows_its_example(kind: Kind[Any]) -> None:
+def test_it_checks_and_shows_its_example(kind: Kind[Model]) -> None:
     (model, *_) = (
         m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
     )
@@ -85,7 +85,7 @@ def test_it_checks_and_shows_its_example(kind: Kind[Any]) -> None:
 
 
 @each_kind
-def test_what_it_exports_it_reads_back(kind: Kind[Any], tmp_path: Path) -> None:
+def test_what_it_exports_it_reads_back(kind: Kind[Model], tmp_path: Path) -> None:
     (model, *_) = (
         m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
     )
@@ -103,7 +103,7 @@ def test_what_it_exports_it_reads_back(kind: Kind[Any], tmp_path: Path) -> None:
 
 @each_kind
 @pytest.mark.parametrize("platform", platforms().values(), ids=list(platforms()))
-def test_every_platform_has_a_package_for_it(kind: Kind[Any], platform: Any) -> None:
+def test_every_platform_has_a_package_for_it(kind: Kind[Model], platform: Any) -> None:
     monitor = monitor_of(kind)
     (package,), problems = packages_of([monitor], platform, None)
     assert not has_errors(problems)
@@ -112,7 +112,7 @@ def test_every_platform_has_a_package_for_it(kind: Kind[Any], platform: Any) -> 
 
 
 @each_kind
-def test_its_package_is_python(kind: Kind[Any], tmp_path: Path) -> None:
+def test_its_package_is_python(kind: Kind[Model], tmp_path: Path) -> None:
     model, config = files_of(kind)
     words = ("-m", model, "-c", config)
     done = run("generate", "--platform", "plain", *words, "-o", "out", cwd=tmp_path)
@@ -125,7 +125,7 @@ def test_its_package_is_python(kind: Kind[Any], tmp_path: Path) -> None:
 
 
 @each_kind
-def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Any]) -> None:
+def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Model]) -> None:
     running = compiled(monitor_of(kind))
     unknown = SimpleNamespace(**{spec.attribute: None for spec in running.inputs})
     for second in range(3):
@@ -137,7 +137,7 @@ def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Any]) -> None
     assert set(running.blocked()) <= {spec.id for spec in running.inputs}
 
 
-def without_limits(kind: Kind[Any], folder: Path) -> BoundMonitor:
+def without_limits(kind: Kind[Model], folder: Path) -> BoundMonitor:
     """Return the monitor of the example, whose configuration lets no input grow old."""
     model, config = files_of(kind)
     shutil.copytree(config.parent, folder, dirs_exist_ok=True)
@@ -151,9 +151,9 @@ def without_limits(kind: Kind[Any], folder: Path) -> BoundMonitor:
 
 
 @each_kind
-def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Any], tmp_path: Path) -> None:
+def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Model], tmp_path: Path) -> None:
     monitor = without_limits(kind, tmp_path)
-    running, publisher = compiled(monitor), Publisher(monitor, monitor.topic)
+    running, publisher = compiled(monitor), Publications(monitor, monitor.topic)
     states = {spec.id: InputState("ok") for spec in running.inputs}
     limitless = {f"{spec.id}: max_age: none" for spec in running.inputs}
     for value, accepted in ((True, limitless), (None, set())):
@@ -167,7 +167,7 @@ def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Any], tmp_path:
 
 
 @each_kind
-def test_it_says_what_its_messages_mean(kind: Kind[Any]) -> None:
+def test_it_says_what_its_messages_mean(kind: Kind[Model]) -> None:
     monitor = monitor_of(kind)
     document = json.loads(monitor.model_json)
     assert kind.output_message in kind.messages
@@ -181,7 +181,7 @@ def test_it_says_what_its_messages_mean(kind: Kind[Any]) -> None:
 
 
 @each_kind
-def test_its_picture_is_drawn(kind: Kind[Any]) -> None:
+def test_its_picture_is_drawn(kind: Kind[Model]) -> None:
     if kind.functions.diagram is None:
         pytest.skip("the kind has no picture")
     assert drawn(kind.functions.diagram(monitor_of(kind).model)).startswith("<svg")

@@ -30,8 +30,8 @@ def port() -> Iterator[int]:
 
 
 @contextmanager
-def serving(**limits: float) -> Iterator[int]:
-    with open_server(0, _read_signal, **limits) as server:  # type: ignore[arg-type]
+def serving(seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
+    with open_server(0, _read_signal, seconds=seconds, connections=connections) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
         thread.start()
         yield server.server_port

@@ -6,12 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.wiring.support import Participant, Published, published
-from eddi_scaffold.kinds import Kind, kinds
+from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
 
@@ -113,7 +112,7 @@ def deployment(members: Sequence[Member], others: Sequence[Participant] = ()) ->
     return Deployment(tuple(members), publishers, tuple(others))
 
 
-def kind_of_message(type_: str) -> Kind[Any] | None:
+def kind_of_message(type_: str) -> Kind[Model] | None:
     """Return the kind whose monitors publish a message type, ``None`` for other types."""
     package, _, name = type_.partition("/")
     if package != MESSAGE_PACKAGE:

@@ -19,7 +19,7 @@ from eddi_scaffold.config.fields import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.graphs import cycles
 from eddi_scaffold.identifiers import attribute, full_topic
-from eddi_scaffold.kinds import JsonValue, Kind, kinds
+from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.language.uses import inputs_of
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.problems import Problem, error
@@ -42,9 +42,9 @@ class Participant:
     name: str
     package: str
     namespace: str
-    kind: Kind[Any]
+    kind: Kind[Model]
     config: ConfigFile
-    document: JsonValue
+    document: Mapping[str, Any]
     model_file: str = ""
 
     @property

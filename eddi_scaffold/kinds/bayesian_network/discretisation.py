@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from eddi_scaffold.kinds import DeclaredInput, InputType, JsonValue, Options
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node
@@ -43,7 +44,7 @@ class Declaration:
     node: str
     input: str
     type: InputType
-    data: Mapping[str, JsonValue]
+    data: Mapping[str, Any]
 
 
 def read_discretisation(
@@ -95,7 +96,7 @@ class _Entry:
         source = self._input()
         order = self._order()
         bins = self._bins(order)
-        self._numbers()
+        numbers = self._numbers()
         self._choices()
         of = self._type(source)
         mapping = self._map(of)
@@ -114,12 +115,7 @@ class _Entry:
         for key in ("closed", "out_of_range", "allow_inf", "missing"):
             if key in given:
                 data[key] = given[key]
-        for key in ("scale", "offset", "hysteresis"):
-            if key in given:
-                data[key] = float(given[key])
-        if "range" in given:
-            data["range"] = [float(value) for value in given["range"]]
-        return Declaration(self.node.id, source, of, data)
+        return Declaration(self.node.id, source, of, data | numbers)
 
     def _error(self, code: str, message: str, *path: str | int, hint: str | None = None) -> None:
         text = f"discretisation of {self.node.id!r}: {message}"
@@ -194,22 +190,28 @@ class _Entry:
                 break
         return edges
 
-    def _numbers(self) -> None:
+    def _numbers(self) -> dict[str, JsonValue]:
+        """Return the numbers that are given, and report what is not one."""
+        found: dict[str, JsonValue] = {}
         for key in ("scale", "offset", "hysteresis"):
             if key not in self.given:
                 continue
-            value: JsonValue = self.given[key]
+            value = self.given[key]
             if not is_number(value) or not math.isfinite(value):
                 self._error("B404", f"`{key}` must be a finite number", key)
             elif key == "hysteresis" and value < 0:
                 self._error("B404", "`hysteresis` must not be negative", key)
             elif key == "scale" and value == 0:
                 self._error("B404", "`scale` must not be 0", key)
+            else:
+                found[key] = float(value)
         if "range" in self.given:
-            limits: JsonValue = self.given["range"]
-            fits = isinstance(limits, list) and len(limits) == 2 and all(map(is_number, limits))
-            if not fits or not limits[0] < limits[1]:
-                self._error("B404", "`range` must be two ascending numbers", "range")
+            match self.given["range"]:
+                case [low, high] if is_number(low) and is_number(high) and low < high:
+                    found["range"] = [float(low), float(high)]
+                case _:
+                    self._error("B404", "`range` must be two ascending numbers", "range")
+        return found
 
     def _choices(self) -> None:
         for key, known in _CHOICES.items():

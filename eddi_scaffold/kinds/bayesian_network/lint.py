@@ -63,7 +63,8 @@ def _method(function: ast.FunctionDef, lines: list[str]) -> _Method:
     )
     start = 0 if begin is None else begin + 1
     head = function.body if begin is None else function.body[:begin]
-    outcomes = [one.targets[0].id for one in head if ways.sets_outcome(one) and ways.is_zero(one)]
+    given = [found for one in head if (found := ways.assignment(one)) is not None]
+    outcomes = [one.name for one in given if one.value == 0.0]
     stop = function.body[start].lineno if start < len(function.body) else function.lineno
     declared = any(_DECLARED.match(line) for line in lines[function.lineno : stop])
     body = function.body[start : end if begin is not None else None]
@@ -83,11 +84,10 @@ def _faults(method: _Method) -> Iterator[Fault]:
     """Yield code, line, message and hint of each fault."""
     yield from _names(method)
     yield from _values(method)
-    set_here = [one for one in ways.statements(method.body) if ways.sets_outcome(one)]
-    real = [one for one in set_here if not ways.is_zero(one)]
+    real = [one for one in ways.assignments(method.body) if one.value != 0.0]
     if real and method.declared:
         text = f"{method.name} is declared in the configuration and set here, which counts first"
-        yield "B406", real[0].lineno, text, "remove the declaration, or this body"
+        yield "B406", real[0].line, text, "remove the declaration, or this body"
     flags = [one for one in ways.statements(method.body) if ways.flags_output(one)]
     if real and flags:
         text = f"{method.name} is an output and evidence at once: it only echoes what is set"
@@ -111,11 +111,10 @@ def _names(method: _Method) -> Iterator[Fault]:
 
 
 def _values(method: _Method) -> Iterator[Fault]:
-    for one in ways.statements(method.body):
-        value = ways.constant(one.value) if ways.sets_outcome(one) else None
-        if value is not None and not 0.0 <= value <= 1.0:
-            text = f"{method.name}: an outcome of {value:g} is outside [0, 1]"
-            yield "B417", one.lineno, text, None
+    for one in ways.assignments(method.body):
+        if one.value is not None and not 0.0 <= one.value <= 1.0:
+            text = f"{method.name}: an outcome of {one.value:g} is outside [0, 1]"
+            yield "B417", one.line, text, None
 
 
 def _ways(method: _Method) -> Iterator[Fault]:
@@ -137,7 +136,7 @@ def _ways(method: _Method) -> Iterator[Fault]:
 def _chain(method: _Method, chain: ways.IfChain) -> Iterator[Fault]:
     for one in chain.zeros_in_else():
         text = f"{method.name}: this `else` sets an outcome to 0, which it is already"
-        yield "B411", one.lineno, text, "is 1.0 meant?"
+        yield "B411", one.line, text, "is 1.0 meant?"
     guarded = any(
         isinstance(item, ast.Name | ast.Attribute)
         and getattr(item, "attr", getattr(item, "id", "")) in _GUARDS

@@ -5,16 +5,24 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeGuard
 
 MOST = 256
 """Bodies with more ways than that are not followed."""
 
 
-class OutcomeAssignment(ast.Assign):
-    """An assignment ``outcome_<state> = ...`` (only for type checks)."""
+@dataclass(frozen=True)
+class OutcomeAssignment:
+    """An assignment ``outcome_<state> = ...``.
 
-    targets: list[ast.Name]  # type: ignore[assignment]  # narrowed by `sets_outcome`
+    Attributes:
+        name: its target.
+        value: the number that is assigned, ``None`` for any other expression.
+        line: where it is.
+    """
+
+    name: str
+    value: float | None
+    line: int
 
 
 @dataclass(frozen=True)
@@ -68,10 +76,9 @@ class IfChain:
             for item in ast.walk(test)
         )
 
-    def zeros_in_else(self) -> list[ast.stmt]:
+    def zeros_in_else(self) -> list[OutcomeAssignment]:
         """Return assignments of 0 in an ``else`` that sets nothing else."""
-        given = [one for one in statements(self.otherwise) if sets_outcome(one)]
-        return [] if _real(self.otherwise) else [*given]
+        return [] if _real(self.otherwise) else [*assignments(self.otherwise)]
 
     def breaks(self) -> Iterator[tuple[int, float, float]]:
         """Yield line, end of one range and start of the next, where these are not equal."""
@@ -95,12 +102,20 @@ def statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
                 yield item
 
 
-def sets_outcome(statement: ast.stmt) -> TypeGuard[OutcomeAssignment]:
-    """Return whether a statement is ``outcome_<state> = ...``."""
-    if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
-        return False
-    target = statement.targets[0]
-    return isinstance(target, ast.Name) and target.id.startswith("outcome_")
+def assignments(body: Iterable[ast.stmt]) -> Iterator[OutcomeAssignment]:
+    """Yield every assignment to an outcome in a body, those inside others too."""
+    for statement in statements(body):
+        found = assignment(statement)
+        if found is not None:
+            yield found
+
+
+def assignment(statement: ast.stmt) -> OutcomeAssignment | None:
+    """Return the assignment to an outcome that a statement is, ``None`` for all others."""
+    match statement:
+        case ast.Assign(targets=[ast.Name(id=name)], value=value) if name.startswith("outcome_"):
+            return OutcomeAssignment(name, constant(value), statement.lineno)
+    return None
 
 
 def flags_output(statement: ast.stmt) -> bool:
@@ -124,11 +139,6 @@ def constant(value: ast.expr) -> float | None:
         except OverflowError:
             return None
     return None
-
-
-def is_zero(statement: OutcomeAssignment) -> bool:
-    """Return whether an outcome is set to 0."""
-    return constant(statement.value) == 0.0
 
 
 def chains(body: Sequence[ast.stmt]) -> Iterator[IfChain]:
@@ -161,8 +171,9 @@ class _UnclearError(Exception):
 
 def _follow(body: Sequence[ast.stmt], ways: frozenset[Way], ends: set[Way]) -> frozenset[Way]:
     for one in body:
-        if sets_outcome(one):
-            ways = frozenset(_with(way, one) for way in ways)
+        outcome = assignment(one)
+        if outcome is not None:
+            ways = frozenset(_with(way, outcome) for way in ways)
         elif isinstance(one, ast.If):
             ways = _follow(one.body, ways, ends) | _follow(one.orelse, ways, ends)
         elif isinstance(one, ast.Return | ast.Raise):
@@ -178,13 +189,12 @@ def _follow(body: Sequence[ast.stmt], ways: frozenset[Way], ends: set[Way]) -> f
 
 
 def _with(way: Way, one: OutcomeAssignment) -> Way:
-    name, value = one.targets[0].id, constant(one.value)
-    names, sure = way.names - {name}, way.sure - {name}
-    if value != 0.0:
-        names |= {name}
-    if value == 1.0:
-        sure |= {name}
-    return Way(names, sure, way.lines | {one.lineno})
+    names, sure = way.names - {one.name}, way.sure - {one.name}
+    if one.value != 0.0:
+        names |= {one.name}
+    if one.value == 1.0:
+        sure |= {one.name}
+    return Way(names, sure, way.lines | {one.line})
 
 
 def _mentions_outcome(item: ast.AST) -> bool:
@@ -193,8 +203,8 @@ def _mentions_outcome(item: ast.AST) -> bool:
     return item.id.startswith("outcome_")
 
 
-def _real(block: Sequence[ast.stmt]) -> list[ast.stmt]:
-    return [one for one in statements(block) if sets_outcome(one) and not is_zero(one)]
+def _real(block: Sequence[ast.stmt]) -> list[OutcomeAssignment]:
+    return [one for one in assignments(block) if one.value != 0.0]
 
 
 def _limits(test: ast.expr) -> tuple[str, float | None, float | None] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from typing import TypeGuard
 
 from eddi_scaffold.kinds import InputType, JsonValue
 
@@ -11,7 +12,7 @@ TRUTH = {"true": True, "false": False}
 """Keys of maps are texts; those that mean a bool."""
 
 
-def is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[int | float]:
     """Return whether a value is a number that a double can hold; NaN and infinity are."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from eddi_scaffold.claims import Acceptance
 from eddi_scaffold.kinds import JsonValue, Options
@@ -39,7 +40,7 @@ def settings(model: ConSertModel) -> dict[str, JsonValue]:
     return dict(model.options or {"guarantee_ids": "source", "filter": dict(_NO_FILTER)})
 
 
-def accepted(document: JsonValue, frequency: float) -> Sequence[Acceptance]:
+def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
     """Return what a filter by majority accepts: the majority of old steps."""
     seconds = lag(document, frequency)
     if not seconds:
@@ -48,7 +49,7 @@ def accepted(document: JsonValue, frequency: float) -> Sequence[Acceptance]:
     return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
 
 
-def lag(document: JsonValue, frequency: float) -> float:
+def lag(document: Mapping[str, Any], frequency: float) -> float:
     """Return for how many seconds a majority may hold after it was lost: half of its window."""
     filtering = document["settings"]["filter"]
     return filtering.get("window", 1) // 2 / frequency if filtering["kind"] == "majority" else 0.0

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.claims import Acceptance, Meaning, Meanings, Use
-from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.language.uses import Silence, accepted, inputs_of, lasts, nodes_below, uses
 
 _VERDICT = Meaning(
@@ -17,7 +16,7 @@ _VERDICT = Meaning(
 _SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (True,)}
 
 
-def meanings(document: JsonValue | None, event: str | None) -> Meanings:
+def meanings(document: Mapping[str, Any] | None, event: str | None) -> Meanings:
     """Return the meaning of the fields of an ``EventOutput``.
 
     Args:
@@ -27,7 +26,7 @@ def meanings(document: JsonValue | None, event: str | None) -> Meanings:
     return {"EventOutput": {"verdict": _VERDICT, "active": _active(document, event)}}
 
 
-def _active(document: JsonValue | None, event: str | None) -> Meaning:
+def _active(document: Mapping[str, Any] | None, event: str | None) -> Meaning:
     if document is None:  # it may be the polarity that the reader has in mind
         return Meaning(())
     on_topic = [one for one in document["form"]["outputs"] if event in (None, one["id"])]
@@ -66,7 +65,7 @@ def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
     return found
 
 
-def acceptances(document: JsonValue, _frequency: float) -> Sequence[Acceptance]:
+def acceptances(document: Mapping[str, Any], _frequency: float) -> Sequence[Acceptance]:
     """Return what the events of a file accept of silence, with the events that do."""
     form = document["model"]["form"]
     found: dict[Silence, list[str]] = {}
@@ -79,7 +78,7 @@ def acceptances(document: JsonValue, _frequency: float) -> Sequence[Acceptance]:
     ]
 
 
-def limits(document: JsonValue) -> Mapping[str, float]:
+def limits(document: Mapping[str, Any]) -> Mapping[str, float]:
     """Return the TIMEOUT of each variable that has one."""
     return {
         name: variable["timeout"] / 1e9
@@ -89,7 +88,7 @@ def limits(document: JsonValue) -> Mapping[str, float]:
     }
 
 
-def support(document: JsonValue) -> Mapping[str, frozenset[str]]:
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
     """Return the variables on which each event rests."""
     form = document["model"]["form"]
     names = [inputs_of(variable) for variable in form["variables"]]

@@ -20,7 +20,7 @@ _TEMPLATES = Templates("plain_monitor")
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers = shared_answers(monitor, _TEMPLATES.monitor)
-    answers["description_literal"] = toml_text(answers["description"])
+    answers["description_literal"] = toml_text(str(answers["description"]))
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(needs) or "no other packages"

@@ -57,7 +57,9 @@ def test_a_chain_may_be_repaired_when_its_file_says_so() -> None:
     )
     for words, p_fail in ((text, 1e-5), (text.replace(", repair: true", ""), 1.0)):
         model = sound(words)
-        assert read_text(to_yaml(model.data))[0].data == model.data  # type: ignore[union-attr]
+        again, _ = read_text(to_yaml(model.data))
+        assert again is not None
+        assert again.data == model.data
         one = compiled(model)
         for i, value in enumerate((True, False, True)):
             result = one.execute_step(SimpleNamespace(a=value), i * 10**8)
