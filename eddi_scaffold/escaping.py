@@ -16,7 +16,7 @@ _IN_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _XML_MORE = {'"': "&quot;", "\t": "&#9;", "\n": "&#10;", "\r": "&#13;"}
 _MARKUP = re.compile(
     r"""[\\`*<>|~&]
-    |(?<![^\W_])_|_(?![^\W_])   # inside a word it is no emphasis
+    |(?<![^\W_])_|_(?![^\W_])   # inside a word it is not emphasis
     |\](?=[(\[:])               # a link
     |^[#+=-]|^[0-9]+[.)]        # a block""",
     re.VERBOSE,

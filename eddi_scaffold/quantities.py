@@ -52,7 +52,7 @@ def rate(given: object, unit: str | None = None) -> Quantity:
         return Quantity(number, has_unit=False)
     per_hour = rate_factor(written)
     if per_hour is None:
-        raise UnitError(f"{written!r} is no unit of a rate", _list(RATE_UNITS))
+        raise UnitError(f"{written!r} is not a unit of a rate", _list(RATE_UNITS))
     up, down = per_hour
     return Quantity(_finite(number * up / down, given), has_unit=True)
 
@@ -69,7 +69,7 @@ def duration(given: object, unit: str | None = None) -> Quantity:
         return Quantity(number, has_unit=False)
     hours = factor(_time_unit(written), "h")
     if hours is None:
-        raise UnitError(f"{written!r} is no unit of time", _list(DURATION_UNITS))
+        raise UnitError(f"{written!r} is not a unit of time", _list(DURATION_UNITS))
     value = number * hours.numerator / hours.denominator
     return Quantity(_finite(value, given), has_unit=True)
 
@@ -97,7 +97,7 @@ def number(given: object, low: float, high: float) -> float:
     """
     value, unit = _split(given, signed=True)
     if unit is not None:
-        raise UnitError(f"{given!r} has a unit, but is a plain number")
+        raise UnitError(f"{given!r} has a unit, a number without one is expected")
     if not low <= value <= high:
         raise QuantityError(f"{given!r} is out of range, {low:g} to {high:g}")
     return value
@@ -132,11 +132,11 @@ def _split(
     given: object, *, signed: bool = False, form: str | None = None
 ) -> tuple[float, str | None]:
     if isinstance(given, bool) or not isinstance(given, int | float | str):
-        raise QuantityError(f"{_shown(given)} is no number", form)
+        raise QuantityError(f"{_shown(given)} is not a number", form)
     match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     if isinstance(given, str) and match is None:
         hint = "write a point, not a comma" if _COMMA.fullmatch(given) else form
-        raise QuantityError(f"{_shown(given)} is no number", hint)
+        raise QuantityError(f"{_shown(given)} is not a number", hint)
     try:
         value = float(match[1]) if match else float(given)
     except OverflowError:

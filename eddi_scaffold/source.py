@@ -63,7 +63,7 @@ def beside(file: str, name: str) -> Path:
     place = inside(Path(file).parent, str(PurePosixPath(name)))
     if place is None:
         message = "it is not below the folder of the file that names it"
-        hint = "copy it there: a file names only what is in its own folder"
+        hint = "copy it there: a file may refer only to files in its own folder"
         raise EddiError(error("F009", message, Place(file), hint))
     return place
 

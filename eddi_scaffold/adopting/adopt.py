@@ -100,7 +100,7 @@ def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path,
         reading = read_models(source)
         if reading.models and not has_errors(reading.problems):
             return path, select(reading.models, name)[0]
-    message = "no model is in the package that a monitor can be made of"
+    message = "the package contains no model that a monitor can be generated from"
     hint = "name it: -m MODEL (the EDDI, the .xdsl or the ConSert YAML)"
     raise EddiError(error("A004", message, Place(str(old.folder)), hint))
 

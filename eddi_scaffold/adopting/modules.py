@@ -84,7 +84,7 @@ def read_module(path: Path) -> ParsedModule:
     """Read a module.
 
     Raises:
-        EddiError: it is no UTF-8 text or no Python (A001).
+        EddiError: it is not UTF-8 text or no Python (A001).
     """
     data = read_source(path).data
     try:
@@ -92,9 +92,9 @@ def read_module(path: Path) -> ParsedModule:
         tree = parse_shallow(text)
     except (SyntaxError, UnicodeDecodeError) as failed:
         line = getattr(failed, "lineno", None)
-        message = f"this is no Python: {getattr(failed, 'msg', failed)}"
+        message = f"this is not Python: {getattr(failed, 'msg', failed)}"
         place = Place(str(path), line, getattr(failed, "offset", None))
-        hint = "mend it first: nothing was adopted"
+        hint = "correct it first: nothing was adopted"
         raise EddiError(error("A001", message, place, hint)) from None
     lines = split_lines(text)
     methods: dict[str, Method] = {}

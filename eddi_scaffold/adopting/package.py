@@ -38,8 +38,8 @@ def read_old_package(folder: Path) -> OldPackage:
     """Find out what a folder holds.
 
     Raises:
-        EddiError: it is no folder (F001), holds nothing of an old package (A002) or one of its
-            modules twice (A003), or a module is no Python (A001).
+        EddiError: it is not a folder (F001), holds nothing of an old package (A002) or one of its
+            modules twice (A003), or a module is not Python (A001).
     """
     if not folder.is_dir():
         raise EddiError(

@@ -43,7 +43,7 @@ def write_adopted(
     if os.path.lexists(root / package):
         hint = "move it away: adopting is for packages that are not ours yet"
         raise EddiError(
-            error("A005", "the package is there already", Place(str(root / package)), hint)
+            error("A005", "the package already exists", Place(str(root / package)), hint)
         )
     model_name = adoption.model_file.name
     config_name = f"{package}_config.yml"

@@ -36,7 +36,7 @@ def compose(
         reading = checked_models(Path(file if named else argument), default_guarantee or ())
         found = [(one.name, one.data) for one in reading.models if isinstance(one.data, ConSert)]
         if named and len(found) != 1:
-            message = f"{file} holds {len(found)} ConSerts, `NAME=` can name only one"
+            message = f"{file} contains {len(found)} ConSerts, `NAME=` can name only one"
             raise EddiError(error("G010", message, hint="leave the name out"))
         instances += [(label if named else name, consert) for name, consert in found]
         if not as_json:

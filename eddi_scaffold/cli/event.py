@@ -88,7 +88,9 @@ def event(
         else:
             console.data("\n".join(as_text(analysis)))
     elif output is None and target is Target.c and not as_json:
-        raise EddiError(error("E022", "C is several files: name a folder with --output"))
+        raise EddiError(
+            error("E022", "C code consists of several files: name a folder with --output")
+        )
     else:
         stem = name or ("event" if label == "<expression>" else _name_of(Path(label)))
         _generate(analysis, target, stem, output, as_json=as_json)
@@ -127,7 +129,7 @@ def _name_of(file: Path) -> str:
 
 
 def _file_of(text: str) -> Path | None:
-    """Return the path when the argument names a file, and is no expression."""
+    """Return the path when the argument names a file, and is not an expression."""
     try:
         found = Path(text).is_file()
     except (OSError, ValueError):  # too long for a name, or a NUL

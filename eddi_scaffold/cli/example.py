@@ -31,7 +31,7 @@ def example(
     target = folder or Path(name)
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         message = "the folder is not empty" if target.is_dir() else "this is a file, not a folder"
-        raise EddiError(error("G013", message, Place(str(target)), "name a new one"))
+        raise EddiError(error("G013", message, Place(str(target)), "name a new folder"))
     files = example_files(name)
     write(target, files)
     for file in sorted(files):

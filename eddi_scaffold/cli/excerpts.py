@@ -32,7 +32,7 @@ def _with_line(problem: Problem, lines: Mapping[int, str]) -> Problem:
 
 
 def _lines(file: Path, numbers: set[int]) -> dict[int, str]:
-    """Return the lines of a file with these numbers; none when it has gone or is no text."""
+    """Return the lines of a file with these numbers; none when it has gone or is not text."""
     found: dict[int, str] = {}
     try:
         with open_regular(file) as stream:

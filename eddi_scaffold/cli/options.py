@@ -26,7 +26,7 @@ def in_a_folder(path: Path | None) -> Path | None:
     from eddi_scaffold.problems import EddiError, Place, error
 
     there = next(one for one in path.parents if one.exists())
-    message, hint = f"cannot write: {there} is no folder", None
+    message, hint = f"cannot write: {there} is not a folder", None
     if there.is_dir():
         message = f"cannot write: there is no folder {path.parent}"
         hint = f"mkdir -p {quote(str(path.parent))}"
@@ -48,9 +48,7 @@ def for_pictures(path: Path | None) -> Path | None:
         from eddi_scaffold.problems import EddiError, Place, error
 
         message = f"pictures are SVG files, not {path.suffix}"
-        hint = (
-            f"name it {path.with_suffix('.svg')}; browsers, Inkscape and rsvg-convert make others"
-        )
+        hint = f"name it {path.with_suffix('.svg')}; browsers, Inkscape and rsvg-convert convert it"
         raise EddiError(error("G022", message, Place(str(path)), hint))
     return in_a_folder(path)
 
@@ -80,7 +78,7 @@ PlatformOfPlace = Annotated[
     ),
 ]
 Name = Annotated[
-    str | None, typer.Option("--name", help="Which model of the file, when it holds several.")
+    str | None, typer.Option("--name", help="Which model of the file, when it contains several.")
 ]
 DefaultGuarantees = Annotated[
     list[str] | None,

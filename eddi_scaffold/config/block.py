@@ -94,9 +94,8 @@ def read_block(source: Source) -> ConfigText:
     """Find the block in a configuration.
 
     Raises:
-        EddiError: the file is no YAML mapping (K001), is written in one pair of braces (K037), has
-            the block twice under both of its names (K035), or uses an anchor of it elsewhere
-            (K036).
+        EddiError: the file is not a YAML mapping (K001), is written in one pair of braces (K037),
+            has the block under both of its names (K035), or uses an anchor of it elsewhere (K036).
     """
     if _NOTHING.fullmatch(source.data):
         text = source.data.decode("utf-8-sig", "replace")
@@ -185,7 +184,7 @@ def _notes(
             problems.append(warning(KEPT_ENTRY, message, place))
     if document.comments:
         lines = ", ".join(str(line) for line in document.comments)
-        message = f"comments inside of SimulatorOutputs are not kept (line {lines})"
+        message = f"comments inside SimulatorOutputs are not kept (line {lines})"
         place = Place(document.name, document.comments[0], 1)
         problems.append(warning("M028", message, place))
     return problems
@@ -196,7 +195,7 @@ def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
     near = NearNames(ids)
     for name, line in (document.required or {}).items():
         if name not in known:
-            message = f"an input requires {name!r}, which is no simulator output"
+            message = f"an input requires {name!r}, which is not a simulator output"
             place = Place(document.name, line, 1)
             yield warning("M025", message, place, near.hint(name))
 
@@ -275,7 +274,7 @@ def _refuse_anchors(name: str, root: Span, value: Span) -> None:
     for anchor, line in value.anchors.items():
         if anchor in elsewhere:
             message = (
-                f"the anchor &{anchor} of line {line} is inside of SimulatorOutputs and is used "
+                f"the anchor &{anchor} of line {line} is inside SimulatorOutputs and is used "
                 f"in line {elsewhere[anchor]}"
             )
             place = Place(name, line, 1)

@@ -65,7 +65,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
             continue
         inner = element(of)
         if inner is None:
-            raise FieldPathError(f"{of} is no list")
+            raise FieldPathError(f"{of} is not a list")
         if isinstance(step, ByKey):
             found = _keyed(step, inner, parent, taken[-1], fields_of)
             # The list of numbers and the name in it are one step.
@@ -135,7 +135,7 @@ def _with_key_of(step: ByKey, inner: str, fields_of: FieldsOf) -> ByKey:
         )
     if type(step.wanted) is str:
         raise FieldPathError(
-            f"{step.field!r} of {inner} is a {of}, {step.wanted!r} is no whole number"
+            f"{step.field!r} of {inner} is a {of}, {step.wanted!r} is not a whole number"
         )
     return step
 

@@ -75,7 +75,7 @@ class Every:
 
 
 class FieldPathError(HintedError):
-    """A text is no field path, or the path leads nowhere in its message."""
+    """A text is not a field path, or the path leads nowhere in its message."""
 
 
 Step = Attribute | Index | ByKey | Beside | Every
@@ -92,7 +92,7 @@ def parse_field(text: str, *, lists: bool = False) -> FieldPath:
         lists: ``[*]`` and ``[2..5]`` are allowed in it.
 
     Raises:
-        FieldPathError: the text is no field path; the message reports where and what is expected.
+        FieldPathError: the text is not a field path; the message has column and expectation.
     """
     steps: list[Step] = []
     position = 0
@@ -133,7 +133,7 @@ def _element(match: re.Match[str]) -> Index | ByKey | Every:
 
 
 def path_text(path: Sequence[Step]) -> str:
-    """Return a path as a person writes it, keys in quotes where they are no words."""
+    """Return a path as a person writes it, keys in quotes where they are not words."""
     return "".join(_step_text(step) for step in path).removeprefix(".")
 
 
@@ -158,7 +158,7 @@ def expression(variable: str, path: FieldPath) -> str:
         elif isinstance(step, Index):
             text = f"{text}[{step.position}]"
         elif isinstance(step, Every):
-            raise TypeError("a list is no single value")
+            raise TypeError("a list is not a single value")
         elif isinstance(step, Beside):
             text = (
                 f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.wanted)})"

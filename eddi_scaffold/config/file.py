@@ -80,7 +80,7 @@ def from_json(text: str, name: str) -> ConfigFile:
     document = json.loads(text)
     files = document.pop(_EVENT_FILES, {}) if isinstance(document, dict) else {}
     if not isinstance(files, dict) or not all(isinstance(one, str) for one in files.values()):
-        raise ValueError(f"{_EVENT_FILES} is no map of texts")
+        raise ValueError(f"{_EVENT_FILES} is not a map of texts")
     config = Config.model_validate(document)
     return ConfigFile(config, name, {}, remembered=True, event_files=files)
 

@@ -222,7 +222,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
             if required not in known:
                 yield error(
                     "K007",
-                    f"input {item.id!r} requires {required!r}, which is no simulator output",
+                    f"input {item.id!r} requires {required!r}, which is not a simulator output",
                     file.place("EDDIInputs", index, "requires", position),
                     near.hint(required),
                 )

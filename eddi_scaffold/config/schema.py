@@ -33,7 +33,7 @@ INPUT_TYPES: dict[str, InputType] = {
 
 
 _LONGEST_GRACE = 1e6
-"""Seconds that inputs may wait for their first message: more is no limit at all."""
+"""Seconds that inputs may wait for their first message: more is not a limit at all."""
 
 
 def _topic(text: str) -> str:
@@ -72,7 +72,7 @@ def _frequency(value: object) -> object:
     if not low <= value <= high:  # never true of not-a-number
         raise HintedError(
             f"{low:f} to {high:.0f} steps per second are expected",
-            "10 is usual, and `mode: on_change` steps at once when a message comes",
+            "10 is usual, and `mode: on_change` steps at once when a message arrives",
         )
     return float(value)
 

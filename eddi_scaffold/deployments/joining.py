@@ -110,7 +110,9 @@ def _check_names(
         place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
         if not is_package_name(monitor.package):
             hint = "choose another Model id: a letter and one more letter or digit are needed"
-            yield error("G002", f"the id {shown!r} gives no package name", place, hint)
+            yield error(
+                "G002", f"no package name can be derived from the id {shown!r}", place, hint
+            )
         if monitor.package in taken:
             message = f"a package {monitor.package!r} cannot be used: {taken[monitor.package]}"
             yield error(

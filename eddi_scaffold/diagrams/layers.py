@@ -21,7 +21,7 @@ class Layers:
 
     Attributes:
         rows: numbers of nodes; bends have numbers from ``count`` on.
-        count: how many nodes are no bends.
+        count: how many nodes are not bends.
         chains: for each edge the numbers on its way, in the direction of the layers.
         turned: whether the edge leads against the layers, because it closes a cycle.
     """

@@ -100,7 +100,7 @@ def analyse(
         only: the one event that is wanted; of the others, those that it uses are checked.
 
     Raises:
-        EddiError: the rate is no positive number up to 1e9 (E005).
+        EddiError: the rate is not a positive number up to 1e9 (E005).
     """
     findings = TextFindings(text, locate or in_text(text, name))
     builder = GraphBuilder(1 if any_rate else period_of(rate))
@@ -134,7 +134,7 @@ def period_of(rate: float | None) -> int:
     """Return the nanoseconds between two steps, 0 for no rate.
 
     Raises:
-        EddiError: the rate is no positive number up to 1e9 (E005).
+        EddiError: the rate is not a positive number up to 1e9 (E005).
     """
     if rate is None:
         return 0

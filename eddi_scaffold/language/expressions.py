@@ -112,7 +112,7 @@ class ExpressionParser(Cursor):
     def _named(self, token: Token) -> int:
         if token.word == "UNKNOWN":
             hint = "KNOWN(x) tests whether a value is known"
-            self._fail("E012", "UNKNOWN is no literal, use KNOWN(...)", hint=hint)
+            self._fail("E012", "UNKNOWN is not a literal, use KNOWN(...)", hint=hint)
         if token.word in RESERVED:
             if self._declaration():
                 end = self._tokens[self._k - 1].end if self._k else 0
@@ -232,7 +232,7 @@ class ExpressionParser(Cursor):
             message = f"{' or '.join(LIST_OPTIONS)} is expected, found {word.shown}"
             self._fail("E002", message)
         if word.word in dict(options.at):
-            self._fail("E006", f"{word.word} is there twice")
+            self._fail("E006", f"{word.word} is repeated")
         options = replace(options, at=(*options.at, (word.word, word.start)))
         if word.word == "COVERAGE":
             return replace(options, coverage=self._coverage(token, REDUCTIONS[token.word]))

@@ -68,7 +68,9 @@ class _Parser(ExpressionParser):
             try:
                 readers.get(self._declaration(), bare)()
                 if not self._at_declaration():
-                    self._fail("E003", f"the text goes on with {self._token.shown}")
+                    self._fail(
+                        "E003", f"unexpected {self._token.shown}: the text before is complete"
+                    )
             except Wrong:
                 broken.add(self._declared)
                 self._skip(before)

@@ -42,7 +42,7 @@ class Elements:
             return f"{node.op.upper()} remembers earlier steps, a list is of one message"
         is_variable = node.text in scope.variables or not scope.knows(node.text)
         if node.op == "name" and not is_variable and node.text not in scope.constants:
-            return f"{node.text} is no part of the message: only its fields, and constants"
+            return f"{node.text} is not part of the message: only its fields, and constants"
         return ""
 
     def number(self, name: str) -> int:

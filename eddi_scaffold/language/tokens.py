@@ -22,7 +22,7 @@ RESERVED = frozenset(
         *("ENUM", "VAR", "CONST", "EVENT", "COVERAGE"),
     }
 )
-"""Words that are no names, in any case of letters."""
+"""Words that are not names, in any case of letters."""
 
 _TOKEN = re.compile(
     r"""(?P<blank>[ \t\r\n\f]+|//[^\n]*)

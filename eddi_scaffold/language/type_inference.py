@@ -75,7 +75,7 @@ class _Inference:
         return name
 
     def _known(self, node: SyntaxNode) -> Type | None:
-        """Return the type of a node that is no open name."""
+        """Return the type of a node that is not an open name."""
         if node.op == "name":
             return self._scope.type_of(node.text)
         if node.op in ("number", "truth"):

@@ -469,13 +469,13 @@ class _InputBinder:
         if given is None or given == (wanted or ""):
             return None
         if self.item.type not in {"float", "int"}:
-            self._error("K021", f"input {self.entry.id!r} is no number and has no unit", "unit")
+            self._error("K021", f"input {self.entry.id!r} is not a number and has no unit", "unit")
             return None
         factor = (self.item.units or {}).get(given)
         if factor is None:
             fitting = ", ".join(unit or '""' for unit in self.item.units or {})
             message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
-            self._error("K022", message, "unit", f"units that can: {fitting}")
+            self._error("K022", message, "unit", f"units that can be: {fitting}")
             return None
         return None if factor[0] == factor[1] else factor
 

@@ -59,7 +59,7 @@ def _unknown_ids(
                 continue
             for key, text, path in _paths(item, binding, source):
                 for name, known in _missing(path, provider):
-                    message = f"{text!r}: {provider.model.name} gives no {name!r}"
+                    message = f"{text!r}: {provider.model.name} publishes no {name!r}"
                     hint = did_you_mean(name, known) or f"it gives: {', '.join(known) or 'none'}"
                     yield error("K047", message, config.place("EDDIInputs", index, key), hint)
 

@@ -161,7 +161,7 @@ def path_behind(name: str) -> FieldPath:
     """Return the path behind the first word of a name.
 
     Raises:
-        FieldPathError: it is no path.
+        FieldPathError: it is not a path.
     """
     rest = name[len(head_of(name)) :].removeprefix(".")
     return parse_field(rest, lists=True) if rest else ()

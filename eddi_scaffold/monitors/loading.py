@@ -66,7 +66,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         return kinds()["consert"].functions.read_file(source, default_guarantees)
     known = ", ".join(kind.title for kind in kinds().values())
     if b"\0" in head or not _is_utf8(source.data):
-        message = f"this is no text, so it is no model ({known})"
+        message = f"this is not text, so it is not a model ({known})"
         return Reading((), (error("F003", message, Place(source.name)),))
     message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
     return Reading((), (error("F003", message, Place(source.name)),))
@@ -112,7 +112,7 @@ def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Readin
 
 def no_model(source: Source) -> Problem:
     """Return F004: the file is sound, but of no use for a monitor."""
-    message = "there is no model in this file that a monitor can be made of"
+    message = "this file contains no model that a monitor can be generated from"
     return error("F004", message, Place(source.name))
 
 

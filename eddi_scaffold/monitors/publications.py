@@ -53,7 +53,7 @@ def publications(
         places = partial(config.place, "EDDIOutputs", index)
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
-            message = f"the monitor gives no message of {output.event!r} alone"
+            message = f"the monitor publishes no separate message for {output.event!r}"
             problems.append(error("K045", message, places("event"), hint))
             continue
         if output.field is None:

@@ -41,7 +41,7 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[SystemFile, lis
             "this is a .rossystem of 2018: its components are references to .componentinterface "
             "files"
         )
-        hint = "open it with Eclipse tools of 2019 and save it, so that it holds its components"
+        hint = "open it with Eclipse tools of 2019 and save it, so that it contains its components"
         raise EddiError(error(FOREIGN_FORMAT, message, Place(name, 1, 1), hint))
     return SystemFile(name, system), list(noticed(system.notices, name))
 

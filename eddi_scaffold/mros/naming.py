@@ -63,7 +63,7 @@ class Naming:
             )
             problems.append(warning("M016", message, one.place))
         if found.illegal:
-            message = f"{found.text} is not a legal ROS name (it holds {found.illegal})"
+            message = f"{found.text} is not a legal ROS name (it contains {found.illegal})"
             problems.append(warning("M017", message, one.place))
         return found.text, problems
 
@@ -99,7 +99,7 @@ class Naming:
         for labels, known in ((connection.sources, gives), (connection.targets, takes)):
             for label in labels:
                 if known[label] > 1:
-                    message = f"the label {label!r} is used {known[label]} times: the first counts"
+                    message = f"the label {label!r} is used {known[label]} times: the first is used"
                     place = Place(file, connection.line, connection.col)
                     self.problems.append(warning("M018", message, place))
 

@@ -185,7 +185,7 @@ class _Collected:
         if known.type != type_:
             message = (
                 f"{topic} has two types: {known.type} ({known.first.component.name}) and {type_} "
-                f"({provider}); the first counts"
+                f"({provider}); the first is used"
             )
             level = warning if kind == "subscribed" else error
             self.problems.append(level("M014", message, one.place))

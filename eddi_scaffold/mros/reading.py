@@ -68,7 +68,7 @@ def _dialect(text: Text) -> Dialect:
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
     if start == len(text.text):
-        raise text.error(0, "the file holds nothing but blanks and comments", EMPTY_FILE)
+        raise text.error(0, "the file contains only blanks and comments", EMPTY_FILE)
     if text.text.startswith("<", start):
         raise text.error(0, _XMI, FOREIGN_FORMAT, "xmi")
     return "brace" if _BRACE.match(text.text, start) else "indent"

@@ -115,7 +115,7 @@ class _Join:
             files = ", ".join(dict.fromkeys(other.file for other in models))
             message = (
                 f"the node {self.component.from_node!r} has several models with different "
-                f"interfaces ({files}): the first one counts"
+                f"interfaces ({files}): the first one is used"
             )
             self.problems.append(warning("M008", message, self.here))
         for interface in model.node.interfaces:
@@ -136,7 +136,7 @@ class _Join:
             message = f"there is no model of the node {name!r}, from: {named!r}"
         hint = self.definitions.hint_for_node(named or "")
         if self.component.interfaces:
-            message += ": only the interfaces that are listed count"
+            message += ": only the listed interfaces are used"
             self.problems.append(warning(NO_NODE_MODEL, message, self.here, hint))
         else:
             message += ", and it lists no interfaces"
@@ -179,7 +179,9 @@ class _Join:
             return
         if self._are_different(found):
             types = ", ".join(dict.fromkeys(one.interface.type for one in found))
-            several = f"{interface.ref!r} is defined with several types ({types}): the first counts"
+            several = (
+                f"{interface.ref!r} is defined with several types ({types}): the first is used"
+            )
             self.problems.append(warning("M012", several, place))
         self._take(interface.name, interface.ns, found, place)
 
@@ -189,7 +191,7 @@ class _Join:
         return len(types) > 1
 
     def _unresolved_name(self, name: str, place: Place) -> None:
-        message = f"{name!r} holds a '?': its extractor did not know the name; it is left out"
+        message = f"{name!r} contains a '?': its extractor did not know the name; it is left out"
         self.problems.append(warning("M011", message, place))
 
     def _take(
@@ -202,7 +204,7 @@ class _Join:
             return
         of = type_of(interface.type)
         if of is None:
-            message = f"{interface.type!r} of {interface.name!r} is no type"
+            message = f"{interface.type!r} of {interface.name!r} is not a type"
             there = Place(first.of.file, interface.type_line, interface.type_col)
             hint = "expected package/Type, such as std_msgs/Bool"
             self.problems.append(error("M013", message, there, hint))

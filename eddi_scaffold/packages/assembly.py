@@ -86,7 +86,7 @@ def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
     """
     if len(monitors) != 1:
         names = ", ".join(monitor.model.name for monitor in monitors)
-        message = f"the file holds several models: {names}"
+        message = f"the file contains several models: {names}"
         raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
     return monitors[0]
 

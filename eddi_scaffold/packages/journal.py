@@ -77,7 +77,7 @@ def records(root: Path) -> dict[str, Sequence[JournalEntry] | None]:
     start = _start(root)
     found: dict[str, Sequence[JournalEntry] | None] = {}
     for place in _places(start):
-        # what cannot be read, or is another's, is no record
+        # what cannot be read, or is another's, is not a record
         with suppress(OSError, ValueError, TypeError, KeyError):
             steps = _read(place, root)
             found[place.name.removeprefix(start).removesuffix(".json")] = steps

@@ -1,7 +1,7 @@
 """Entries of a package that are not regular files: they stay, and files in their place wait.
 
-A link of a person, the lock file of an editor or a socket is no reason to stop; a link where a file
-of ours belongs is, for that file alone.
+A link of a person, the lock file of an editor or a socket is not a reason to stop; a link where a
+file of ours belongs is, for that file alone.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def obstacles(folder: str, kinds: Mapping[str, str], wanted: Iterable[str]) -> O
 
     Args:
         folder: name of the package folder.
-        kinds: path in it -> what it is, of all that is no regular file.
+        kinds: path in it -> what it is, of all that is not a regular file.
         wanted: the files that a package has.
     """
     waiting: dict[str, list[str]] = {}

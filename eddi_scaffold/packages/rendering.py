@@ -110,7 +110,7 @@ def _replace(target: Path, data: bytes) -> None:
 
 
 def read_answers(package: Path) -> dict[str, Any] | None:
-    """Read what a package was generated from; ``None`` when it is no package of ours.
+    """Read what a package was generated from; ``None`` when it is not a package of ours.
 
     Raises:
         EddiError: its answers cannot be read, for instance after a conflict in git (T005).

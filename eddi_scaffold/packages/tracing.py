@@ -120,7 +120,7 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
         return _trace_of(answers)
     except (AttributeError, KeyError, TypeError, ValueError) as damage:
         message = f"the answers of the package are damaged: {damage!r}"
-        hint = "take the file back from git, or generate the package again"
+        hint = "restore the file from git, or generate the package again"
         place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
         raise EddiError(error("T005", message, place, hint)) from None
 

@@ -102,7 +102,7 @@ def apply(
         What a person should know of it, one sentence each.
 
     Raises:
-        OSError: the disk is full, a folder is not writable, or a link or what is no regular file
+        OSError: the disk is full, a folder is not writable, or a link or what is not a regular file
             is in the way; then nothing was changed.
     """
     if not changes:

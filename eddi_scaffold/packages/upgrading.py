@@ -91,7 +91,7 @@ def targets(
     configs = {package_name(one.config.Model.id): one for one in given}
     for name in sorted(configs.keys() - group.present.keys()):
         message = f"no package here is called {name!r}"
-        hint = "`generate` makes new packages; `upgrade` keeps to those that are there"
+        hint = "`generate` creates new packages, `upgrade` changes existing ones"
         raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
     models, problems = _newer_models(group, model_file, configs)
     renewed = rejoined(group.present, models, configs)
@@ -138,8 +138,8 @@ def _newer_models(
         if has_errors(first.problems):
             raise EddiError(*first.problems)
         known = ", ".join(sorted({name for _, name in made_of.values()})) or "none"
-        message = "no package here was made of a model in this file"
-        hint = f"the packages here were made of: {known}"
+        message = "no package here was generated from a model in this file"
+        hint = f"the packages here were generated from: {known}"
         raise EddiError(error("U006", message, Place(source.name), hint))
     marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
     reading = checked_models(model_file, tuple(marks))
@@ -180,8 +180,8 @@ def _made_of_unnamed(
 def _answers(package: Path) -> dict[str, Any]:
     answers = read_answers(package)
     if answers is None:
-        message = "this folder is no generated package"
-        hint = "`-w` names a folder that holds packages"
+        message = "this folder is not a generated package"
+        hint = "`-w` names a folder with packages"
         raise EddiError(error("U003", message, Place(str(package)), hint))
     return answers
 
@@ -198,7 +198,7 @@ def _check_answers(package: Path, answers: dict[str, Any]) -> None:
     except (KeyError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
         message = f"the answers of the package are damaged: {reason}"
-        hint = "take the file back from git, or generate the package again"
+        hint = "restore the file from git, or generate the package again"
         place = Place(str(package / ANSWERS_FILE))
         raise EddiError(error("T005", message, place, hint)) from None
 

@@ -28,7 +28,7 @@ def packages_root(platform: Platform, place: Path) -> Path:
         place: its workspace, or any folder if it has none.
 
     Raises:
-        EddiError: this is no workspace (G007), or the folder leads out of it (F011).
+        EddiError: this is not a workspace (G007), or the folder leads out of it (F011).
     """
     expected = platform.workspace
     if expected is not None and not place.is_dir():

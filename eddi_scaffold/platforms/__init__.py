@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 DEFAULT = "ros1"
 """The platform that is meant where none is named: configurations connect a monitor to ROS 1."""
 DEFAULT_IN_FOLDER = "plain"
-"""The same where packages go to a folder that is no workspace."""
+"""The same where packages go to a folder that is not a workspace."""
 
 
 @dataclass(frozen=True)

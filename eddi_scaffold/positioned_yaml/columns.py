@@ -54,7 +54,7 @@ def _flow(lines: Sequence[str], line: int, col: int, quote: str) -> Iterator[_Sp
     while line < len(lines):
         text = lines[line]
         blanks = len(text[col:]) - len(text[col:].lstrip(" \t"))
-        if col + blanks == len(text):  # blanks at the end of a line are no part of the value
+        if col + blanks == len(text):  # blanks at the end of a line are not part of the value
             empty = _blank_lines(lines, line + 1)
             yield line, col  # a blank, or the first of several line ends
             yield from ((line + 1 + one, 0) for one in range(empty - 1))
@@ -63,7 +63,7 @@ def _flow(lines: Sequence[str], line: int, col: int, quote: str) -> Iterator[_Sp
             continue
         yield from ((line, one) for one in range(col, col + blanks))
         col += blanks
-        if quote == '"' and text[col:] == "\\":  # an escaped line end is no part of it either
+        if quote == '"' and text[col:] == "\\":  # an escaped line end is not part of it either
             empty = _blank_lines(lines, line + 1)
             yield from ((line + 1 + one, 0) for one in range(empty))
             line += 1 + empty

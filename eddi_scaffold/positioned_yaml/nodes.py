@@ -201,7 +201,7 @@ class _Composer:
             self._report(stop.message, stop.place, stop.hint)
             return None, self.problems
         if not self.roots:
-            self._report("the file holds no document", Place(self.name, 1, 1))
+            self._report("the file contains no document", Place(self.name, 1, 1))
             return None, self.problems
         return self.roots[0], self.problems
 
@@ -242,12 +242,12 @@ class _Composer:
         elif isinstance(event, yaml.AliasEvent):
             self._alias(event)
         elif isinstance(event, yaml.DocumentStartEvent) and self.roots:
-            raise _Stop("the file holds more than one document", self._place(event.start_mark))
+            raise _Stop("the file contains more than one document", self._place(event.start_mark))
 
     def _check_tag(self, event: Any) -> None:
         if event.tag is not None and event.tag not in _CORE_TAGS:
             place = self._place(event.start_mark)
-            raise _Stop(f"the tag {event.tag!r} is not understood here", place)
+            raise _Stop(f"the tag {event.tag!r} is not supported here", place)
 
     def _scalar(self, event: Any) -> None:
         if event.tag is not None:

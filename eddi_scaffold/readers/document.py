@@ -139,7 +139,7 @@ class EddiDocument:
         elif token.id is not None:
             target, why = self.references.by_id(token.id), f'no element has xmi:id "{token.id}"'
         else:
-            message = f'{feature} "{token.text}" is no reference'
+            message = f'{feature} "{token.text}" is not a reference'
             return error(
                 "X007", message, self.place(element), "expected a path such as //@a.0/@b.3"
             )

@@ -1,4 +1,4 @@
-"""What no monitor is made of: packages of an EDDI that nothing reads, and XML that is no EDDI.
+"""What no monitor is made of: packages of an EDDI that nothing reads, and XML that is not an EDDI.
 
 Models in them would otherwise be lost without a word.
 """
@@ -46,13 +46,13 @@ def unread(document: EddiDocument) -> Iterator[Problem]:
 
 
 def foreign(document: EddiDocument) -> Problem | None:
-    """Return F010 for XML that is no EDDI by any of its roots, ``None`` for one that may be."""
+    """Return F010 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
     if any(_may_be_ours(document, root) for root in document.roots):
         return None
     root = document.roots[0] if document.roots else document.document
     name = feature_of(root)
     looks = _LOOKS_LIKE.get(local_name(name))
-    message = f"this XML is no EDDI: its root is <{name}>"
+    message = f"this XML is not an EDDI: its root is <{name}>"
     message += f", so it looks like {looks}" if looks else ""
     hint = "the root of an EDDI is a DDIPackage, or one of its packages or models"
     return error("F010", message, document.place(root), hint)

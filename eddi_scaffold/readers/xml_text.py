@@ -106,5 +106,5 @@ def syntax_hint(head: Head, message: str) -> str | None:
     if "Premature end of data" in message or "EndTag: '</' not found" in message:
         return "the file is cut off: the end tag of the first element is missing"
     if not text.lstrip().startswith("<"):
-        return "this is no XML file"
+        return "this is not an XML file"
     return None

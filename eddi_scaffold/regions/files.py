@@ -38,7 +38,7 @@ def open_regular(path: str | Path, *, follow: bool = True) -> BinaryIO:
         follow: whether it may be a link to a file.
 
     Raises:
-        NotRegularError: it is no regular file; nothing waits for its other end.
+        NotRegularError: it is not a regular file; nothing waits for its other end.
         OSError: it is a folder, or cannot be opened.
     """
     if "\0" in str(path):
@@ -58,7 +58,7 @@ def read_regular(path: str | Path, limit: int = MAX_BYTES, *, follow: bool = Tru
     """Return the bytes of a regular file, of which no more than ``limit`` + 1 are read.
 
     Raises:
-        NotRegularError: it is no regular file.
+        NotRegularError: it is not a regular file.
         OSError: it is a folder, cannot be read, or is larger than ``limit``.
     """
     with open_regular(path, follow=follow) as stream:

@@ -13,7 +13,8 @@ from pathlib import Path, PurePosixPath
 def is_relative(name: object) -> bool:
     """Return whether a value is a normalised relative POSIX path: no ``..``, root or blank part.
 
-    What lies in a ``.git`` is git's, which starts programs from there: it is no place for others.
+    The content of a ``.git`` belongs to git, which starts programs from there: nothing else may
+    be written there.
 
     >>> is_relative("src/rover/EDDIInput.py"), is_relative("a/../b"), is_relative("/etc/passwd")
     (True, False, False)

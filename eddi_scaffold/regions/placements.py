@@ -101,7 +101,7 @@ def claim_bodies(
             claim = Placement(region, source.body, sig, source.indent, edited=True)
             notes.extend(_report_changes(path, claim, source, old.get(region.id)))
         else:
-            # A region that is no news and holds the default was emptied by the person on purpose.
+            # A region that is not new and holds the default was emptied by the person on purpose.
             news = region.id not in own or region.id not in old
             names = [*([region.id] if news else ()), *(former if base else ())]
             saved = _saved(names, [o for o in orphans if o not in taken])

@@ -14,7 +14,7 @@ def parse_python(text: str | bytes) -> ast.Module:
     """Return the syntax tree of a text, however deep.
 
     Raises:
-        SyntaxError: the text is no Python, or nested deeper than Python reads.
+        SyntaxError: the text is not Python, or nested deeper than Python reads.
     """
     try:
         with warnings.catch_warnings():
@@ -30,7 +30,7 @@ def parse_shallow(text: str | bytes) -> ast.Module:
     """Return a syntax tree that ``ast.unparse`` and its neighbours can walk.
 
     Raises:
-        SyntaxError: the text is no Python, nested deeper than :data:`DEEPEST`, or holds a number
+        SyntaxError: the text is not Python, nested deeper than :data:`DEEPEST`, or holds a number
             of thousands of digits.
     """
     tree = parse_python(text)

@@ -129,7 +129,7 @@ def load(folder: Path) -> Packaged:
     """Load the code of a package.
 
     Raises:
-        EddiError: it is no package of a monitor, or its code cannot be loaded (I020).
+        EddiError: it is not a package of a monitor, or its code cannot be loaded (I020).
     """
     place = Place(str(folder))
     answers = read_answers(folder) or {}
@@ -142,7 +142,7 @@ def load(folder: Path) -> Packaged:
         monitor = _remembered(folder, answers, config, by_hand)
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         hint = f"name a folder with EDDIMonitor.py below it; {ANSWERS_FILE} must be whole"
-        message = "this is no package of a monitor"
+        message = "this is not a package of a monitor"
         raise EddiError(error("I020", message, place, hint)) from None
     if not isinstance(name, str) or not is_package_name(name):
         raise EddiError(error("I020", f"{name!r} cannot be the name of a package", place))

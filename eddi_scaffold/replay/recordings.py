@@ -234,7 +234,7 @@ class _Reader:
             if k == time_at:
                 continue
             if cell.text in seen or (cell.text == TIME and TIME not in self._types):
-                self._error("I002", f"the column {cell.text!r} is there twice", number, cell.col)
+                self._error("I002", f"the column {cell.text!r} is repeated", number, cell.col)
             elif cell.text not in self._types:
                 hint = did_you_mean(cell.text, self._types)
                 hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
@@ -275,7 +275,7 @@ class _Reader:
             self._error("I007", message, number, cell.col, hint)
             return None
         if t <= last:
-            message = f"the time {cell.text} is not after the one before, {last:g}"
+            message = f"the time {cell.text} is not after the previous one, {last:g}"
             self._error("I008", message, number, cell.col)
             return None
         return t
@@ -304,7 +304,7 @@ class _Reader:
             match = pattern.match(line, position)
             if match is None:
                 hint = 'a quote inside is written twice (""), a cell ends on its line'
-                message = "this quoted cell does not end as it should"
+                message = "this quoted cell is not closed properly"
                 self._error("I009", message, number, position + 1, hint)
                 return []
             quoted, plain, end = match.groups()
@@ -339,7 +339,7 @@ def _converted(text: str, wanted: InputType) -> JsonValue:
 
 
 def _several(text: str, wanted: InputType) -> JsonValue:
-    """Return the list of a cell; the name of a state is a text that is no list of numbers."""
+    """Return the list of a cell; the name of a state is a text that is not a list of numbers."""
     if wanted == "bool[]" and text.lower() == "nan":
         return math.nan
     one: InputType = "bool" if wanted == "bool[]" else "float"

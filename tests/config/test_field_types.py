@@ -103,7 +103,7 @@ def test_the_key_is_the_field_that_names_the_element(
         (
             "vision_msgs/Detection",
             "results[id=person].score",
-            "'id' of vision_msgs/Hypothesis is a int64, 'person' is no whole number",
+            "'id' of vision_msgs/Hypothesis is a int64, 'person' is not a whole number",
         ),
         (
             "vision_msgs/Detection",

@@ -24,7 +24,7 @@ from tests.shared_data import ROOT, shared
 NAMES = sorted(path.stem for path in (ROOT / "deployments").glob("*.yml")) or ["all_five"]
 
 REFUSED = {
-    "bn_raw_prior": ("a raw posterior is no evidence", "evidence[ID].active"),
+    "bn_raw_prior": ("a raw posterior is not evidence", "evidence[ID].active"),
     "cycle_and": ("cycle",),
     "cycle_latch_up": ("cycle", "left", "right"),
     "cycle_one_alive": ("cycle", "left", "right"),

@@ -41,7 +41,7 @@ CASES = {
     "x > 5 AND": ["1:10 E002 an operand is expected, found the end of the text"],
     "(x > 5": ["1:7 E002 ')' is expected, found the end of the text"],
     "a == NOT b": ["1:6 E002 an operand is expected, found 'NOT' (put it in parentheses: (NOT a))"],
-    "x > 5 y": ["1:7 E003 the text goes on with 'y'"],
+    "x > 5 y": ["1:7 E003 unexpected 'y': the text before is complete"],
     "x < 5 < y": ["1:7 E004 comparisons do not chain (write a < b AND b < c)"],
     "MAX(x, y) > 1": [
         (
@@ -80,7 +80,10 @@ CASES = {
     ],
     "CONST k = 5 CONST k = 6 x > k": ["1:19 E011 the name 'k' has two meanings"],
     "UNKNOWN == a": [
-        "1:1 E012 UNKNOWN is no literal, use KNOWN(...) (KNOWN(x) tests whether a value is known)"
+        (
+            "1:1 E012 UNKNOWN is not a literal, use KNOWN(...) "
+            "(KNOWN(x) tests whether a value is known)"
+        ),
     ],
     "coverage > 5": ["1:1 E012 'coverage' is a reserved word, it cannot be a name"],
     "VAR not : BOOL": ["1:5 E012 'not' is a reserved word, it cannot be a name"],
@@ -153,7 +156,7 @@ def test_more_diagnostics(text: str, wanted: str) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("x > 5 y", ["1:7 E003 the text goes on with 'y'"]),
+        ("x > 5 y", ["1:7 E003 unexpected 'y': the text before is complete"]),
         (
             "AVERAGE(x, 5s, COVERAGE 2) > 1",
             ["1:25 E014 the coverage must be above 0 and at most 1"],

@@ -229,7 +229,7 @@ def same(found: float, wanted: Any, analysis: Any) -> bool:
         ),
         ("MIN(a.x[*], LENGTH 5 .. 2) > 1", 26, "the LENGTH is empty: its ends are swapped"),
         ("MIN(a.x[*], COVERAGE 0) > 1", 22, "the coverage must be above 0 and at most 1"),
-        ("MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1", 25, "COVERAGE is there twice"),
+        ("MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1", 25, "COVERAGE is repeated"),
         (
             "MIN(a.x[*], SOME 1) > 1",
             13,

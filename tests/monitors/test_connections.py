@@ -55,8 +55,8 @@ OUTCOME = "risk.output_nodes[Critical].outcomes[hihg].outcome_value"
 @pytest.mark.parametrize(
     ("entry", "wanted"),
     [
-        (f"expression: {OUTCOME} < 0.1", f"'{OUTCOME}': PedestrianRisk gives no 'hihg'"),
-        (f"expression: {TITLE} < 0.1", f"'{TITLE}': PedestrianRisk gives no 'Critcal'"),
+        (f"expression: {OUTCOME} < 0.1", f"'{OUTCOME}': PedestrianRisk publishes no 'hihg'"),
+        (f"expression: {TITLE} < 0.1", f"'{TITLE}': PedestrianRisk publishes no 'Critcal'"),
     ],
 )
 def test_keys_that_the_network_beside_does_not_have(

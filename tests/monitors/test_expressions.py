@@ -443,7 +443,7 @@ INF, NAN = float("inf"), float("nan")
         ("MIN(scan.ranges[*]) > 0.8", (5.0, NAN), None),
         ("MIN(scan.ranges[*]) > 0.8", (5.0, 31.0), None),  # beyond range_max: discarded
         ("MIN(scan.ranges[*]) > 0.8", (5.0, 0.05), None),
-        ("MIN(scan.ranges[*]) > 0.8", (), None),  # an empty scan is no free way
+        ("MIN(scan.ranges[*]) > 0.8", (), None),  # an empty scan is not a free way
         ("MIN(scan.ranges[*], COVERAGE 0.5) > 0.8", (5.0, NAN, 3.0), True),
         ("MIN(scan.ranges[*], COVERAGE 0.7) > 0.8", (5.0, NAN, 3.0), None),
         ("AVERAGE(scan.ranges[*]) > 0.8", (5.0, INF), None),
@@ -544,7 +544,7 @@ def test_what_the_documentation_calls_no_measurement(
             "no field 'angle_min'",
         ),
         ("MIN(scan.ranges[*]) > 1 s", "E009", "m (length) and s (time) do not go together"),
-        ("MIN(scan.header[*]) > 1", "K020", "is no list"),
+        ("MIN(scan.header[*]) > 1", "K020", "is not a list"),
         ("scan.ranges > 1", "K020", "is a float[]"),
         ("battery.location == 3", "E007", "a text and a number cannot be compared"),
     ],

@@ -15,8 +15,8 @@ from eddi_scaffold.source import read_source
     [
         ("m.xml", b" \n", "this file is empty"),
         ("m.yml", b"", "this file is empty"),
-        ("m.bin", b"\x00\x01", "this is no text"),
-        ("m.png", b"\x89PNG", "this is no text"),
+        ("m.bin", b"\x00\x01", "this is not text"),
+        ("m.png", b"\x89PNG", "this is not text"),
         ("m.txt", b"hello", "this is neither an EDDI XML file nor a model"),
     ],
 )

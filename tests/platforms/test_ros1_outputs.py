@@ -49,6 +49,6 @@ def test_a_wrong_field_names_those_that_are_there(tmp_path: Path) -> None:
         "guarantees[X]": "the path ends at eddi_messages/Guarantee, not at a single value",
         "guarantees.id": "eddi_messages/Guarantee[] is a list; one element of it is [0], "
         "or [key] where the elements have names",
-        "guarantees[X].active[0]": "bool is no list",
+        "guarantees[X].active[0]": "bool is not a list",
     }.items():
         assert answers(tmp_path, field)[1] == [f"{line}: {text}"]

@@ -153,7 +153,7 @@ def test_references_by_href_by_id_and_into_other_files() -> None:
     found, problems, present = doc.targets(bad, to)
     assert (found, present) == ([], True)
     assert texts(problems) == [
-        'm.xml:3: error X007: to "//@a[k]" is no reference',
+        'm.xml:3: error X007: to "//@a[k]" is not a reference',
         'm.xml:3: error X008: to "_2" points at nothing: no element has xmi:id "_2"',
         'm.xml:3: error X012: to "x.xml#//@a.0" points into another file, x.xml',
     ]

@@ -55,7 +55,7 @@ BOM = b"\xef\xbb\xbf"
         (
             b"guarantees: []\n",
             "m.xml:1: error X001: not well-formed: Start tag expected, '<' not found",
-            "this is no XML file",
+            "this is not an XML file",
         ),
         (
             b'<a b="1" b="2"/>',

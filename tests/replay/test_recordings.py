@@ -59,8 +59,8 @@ def test_cells_by_type():
         ("t;e\n0;1\n", ["1:2: I001 cells are separated by semicolons, commas are expected"]),
         ("t\te\n0\t1\n", ["1:2: I001 cells are separated by tabs, commas are expected"]),
         (b"t,e\n0,\xff\n", ["2:None: I001 the file is not UTF-8 text"]),
-        ("t,e,e\n", ["1:5: I002 the column 'e' is there twice"]),
-        ("t,e,t\n", ["1:5: I002 the column 't' is there twice"]),
+        ("t,e,e\n", ["1:5: I002 the column 'e' is repeated"]),
+        ("t,e,t\n", ["1:5: I002 the column 't' is repeated"]),
         ("t,e, Speed\n", ["1:6: I003 no input has the id 'Speed'"]),
         ("t,\n", ["1:3: I003 no input has the id ''"]),
         ("t,e\n0\n", ["2:1: I005 1 cells, but the header has 2 columns"]),
@@ -85,12 +85,12 @@ def test_cells_by_type():
         (
             "t,e\n1,1\n1.0,1\n2,1\n0,1\n",
             [
-                "3:1: I008 the time 1.0 is not after the one before, 1",
-                "5:1: I008 the time 0 is not after the one before, 2",
+                "3:1: I008 the time 1.0 is not after the previous one, 1",
+                "5:1: I008 the time 0 is not after the previous one, 2",
             ],
         ),
-        ('t,e\n0,"true\n', ["2:3: I009 this quoted cell does not end as it should"]),
-        ('t,e\n0,"1"x\n', ["2:3: I009 this quoted cell does not end as it should"]),
+        ('t,e\n0,"true\n', ["2:3: I009 this quoted cell is not closed properly"]),
+        ('t,e\n0,"1"x\n', ["2:3: I009 this quoted cell is not closed properly"]),
     ],
 )
 def test_problems(text, wanted):

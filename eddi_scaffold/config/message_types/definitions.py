@@ -41,7 +41,7 @@ def fields_of(text: str, package: str = "") -> dict[str, str]:
 
 
 def declared(fields: Iterable[tuple[str, str]], package: str) -> dict[str, str]:
-    """Return a field table of pairs of type and name; what is no field name is left out."""
+    """Return a field table of pairs of type and name; what is not a field name is left out."""
     return {
         name: _qualified(of.replace("/msg/", "/").replace(".", "/"), package)
         for of, name in fields
@@ -63,7 +63,7 @@ def _qualified(of: str, package: str) -> str:
 
 
 def element(of: str) -> str | None:
-    """Return the type of the elements of a list, ``None`` for what is no list."""
+    """Return the type of the elements of a list, ``None`` for what is not a list."""
     return of.partition("[")[0] if of.endswith("]") else None
 
 

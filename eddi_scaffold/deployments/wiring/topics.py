@@ -66,7 +66,7 @@ def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
             continue
         if deployment.publisher(member, source) is None:
             message = (
-                f"{topic} is published by none of these files, so what it rests on is unchecked"
+                f"{topic} is published by none of these files, so what it depends on is not checked"
             )
             place = config.place("SimulatorOutputs", index, "topic")
             hint = "check it together with the configuration and the model of its publisher"

@@ -43,7 +43,7 @@ class Track:
 
 
 def plain(value: object) -> Value:
-    """Return a value as it can be drawn: NaN and what is no single value are unknown."""
+    """Return a value as it can be drawn: NaN and what is not a single value are unknown."""
     if isinstance(value, float) and math.isnan(value):
         return None
     return value if isinstance(value, bool | int | float | str) else None

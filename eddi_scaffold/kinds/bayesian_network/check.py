@@ -72,7 +72,7 @@ class _Check:
         seen: set[str] = set()
         for parent in draft.parents:
             if parent.text not in self.known:
-                message = f"{draft.id!r} has the parent {parent.text!r}, which is no node"
+                message = f"{draft.id!r} has the parent {parent.text!r}, which is not a node"
                 self._error("B108", message, parent.place, self.near.hint(parent.text))
             elif parent.text in seen:
                 message = f"{parent.text!r} is a parent of {draft.id!r} twice"
@@ -159,7 +159,8 @@ class _Check:
                 largest, at = abs(total - 1.0), place
             found += values if total == 1.0 else [value / total for value in values]
         if largest > _ROUNDING:
-            message = f"rows of {draft.id!r} are divided by their sum, off by up to {largest:.3g}"
+            sums = f"their sums differ from 1 by up to {largest:.3g}"
+            message = f"rows of {draft.id!r} are normalised: {sums}"
             self.problems.append(warning("B114", message, at))
         return tuple(found)
 
@@ -168,7 +169,7 @@ class _Check:
         if 0.0 <= value <= 1.0:
             return value
         row = f" in row {where}" if where else ""
-        message = f"{text!r} of {node!r}{row} is no probability"
+        message = f"{text!r} of {node!r}{row} is not a probability"
         hint = "a number from 0 to 1 with a decimal point" if "," in text else None
         self._error("B112", message, place, hint)
         return None

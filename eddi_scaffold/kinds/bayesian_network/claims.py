@@ -13,7 +13,7 @@ MEANINGS: Meanings = {
     "BayesianNetworkOutput": {
         "output_nodes": Meaning(
             given=(ValidityField("BayesianNetworkStatus", "valid", value=True),),
-            refused="a raw posterior is no evidence: it is the prior when nothing is known",
+            refused="a raw posterior is not evidence: it is the prior when nothing is known",
             instead=_EVIDENCE,
         ),
     },

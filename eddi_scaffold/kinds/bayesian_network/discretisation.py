@@ -163,12 +163,12 @@ class _Entry:
 
     def _known_state(self, state: object, *path: str | int) -> None:
         if isinstance(state, bool) or not isinstance(state, str):
-            message = f"{state!r} is no name of a state"
+            message = f"{state!r} is not a name of a state"
             self._error("B404", message, *path, hint="quote it, if a text is meant")
         elif state not in self.node.states:
             hint = did_you_mean(state, self.node.states)
             hint = hint or f"its states: {', '.join(self.node.states)}"
-            self._error("B403", f"{state!r} is no state", *path, hint=hint)
+            self._error("B403", f"{state!r} is not a state", *path, hint=hint)
 
     def _bins(self, order: Sequence[str]) -> list[float] | None:
         given = self.given.get("bins")
@@ -246,7 +246,7 @@ class _Entry:
             self._known_state(state, "map", key)
             value = value_of(key, of)
             if value is None:
-                self._error("B404", f"{key!r} is no {of}, as the input is", "map", key)
+                self._error("B404", f"{key!r} is not of type {of}, which the input has", "map", key)
             pairs.append([value, state])
         return pairs
 

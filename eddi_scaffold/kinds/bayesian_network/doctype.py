@@ -24,7 +24,7 @@ def without_doctype(source: Source) -> tuple[Source, list[Problem]]:
     match = _DOCTYPE.match(data, start)
     if match is None or not _HARMLESS.fullmatch(match["inner"] or b""):
         line = data.count(b"\n", 0, start) + 1
-        message = "the document type holds more than elements and attributes, which is refused"
+        message = "the document type declares more than elements and attributes, which is refused"
         hint = "remove the <!DOCTYPE ...> declaration"
         return Source(source.name, b""), [error("X002", message, Place(source.name, line), hint)]
     blank = re.sub(rb"[^\n]", b" ", match.group())

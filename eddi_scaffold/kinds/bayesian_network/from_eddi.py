@@ -199,8 +199,8 @@ class _Reader:
                 wrong = True
             elif owner not in parents:
                 message = (
-                    f"the row names a state of {self.nodes[owner].name!r}, which is no parent of "
-                    f"{node.name!r}"
+                    f"the row names a state of {self.nodes[owner].name!r}, "
+                    f"which is not a parent of {node.name!r}"
                 )
                 self.findings.error("X009", message, row, "add a causal connection, or remove it")
                 wrong = True

@@ -64,7 +64,7 @@ class _Reader:
         for element in select(self.root, "nodes/*"):
             of, name = feature_of(element), element.get("id") or ""
             if of not in _TYPES:
-                message = f"the node {name!r} is of type {of!r}, which cannot be run"
+                message = f"the node {name!r} is of type {of!r}, which is not supported"
                 hint = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
                 self._error("B202", message, element, hint)
                 continue
@@ -113,7 +113,7 @@ class _Reader:
         found: list[str] = []
         for word in words:
             if word not in states:
-                message = f"{word!r} is no state of {name!r}"
+                message = f"{word!r} is not a state of {name!r}"
                 self._error("B205", message, element, f"its states: {', '.join(states)}")
             found += ["1.0" if state == word else "0.0" for state in states]
         return tuple(found)

@@ -39,13 +39,13 @@ class _Reader:
             names.add(name)
             of = variable.get("TYPE") or "nature"
             if of != "nature":
-                message = f"the variable {name!r} is of type {of!r}, which cannot be run"
+                message = f"the variable {name!r} is of type {of!r}, which is not supported"
                 self._error("B202", message, variable, "remove it: a monitor does not decide")
                 continue
             yield self._draft(variable, name, definitions.get(name))
         for name, definition in definitions.items():
             if name not in names:
-                message = f"there is a definition for {name!r}, which is no variable"
+                message = f"there is a definition for {name!r}, which is not a variable"
                 self._error("B222", message, definition)
 
     def _draft(self, variable: Element, name: str, definition: Element | None) -> Draft:

@@ -38,12 +38,12 @@ def is_config_module(name: str) -> bool:
 
 
 def lint(source: Source) -> list[Problem]:
-    """Return what looks wrong (B406, B410 to B417), or that the file is no Python (B418)."""
+    """Return what looks wrong (B406, B410 to B417), or that the file is not Python (B418)."""
     try:
         tree = parse_shallow(source.data)
     except SyntaxError as fault:
         place = Place(source.name, fault.lineno or 1, fault.offset or 1)
-        return [error("B418", f"this is no Python: {fault.msg}", place)]
+        return [error("B418", f"this is not Python: {fault.msg}", place)]
     lines = source.data.decode("utf-8", "replace").splitlines()
     found: list[Problem] = []
     for item in ast.walk(tree):
@@ -86,7 +86,9 @@ def _faults(method: _Method) -> Iterator[Fault]:
     yield from _values(method)
     real = [one for one in ways.assignments(method.body) if one.value != 0.0]
     if real and method.declared:
-        text = f"{method.name} is declared in the configuration and set here, which counts first"
+        text = (
+            f"{method.name} is declared in the configuration and set here, which takes precedence"
+        )
         yield "B406", real[0].line, text, "remove the declaration, or this body"
     flags = [one for one in ways.statements(method.body) if ways.flags_output(one)]
     if real and flags:
@@ -124,13 +126,13 @@ def _ways(method: _Method) -> Iterator[Fault]:
         return
     open_chain = next((chain for chain in ways.chains(method.body) if chain.sets_no_else), None)
     if open_chain and any(way.names for way in found) and not all(way.names for way in found):
-        text = f"a way through {method.name} sets no outcome: the node is unobserved there"
+        text = f"a path through {method.name} sets no outcome: the node is unobserved there"
         yield "B410", open_chain.line, text, "is an `else` missing?"
     twice = next((way for way in found if len(way.sure) > 1), None)
     if twice is not None:
         names = " and ".join(sorted(twice.sure))
-        text = f"a way through {method.name} sets {names} to 1"
-        yield "B413", max(twice.lines), text, "two states for sure mean nothing: set one"
+        text = f"a path through {method.name} sets {names} to 1"
+        yield "B413", max(twice.lines), text, "two certain states contradict each other: set one"
 
 
 def _chain(method: _Method, chain: ways.IfChain) -> Iterator[Fault]:
@@ -144,8 +146,8 @@ def _chain(method: _Method, chain: ways.IfChain) -> Iterator[Fault]:
         for item in ast.walk(statement)
     )
     if chain.else_sets and chain.orders and not guarded:
-        text = f"{method.name}: NaN goes into this `else`"
-        hint = "look for it first (math.isfinite), or declare the node in the configuration"
+        text = f"{method.name}: NaN takes this `else`"
+        hint = "test for it first (math.isfinite), or declare the node in the configuration"
         yield "B415", chain.otherwise[0].lineno, text, hint
     for line, low, high in chain.breaks():
         what = "leave a gap" if low < high else "overlap"

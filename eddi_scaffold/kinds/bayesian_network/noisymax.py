@@ -71,7 +71,7 @@ def _probability(text: str) -> float:
     except ValueError:
         value = math.nan
     if not 0.0 <= value <= 1.0:
-        raise NoisyMaxError(f"{text!r} is no probability")
+        raise NoisyMaxError(f"{text!r} is not a probability")
     return value
 
 
@@ -85,7 +85,9 @@ def _orders(strengths: Sequence[str], cards: Sequence[int]) -> Iterator[list[int
         texts = list(strengths[at : at + card]) or known
         at += card
         if sorted(texts) != sorted(known):
-            raise NoisyMaxError(f"the strengths of parent {number + 1} are no order of its states")
+            raise NoisyMaxError(
+                f"the strengths of parent {number + 1} are not an ordering of its states"
+            )
         order = [int(text) for text in texts]
         if any(order[order[state]] != state for state in order):
             # which of two readings SMILE means shows only here, and in no file

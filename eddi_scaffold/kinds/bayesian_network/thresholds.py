@@ -104,7 +104,7 @@ def _repeated(found: Sequence[Threshold]) -> Iterable[Problem]:
     for number, one in enumerate(found):
         before = found[:number]
         if one.id in [other.id for other in before]:
-            yield error("B426", f"two evidence are called {one.id!r}", one.place)
+            yield error("B426", f"two entries of `evidence:` have the id {one.id!r}", one.place)
         other = next((two.id for two in before if one.topic and two.topic == one.topic), None)
         if other is not None:
             message = f"evidence {other!r} and {one.id!r} have the same topic {one.topic}"
@@ -148,11 +148,11 @@ class _Entry:
         name = self.given.get("id")
         if not isinstance(name, str) or _ID.fullmatch(name) is None:
             hint = "write letters, digits and `_`, such as RiskIsLow"
-            text = "`id` is missing" if name is None else f"{_shown(name)} is no id"
+            text = "`id` is missing" if name is None else f"{_shown(name)} is not an id"
             self._error("B420", text, "id", hint=hint)
             return ""
         if name in _RESERVED:
-            self._error("B420", f"`id` {name!r} is taken by the results themselves", "id")
+            self._error("B420", f"`id` {name!r} is already used by the results themselves", "id")
         return name
 
     def _node(self) -> str:
@@ -205,7 +205,7 @@ class _Entry:
     def _probability(self, key: str) -> float:
         value: JsonValue = self.given[key]
         if not is_number(value) or not 0.0 <= value <= 1.0:
-            text = f"`{key}` is {_shown(value)}, no probability"
+            text = f"`{key}` is {_shown(value)}, which is not a probability"
             self._error("B422", text, key, hint="a number from 0 to 1")
             return 0.0
         return float(value)

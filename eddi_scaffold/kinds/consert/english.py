@@ -65,7 +65,7 @@ def read_english(text: str) -> EnglishDimension:
 
 def _objection(subject: str, rest: str, bound: re.Match[str] | None) -> str | None:
     if bound is None:
-        return f'"{rest.strip()}" is no number with a unit'
+        return f'"{rest.strip()}" is not a number with a unit'
     unit = bound.group(2)
     if unit is not None and find_unit(unit) is None:
         return f'the unit "{unit}" is unknown'

@@ -144,7 +144,8 @@ def _one_topic(
 ) -> Iterable[Problem]:
     """Warn where the latest message of a topic may be that of another event."""
     if len(analysis.events) > 1 and None in parts:
-        message = f"{len(analysis.events)} events share one topic: the latest message is of any"
+        shared = f"{len(analysis.events)} events share one topic"
+        message = f"{shared}: the latest message may be from any of them"
         hint = "give each event a separate output: `event: ID` with `topic:`"
         yield warning("W005", message, model.place, hint)
 
@@ -175,7 +176,7 @@ def _covered(limits: tuple[float, float] | None, unit: str | None) -> str | None
 
 
 def _numbers(analysis: Analysis, source: Source) -> Sequence[Problem]:
-    """Return an error for a bare numeric expression: it is no event."""
+    """Return an error for a bare numeric expression: it is not an event."""
     return [
         error("E007", "an event is a boolean, this is a number", Place(source.name, 1, 1))
         for event in analysis.events

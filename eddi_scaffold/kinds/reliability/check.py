@@ -67,7 +67,7 @@ def _references(system: ReliabilitySystem) -> Iterator[Problem]:
     for component in system.components.values():
         for below in component.below:
             if below not in system.components:
-                message = f"model {component.name!r} uses {below!r}, which is not there"
+                message = f"model {component.name!r} uses {below!r}, which does not exist"
                 yield error("R001", message, _place_of_use(component, below), near.hint(below))
     below_all = {name: one.below for name, one in system.components.items()}
     cycle = order(_ALL, {_ALL: names, **below_all})[1]
@@ -133,11 +133,12 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
         hint = 'keyValueMaps with key "k", or `k:` in YAML'
         yield error("R005", f"gate {name!r} is a vote without k", place, hint)
     elif gate.type == "VOTE" and not 1 <= (gate.k or 0) <= len(gate.of):
-        yield error("R005", f"gate {name!r} wants {gate.k} of {len(gate.of)} inputs", place)
+        yield error("R005", f"gate {name!r} requires {gate.k} of {len(gate.of)} inputs", place)
     elif gate.type == "NOT" and len(gate.of) != 1:
         yield error("R005", f"gate {name!r} is a NOT of {len(gate.of)} inputs", place)
     elif gate.type == "XOR" and len(gate.of) > 2:
-        message = f"gate {name!r} is an XOR of {len(gate.of)} inputs: an odd number of them"
+        what = f"gate {name!r} is an XOR of {len(gate.of)} inputs"
+        message = f"{what}, which is true for an odd number of them"
         yield warning("R013", message, place)
     elif gate.type in DYNAMIC:
         yield from _dynamic(tree, gate, uses)
@@ -213,7 +214,7 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
         return []
     message = (
         f"the minimal cut sets of the file differ in tree {component.name!r}: it has "
-        f"{_sets(tree.cut_sets)}, we find {_sets(named)}"
+        f"{_sets(tree.cut_sets)}, computed are {_sets(named)}"
     )
     return [warning("R016", message, component.place)]
 

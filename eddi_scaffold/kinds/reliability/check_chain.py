@@ -59,7 +59,7 @@ def _reach(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
     for state in chain.fail:
         if any(arc.source == state and arc.rate > 0.0 for arc in chain.arcs):
             message = f"fail state {state!r} of chain {name!r} has arcs, which are left out"
-            hint = "failure is first passage: what comes behind it does not count"
+            hint = "failure is first passage: what comes after it is ignored"
             yield warning("R013", message, place, hint)
     arcs = [(number[a.source], number[a.target], a.rate) for a in chain.arcs]
     rates = generator(len(chain.states), arcs, fail)
@@ -70,7 +70,7 @@ def _reach(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
         shown = ", ".join(lost[:8]) + (", ..." if len(lost) > 8 else "")
         yield warning("R013", f"chain {name!r} never reaches {shown}", place)
     if not reaching(rates, fail)[initial]:
-        message = f"chain {name!r} cannot fail: no way leads from {chain.initial[0]!r} to failure"
+        message = f"chain {name!r} cannot fail: no path leads from {chain.initial[0]!r} to failure"
         yield warning("R013", message, place, "its MTTF is infinite")
     elif not certain(rates, fail)[initial]:
         message = f"chain {name!r} may stay for ever in states that cannot fail"

@@ -114,7 +114,7 @@ class Laws:
                     raise QuantityError(f"the scale {scale!r} is not above 0")
                 return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
         shown = ", ".join(f"{k}={v}" for k, v in texts.items())
-        message = f"{what}: the distribution {given!r} ({shown}) is not understood"
+        message = f"{what}: the distribution {given!r} ({shown}) is not supported"
         self._findings.warning("X018", message, element)
         return None
 

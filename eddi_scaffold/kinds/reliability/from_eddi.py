@@ -290,7 +290,7 @@ class _Reader:
         same = [f for f in failures if own and self.document.attribute(f, _NAME) == own]
         what = self.document.describe(cause)
         if len(same) == 1:
-            message = "a basic event has no failure: the one of equal name is taken"
+            message = "a basic event has no failure: the one with the same name is used"
             self.findings.count("info", "X018", message, cause)
             return same[0]
         count = "no" if not same else str(len(same))

@@ -54,7 +54,7 @@ def read_system(
         assert models is not None
         entry = models.map(name)
         if _NAME.fullmatch(name) is None:
-            models.error("R001", f"{name!r} is no name of a model", name, KEY)
+            models.error("R001", f"{name!r} is not a name of a model", name, KEY)
         elif entry is not None:
             known = tuple(base.components) if base else ()
             components.update(_component(name, entry, library, components.get(name), known))
@@ -100,7 +100,7 @@ def _horizon(values: Values, base: ReliabilitySystem | None) -> tuple[float, boo
         if longest is None:
             values.error(
                 "R001",
-                "the horizon mission_end needs the longest one",
+                "the horizon mission_end needs a mission_time, the longest mission",
                 "horizon",
                 hint="add `mission_time: 2 h`",
             )
@@ -144,9 +144,9 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
 def _check_id(entry: Values, name: str) -> None:
     if _ID.fullmatch(name) is None:
         hint = "write letters, digits and `_`, such as RtE_continue"
-        entry.error("R015", f"{name!r} is no id of a threshold", "id", hint=hint)
+        entry.error("R015", f"{name!r} is not an id of a threshold", "id", hint=hint)
     elif name in _RESULTS:
-        message = f"a threshold cannot be called {name!r}: the result has that already"
+        message = f"a threshold cannot be called {name!r}: the result already has that name"
         entry.error("R015", message, "id", hint=f"reserved: {', '.join(_RESULTS)}")
 
 
@@ -247,7 +247,7 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
     if not isinstance(positions, list) or sorted(map(repr, positions)) != sorted(
         map(repr, range(motors))
     ):
-        message = f"positions must be each number from 0 to {motors - 1} once"
+        message = f"positions must contain each number from 0 to {motors - 1} once"
         entry.error("R011", message, "positions")
         return None
     return {

@@ -94,7 +94,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
             is_one = len(words) == 1 or negated
             if not is_one or words[-1].casefold() in _WORDS:
                 hint = "write the id of an input, or `not` and the id"
-                observe.error("R002", f"{text!r} is no input", state, hint=hint)
+                observe.error("R002", f"{text!r} is not an input", state, hint=hint)
             else:
                 found.append(Observation(state, words[-1], negated))
     return tuple(found)

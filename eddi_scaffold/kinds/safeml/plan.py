@@ -77,7 +77,7 @@ class _Planner:
     def _plan(self) -> Plan | None:
         settings, problems = self.settings, self.problems
         if not np.isfinite(self.rows).all():
-            text = "the reference holds numbers that float32 cannot, in which the samples come"
+            text = "the reference contains numbers beyond float32, the type of the samples"
             problems.append(error("L005", text, settings.place("input_dtype")))
             return None
         _, other = split(self.rows, halves=self.halves)
@@ -122,7 +122,7 @@ class _Planner:
         rows, key = self.rows, "reference_sample_file"
         constant = np.flatnonzero((rows == rows[0]).all(axis=0)).tolist()
         if constant:
-            text = f"{_listed('feature', constant)} never changes in the reference"
+            text = f"constant in the reference: {_listed('feature', constant)}"
             hint = "every other value of it counts as a violation: leave it out if that is wrong"
             self._warn("L010", text, key, hint)
         same = [pair for pair in _equal_columns(rows) if pair[0] not in constant]
@@ -144,7 +144,7 @@ class _Planner:
             where = settings.place("calibration")
             yield error("L008", text, where, "record more, or write `calibration: iid`")
         elif len(self.rows) < 2 * m:
-            text = f"the reference has {len(self.rows)} rows, less than two windows of {m}"
+            text = f"the reference has {len(self.rows)} rows, fewer than two windows of {m}"
             yield warning("L009", text, place, "record more: the tests compare like with like")
 
     def _components(self, other: Rows) -> int | None:
@@ -164,7 +164,7 @@ class _Planner:
             self.problems.append(error("L006", text, settings.place("n_components")))
             return None
         if np.abs(self.rows).max() > _LARGEST_SQUARED:
-            text = "the reference holds numbers so large that their squares are none"
+            text = "the reference contains numbers whose squares overflow"
             where = settings.place("reference_sample_file")
             self.problems.append(error("L005", text, where, "choose a larger unit"))
             return None
@@ -179,7 +179,7 @@ class _Planner:
         kept = int((singular[:wanted] > _SMALL_COMPONENT * singular[0]).sum())
         if kept < wanted:
             dropped = list(range(kept, wanted))
-            text = f"{_listed('component', dropped)} has no variance and is dropped"
+            text = f"without variance, dropped: {_listed('component', dropped)}"
             self._warn("L010", text, "n_components", f"write `n_components: {kept}`")
         return kept
 
@@ -225,7 +225,7 @@ class _Planner:
     def _remarks(self, made: Plan) -> Iterable[Problem]:
         settings = self.settings
         if made.settings.metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
-            text = f"{METRIC_NAMES[settings.metric]} is verified from window_size 10 on"
+            text = f"{METRIC_NAMES[settings.metric]} is verified for a window_size of at least 10"
             yield warning("L009", text, settings.place("window_size"))
         if settings.metric != "ks" and made.level > _HIGHEST_LEVEL:
             value = limit_quantile(settings.metric, _HIGHEST_LEVEL)
@@ -275,11 +275,11 @@ def _equal_columns(rows: Rows) -> list[tuple[int, int]]:
 
 
 def _listed(what: str, numbers: Sequence[int]) -> str:
-    """Name things by their numbers: ``feature 3``, ``each of features 3, 5``."""
+    """Name things by their numbers: ``feature 3``, ``features 3, 5``."""
     if len(numbers) == 1:
         return f"{what} {numbers[0]}"
     shown = ", ".join(map(str, numbers[:_LISTED]))
-    return f"each of {what}s {shown}{_more(numbers)}"
+    return f"{what}s {shown}{_more(numbers)}"
 
 
 def _more(items: Sequence[object]) -> str:

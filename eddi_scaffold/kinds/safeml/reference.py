@@ -103,7 +103,7 @@ class _Reader:
             self._error(text, number, 1, "delete it, or write # before it")
             return
         for column, name in zip(wrong, names, strict=True):
-            what = f"is no number: {name[:40]!r}" if name else "is empty"
+            what = f"is not a number: {name[:40]!r}" if name else "is empty"
             self._error(f"row {number}, column {column} {what}", number, column)
 
 
@@ -132,7 +132,7 @@ def _not_finite(values: Rows, numbers: list[int], file: str) -> list[Problem]:
     if not len(bad):
         return []
     row, column = numbers[int(bad[0][0])], int(bad[0][1]) + 1
-    text = f"{_cells(len(bad))} with no finite number, first row {row}, column {column}"
+    text = f"{_cells(len(bad))} without a finite number, first row {row}, column {column}"
     hint = "a reference holds correct behaviour only: leave such samples out"
     return [_at(error("L005", text, Place(file, row, column), hint))]
 

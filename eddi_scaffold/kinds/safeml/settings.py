@@ -82,7 +82,7 @@ def _problem(key: str, node: Node, expected: str) -> Problem:
         return error("L002", text, node.place)
     given = as_text(node)
     near = did_you_mean(given, METRICS) if given is not None else None
-    text = f"{key}: {describe(node)} is no metric"
+    text = f"{key}: {describe(node)} is not a metric"
     return error("L003", text, node.place, near or f"there are: {', '.join(METRICS)}")
 
 

@@ -53,7 +53,7 @@ def analysis_of(request: Request) -> Analysis:
     """Check what was typed.
 
     Raises:
-        EddiError: the rate is no number of steps per second (E005).
+        EddiError: the rate is not a number of steps per second (E005).
     """
     rate = None
     if request.rate.strip():

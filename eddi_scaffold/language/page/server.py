@@ -144,7 +144,7 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             pairs = parse_qs(body.decode("utf-8"), keep_blank_values=True, max_num_fields=20)
         except ValueError:
-            raise _Refused(HTTPStatus.BAD_REQUEST, "this is no form") from None
+            raise _Refused(HTTPStatus.BAD_REQUEST, "this is not a form") from None
         form = {name: values[-1] for name, values in pairs.items()}
         page = answer(_request(form), self.read_signal, code=self.path == "/generate")
         if form.get("download") and page.files:
@@ -194,7 +194,7 @@ class _Handler(BaseHTTPRequestHandler):
         if "Transfer-Encoding" in self.headers or not said:
             raise _Refused(HTTPStatus.LENGTH_REQUIRED, "a Content-Length is required")
         if len(said) > 1 or not _LENGTH.fullmatch(said[0]):
-            raise _Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is no number of bytes")
+            raise _Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is not a number of bytes")
         return int(said[0])
 
     def _send(

@@ -19,7 +19,7 @@ _DEFAULT = re.compile(
     r"raise NotImplementedError\([^\n]*\)|pass|\(void\)t_ns;"
     r"|(?:\(void\)stamp;[^\n]*\n\s*)?return (?:NAN|EVENT_UNKNOWN|-1);"
 )
-"""Default bodies: a region that is removed with one of them is no loss."""
+"""Default bodies: a region that is removed with one of them is not a loss."""
 _HASH_MARKER = re.compile(r"(?m)^(\s*)#  (?=-{3,}\s*Manual edit (?:begin|end))")
 
 
@@ -94,7 +94,7 @@ def keep_in_folder(files: Mapping[str, str], folder: Path) -> tuple[dict[str, st
         The files to write, and the names of those that hold what was lost.
 
     Raises:
-        EddiError: a file there is not ours (E020), is no text, or its markers are broken (E021).
+        EddiError: a file there is not ours (E020), is not text, or its markers are broken (E021).
     """
     found: dict[str, str] = {}
     lost: list[str] = []

@@ -42,7 +42,7 @@ def read_model(text: Text) -> RosModel:
     """Read the packages of a file.
 
     Raises:
-        MrosSyntaxError: the text is no model of this dialect.
+        MrosSyntaxError: the text is not a model of this dialect.
     """
     return _ModelReader(Braces(text)).read()
 

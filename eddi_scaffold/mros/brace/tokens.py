@@ -1,8 +1,8 @@
 """Tokens of the brace dialect, and the moves that its two readers share.
 
 White space separates, line ends mean nothing. No word is reserved: whether one is a keyword follows
-from its place. Tokens are found by one regular expression; what is no token becomes an error only
-when the reader gets there, so that the first error of a file is the one that is reported.
+from its place. Tokens are found by one regular expression; what is not a token becomes an error
+only when the reader gets there, so that the first error of a file is the one that is reported.
 """
 
 from __future__ import annotations

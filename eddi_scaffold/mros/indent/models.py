@@ -37,7 +37,7 @@ def read_model(text: Text) -> RosModel:
     """Read the packages of a file.
 
     Raises:
-        MrosSyntaxError: the text is no model of this dialect.
+        MrosSyntaxError: the text is not a model of this dialect.
     """
     reader = _ModelReader(text, Keys(text))
     lines = [line for line in blocks_of(text) if not line.is_mark]

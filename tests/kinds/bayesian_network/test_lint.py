@@ -55,7 +55,7 @@ def said(source: Source) -> list[str]:
         (
             "if math.isfinite(x) and x <= 1:\n    outcome_low = 1.0\n",
             (
-                "8: a way through node_Speed sets no outcome: the node is unobserved there "
+                "8: a path through node_Speed sets no outcome: the node is unobserved there "
                 "(is an `else` missing?) [B410]"
             ),
         ),
@@ -73,8 +73,8 @@ def said(source: Source) -> list[str]:
         (
             "outcome_low = 1.0\noutcome_high = 1\n",
             (
-                "9: a way through node_Speed sets outcome_high and outcome_low to 1 "
-                "(two states for sure mean nothing: set one) [B413]"
+                "9: a path through node_Speed sets outcome_high and outcome_low to 1 "
+                "(two certain states contradict each other: set one) [B413]"
             ),
         ),
         (
@@ -84,7 +84,7 @@ def said(source: Source) -> list[str]:
         (
             "if self.dra_data.speed <= 1:\n    outcome_low = 1.0\nelse:\n    outcome_high = 1.0\n",
             (
-                "11: node_Speed: NaN goes into this `else` (look for it first (math.isfinite), or "
+                "11: node_Speed: NaN takes this `else` (test for it first (math.isfinite), or "
                 "declare the node in the configuration) [B415]"
             ),
         ),
@@ -116,7 +116,7 @@ def test_a_declared_node_that_is_set_by_hand() -> None:
     declared = "        # Declared: discretised from speed, unless set here.\n"
     assert said(module("outcome_low = 1.0\n", declared)) == [
         (
-            "9: node_Speed is declared in the configuration and set here, which counts first "
+            "9: node_Speed is declared in the configuration and set here, which takes precedence "
             "(remove the declaration, or this body) [B406]"
         )
     ]

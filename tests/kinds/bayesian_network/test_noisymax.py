@@ -92,14 +92,14 @@ def test_a_leak_is_read_with_a_warning() -> None:
         ("<parameters>0.9 0.1 0 1</parameters>", "4 parameters, expected 10"),
         ("<parameters>0.9 0.1 0.1 0.9 0.8 0.2 0 1 0 1</parameters>", "of parent 1 must be"),
         ("<parameters>0.9 0.2 0 1 0.8 0.2 0 1 0 1</parameters>", "sums to 1.1"),
-        ("<parameters>x 0.1 0 1 0.8 0.2 0 1 0 1</parameters>", "'x' is no probability"),
+        ("<parameters>x 0.1 0 1 0.8 0.2 0 1 0 1</parameters>", "'x' is not a probability"),
         (
             "<strengths>0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>",
             "2 strengths, expected 4",
         ),
         (
             "<strengths>0 0 0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>",
-            "no order of its states",
+            "not an ordering of its states",
         ),
     ],
 )

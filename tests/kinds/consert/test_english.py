@@ -63,10 +63,10 @@ def test_a_bound_without_unit_is_numeric_without_unit() -> None:
     ("text", "kind", "remark"),
     [
         ("Delay < 3 minutes", "Delay3Minutes", 'the unit "minutes" is unknown'),
-        ("Delay < 3 ms at most", "Delay3MsAtMost", '"3 ms at most" is no number with a unit'),
-        ("Delay < 3,5 ms", "Delay35Ms", '"3,5 ms" is no number with a unit'),
+        ("Delay < 3 ms at most", "Delay3MsAtMost", '"3 ms at most" is not a number with a unit'),
+        ("Delay < 3,5 ms", "Delay35Ms", '"3,5 ms" is not a number with a unit'),
         ("Delay == 3 ms", "Delay3Ms", "there is no operator <=, >=, <, > or bound to"),
-        ("Delay <== 3 ms", "Delay3Ms", '"= 3 ms" is no number with a unit'),
+        ("Delay <== 3 ms", "Delay3Ms", '"= 3 ms" is not a number with a unit'),
         ("< 3 ms", "3Ms", "there is nothing before the operator"),
     ],
 )

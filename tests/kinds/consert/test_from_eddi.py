@@ -311,7 +311,7 @@ ROWS = {
         f'target="{A}/@guarantees.1"',
         "target=\"//@odeProductPackages[name='x']\"",
         [
-            "m.xml:7: error X007: target \"//@odeProductPackages[name='x']\" is no reference",
+            "m.xml:7: error X007: target \"//@odeProductPackages[name='x']\" is not a reference",
         ],
     ),
     "X009 no node": (
@@ -319,7 +319,7 @@ ROWS = {
         'target="//@odeProductPackages.1"',
         [
             (
-                "m.xml:7: error X009: target points at architecture_:DesignPackage which is no "
+                "m.xml:7: error X009: target points at architecture_:DesignPackage which is not a "
                 "node, expected evidence, demand, gate or guarantee of the same ConSert"
             )
         ],

@@ -65,7 +65,10 @@ def test_equal_functions_and_implication():
         (
             "info",
             "S007",
-            "provided service 'S0' hangs on 'a': without it no guarantee of the service is active",
+            (
+                "provided service 'S0' depends on 'a' alone: "
+                "without it no guarantee of the service is active"
+            ),
         ),
     ]
 

@@ -80,7 +80,7 @@ def test_wrong_files(text: str, code: str, folder: Path) -> None:
 
 def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
     both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert "2 events share one topic: the latest message is of any [W005]" in both.err
+    assert "2 events share one topic: the latest message may be from any of them [W005]" in both.err
     config = folder / "eddi_config.yml"
     text = config.read_text()
     outputs = "EDDIOutputs:\n  - {id: e, topic: /e, event: %s}\n"

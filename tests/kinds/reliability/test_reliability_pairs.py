@@ -60,7 +60,7 @@ def test_a_consert_takes_thresholds_that_are_there(tmp_path: Path) -> None:
     assert [(one.code, one.message, one.hint) for one in problems] == [
         (
             "K047",
-            "'evidence[RtE_continu].active': MissionLoss gives no 'RtE_continu'",
+            "'evidence[RtE_continu].active': MissionLoss publishes no 'RtE_continu'",
             "did you mean 'RtE_continue'?",
         )
     ]

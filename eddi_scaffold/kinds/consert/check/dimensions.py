@@ -101,6 +101,6 @@ def _unit(dimension: NumericDimension, what: str, place: Place) -> Iterator[Prob
         message = f"dimension {shown(dimension.type)} of {what} has no unit"
         yield warning("C017", message, place, 'write `uom: ""` for a ratio')
     elif units.find(dimension.uom) is None:
-        message = f"unknown unit {shown(dimension.uom)} in {what}: there are {units.listed()}"
+        message = f"unknown unit {shown(dimension.uom)} in {what}; known units: {units.listed()}"
         hint = did_you_mean(dimension.uom, [s for s in units.spellings() if s])
         yield error("C016", message, place, hint)

@@ -76,7 +76,7 @@ def _repeated_ids(consert: ConSert) -> Iterator[Problem]:
         for kind, id_, place in sorted(group, key=lambda node: _position(node[2])):
             if id_ in first:
                 before, there = first[id_]
-                message = f"the id {shown(id_)} of this {kind} is taken by the {before}"
+                message = f"the id {shown(id_)} of this {kind} is already used by the {before}"
                 yield error("C007", f"{message} in {_where(there)}", place)
             else:
                 first[id_] = (kind, place)
@@ -141,7 +141,7 @@ def _support(guarantee: Guarantee, fed: set[str]) -> Iterator[Problem]:
     elif not guarantee.default and guarantee.id not in fed:
         message = f"{name} has no support: it would always be active"
         hint = (
-            "add an edge into it; if it is the fallback of its service and shall hold always, "
+            "add an edge into it; if it is the fallback of its service and is to hold always, "
             f"mark it with `default: true` or --default-guarantee {guarantee.id}"
         )
         yield error("C012", message, guarantee.place, hint)

@@ -40,7 +40,9 @@ def _name(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
         return
     if not names.is_identifier(id_):
         derived = names.attribute(id_) if is_input else names.identifier(id_)
-        message = f"the id {shown(id_)} is no identifier: code uses {derived!r}, messages the id"
+        message = (
+            f"the id {shown(id_)} is not an identifier: code uses {derived!r}, messages the id"
+        )
         yield warning("C018", message, place)
         return
     yield from _reserved(id_, place, is_input=is_input)

@@ -226,7 +226,7 @@ def _wrong_end(element: Element, spelling: Spelling, end: Element, findings: Edd
         where = "of another ConSert"
         hint = "ConSerts are connected by services: a demand there, a guarantee here"
     else:
-        where = "which is no node"
+        where = "which is not a node"
     message = (
         f"{spelling.name} points at {findings.document.describe(end)} {where}, expected "
         "evidence, demand, gate or guarantee of the same ConSert"

@@ -180,8 +180,7 @@ class Shape:
         hint: str | None = None,
     ) -> None:
         """Report a word outside of a closed set (C005)."""
-        words = f"{', '.join(allowed[:-1])} and {allowed[-1]}"
-        message = f"unknown {title} {y.shown(text)}: there are {words}"
+        message = f"unknown {title} {y.shown(text)}; known: {', '.join(allowed)}"
         self.report("C005", message, place, hint or did_you_mean(text, allowed))
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Count the rooms, floors and arrows of a package, from its imports.
+"""Print the import graph of a package: its subpackages in layers, and how many imports join them.
 
-    script/rooms.py                          # of eddi_scaffold in this checkout
-    script/rooms.py PATH/TO/eddi_scaffold    # of another one, such as an older checkout
+    script/import_graph.py                          # of eddi_scaffold in this checkout
+    script/import_graph.py PATH/TO/eddi_scaffold    # of another one, such as an older checkout
 
-A room is a module or a package directly below the root. An arrow goes from a room to each room that
-it imports. A floor is the longest way down from a room, where rooms of one circle count as one.
-Imports for type checkers and imports inside functions count as well.
+A node is a module or a package directly below the root; an edge goes from it to each node that it
+imports. The layer of a node is the length of the longest path down from it. Imports for type
+checkers and imports inside functions count as well.
 """
 
 from __future__ import annotations
@@ -40,45 +40,45 @@ def imports(path: Path, known: dict[str, Path]) -> Iterator[str]:
                 yield inner if inner in known else node.module
 
 
-def rooms(root: Path) -> Graph:
-    """Return room -> the rooms that it imports."""
+def import_graph(root: Path) -> Graph:
+    """Return node -> the nodes that it imports."""
     known = modules(root)
     graph: Graph = {}
     for name, path in known.items():
-        room = _room(name)
-        below = graph.setdefault(room, set())
+        node = _node(name)
+        below = graph.setdefault(node, set())
         wanted = (one for one in imports(path, known) if one in known)
-        below.update(_room(one) for one in wanted if _room(one) != room)
+        below.update(_node(one) for one in wanted if _node(one) != node)
     return graph
 
 
-def floors(graph: Graph) -> list[list[str]]:
-    """Return the rooms of each floor, the lowest first.
+def layers(graph: Graph) -> list[list[str]]:
+    """Return the nodes of each layer, the lowest first.
 
     Raises:
-        CycleError: rooms import each other in a circle.
+        CycleError: nodes import each other in a cycle.
     """
-    floor: dict[str, int] = {}
-    for room in TopologicalSorter(graph).static_order():
-        floor[room] = 1 + max((floor[below] for below in graph[room]), default=0)
-    highest = max(floor.values(), default=0)
-    return [sorted(r for r, f in floor.items() if f == one) for one in range(1, highest + 1)]
+    layer: dict[str, int] = {}
+    for node in TopologicalSorter(graph).static_order():
+        layer[node] = 1 + max((layer[below] for below in graph[node]), default=0)
+    highest = max(layer.values(), default=0)
+    return [sorted(n for n, at in layer.items() if at == one) for one in range(1, highest + 1)]
 
 
 def main(root: Path) -> int:
-    """Print the table; the exit status is 1 when there is a circle."""
-    graph = rooms(root)
-    print(f"{len(graph)} rooms, {sum(map(len, graph.values()))} arrows")
+    """Print the layers; the exit status is 1 when there is a cycle."""
+    graph = import_graph(root)
+    print(f"{len(graph)} nodes, {sum(map(len, graph.values()))} edges")
     try:
-        for number, names in enumerate(floors(graph), start=1):
+        for number, names in enumerate(layers(graph), start=1):
             print(f"{number:3}  {' '.join(names)}")
     except CycleError as found:
-        print(f"a circle: {' -> '.join(found.args[1])}")
+        print(f"a cycle: {' -> '.join(found.args[1])}")
         return 1
     return 0
 
 
-def _room(module: str) -> str:
+def _node(module: str) -> str:
     return module.split(".")[1] if "." in module else "__init__"
 
 
