@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Bring the examples in the registry of diagnostics and ``docs/diagnostics.md`` up to date.
 
-    script/diagnostics.py    # behind a change of eddi_scaffold/diagnostics/areas or of a snapshot
+    script/diagnostics.py    # after a change of eddi_scaffold/diagnostics/areas or of a snapshot
 
 Examples come from the snapshots, exact texts that the tests compare with what is printed. One that
-still stands in a snapshot stays as it is; another becomes the first problem of that code there. Of
-a code in no snapshot nothing is changed: a test with ``assert_example`` proves its example.
+is still in a snapshot stays as it is; any other becomes the first problem of that code there. A code
+in no snapshot is left unchanged: a test with ``assert_example`` proves its example.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ _HEAD = """# Diagnostics
 
 <!-- written by script/diagnostics.py from eddi_scaffold/diagnostics/areas -->
 
-Every problem has a code that stays, while its words may change. `eddi-scaffold explain K007` prints
-what stands here, with `--json` for programs. An *error* stops each command that would write, a
-*warning* does not, an *info* is shown with `--verbose`. Tests print the examples.
+Every problem has a stable code; its wording may change. `eddi-scaffold explain K007` prints the section
+of a code, with `--json` for programs. An *error* stops each command that would write, a *warning* does
+not, an *info* is shown with `--verbose`. The examples are printed by tests.
 
 """
 
@@ -57,7 +57,7 @@ def printed() -> dict[str, list[str]]:
 
 
 def with_examples(area: str, known: dict[str, list[str]]) -> str:
-    """Return the text of an area whose examples stand in the snapshots."""
+    """Return the text of an area with its examples from the snapshots."""
     head, *sections = re.split(r"(?m)^(?=## )", area)
     return head + "".join(_section(one, known.get(one[3:7], [])) for one in sections)
 
