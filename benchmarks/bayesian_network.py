@@ -230,7 +230,7 @@ def source_of(evidence: Evidence) -> SimpleNamespace:
 def compare(
     monitor: BayesianNetworkMonitor, infer: peers.Infer, task: Task, evidence: Evidence
 ) -> None:
-    """Make sure that both say the same before they are timed."""
+    """Check that both give the same result before they are timed."""
     (output,) = monitor.execute_step(source_of(evidence))
     rows: Any = infer(evidence)
     for node, row in zip(output.output_nodes, rows, strict=True):
@@ -293,8 +293,8 @@ def imports(runs: int) -> Iterator[dict[str, Any]]:
         if peer_s is None:
             yield row | {"ratio": None, "reason": "it is not installed"} | memory
         else:
-            said = f"{ours_mib:.0f} and {peer_mib:.0f} MiB resident"
-            yield row | {"ratio": peer_s / ours_s, "reason": said} | memory
+            reason = f"{ours_mib:.0f} and {peer_mib:.0f} MiB resident"
+            yield row | {"ratio": peer_s / ours_s, "reason": reason} | memory
 
 
 def imported(text: str, runs: int) -> tuple[float | None, float | None]:

@@ -1,4 +1,4 @@
-"""Time of a ConSert step: ours beside straight-line two-valued Python and a dictionary interpreter.
+"""Time of a ConSert step: ours, straight-line two-valued Python, and a dictionary interpreter.
 
 Ours is three-valued, reads and checks its inputs and returns the active flags as a tuple. The
 straight-line peer is what one would write by hand: it reads the same attributes, trusts their types

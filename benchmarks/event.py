@@ -1,6 +1,6 @@
-"""Time of one step of a conditional event: ours beside rtamt and reelay, and over window lengths.
+"""Time of one step of a conditional event: ours, rtamt and reelay, and over window lengths.
 
-100 Hz, windows of 10 s (1,000 samples) unless the case says another length. Ours is `Engine.step`
+100 Hz, windows of 10 s (1,000 samples) unless the case has another length. Ours is `Engine.step`
 with raw values, as a monitor calls it; ours and the peer are measured in turn, over equal samples.
 rtamt (discrete time) and reelay have no windowed mean, maximum or deviation, so those cases have no
 peer. Goals: at least 100 times rtamt, ahead of reelay, under 3 us for SESAME D7.2's examples, and

@@ -1,11 +1,11 @@
-"""Time of a reliability step: chains beside ``scipy.linalg.expm``, and fault trees by size.
+"""Time of a reliability step: chains compared with ``scipy.linalg.expm``, and fault trees by size.
 
 Ours for chains is the belief over the states moved by one quantum together with what lies ahead
 (failure within the horizon, reliability, mean time to failure), with what was precomputed; the peer
 computes the exponential of the same generator, as each step would need without. "Whole monitor" is
 all that a node calls: inputs, clock, models, evidence, result; its peers are the exponentials of
 the same chains. For trees it is one evaluation of the compiled
-diagram, and beside it the sum over all combinations of events where there are few enough. Measured
+diagram, and next to it the sum over all combinations of events where there are few enough. Measured
 in turn in one process; reading and compiling is not counted.
 
     python benchmarks/reliability.py [--quick] [--json]

@@ -1,4 +1,4 @@
-"""Time from evidence to guarantee between two ROS processes: our node beside plain rospy nodes.
+"""Time from evidence to guarantee between two ROS processes: our node and plain rospy nodes.
 
 Ours evaluates a ConSert, checks ages and values and reports on ``/diagnostics``. The peers do not:
 at a rate the node of SESAME D7.2 Fig 31, for ``on_change`` a node that answers in its callback,
@@ -54,7 +54,7 @@ def main() -> None:
 
 
 def unavailable(reason: str) -> list[Row]:
-    """Return one row per case that says why nothing was measured."""
+    """Return one row per case with the reason why nothing was measured."""
     empty = {"ours_s": None, "peer": None, "peer_s": None, "ratio": None, "reason": reason}
     return [{"case": case, **empty} for case in CASES]
 

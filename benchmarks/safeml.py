@@ -1,4 +1,4 @@
-"""Time of a SafeML step: ours beside a loop of scipy and beside SafeML's own statistic loop.
+"""Time of a SafeML step: ours compared with a loop of scipy and with SafeML's own statistic loop.
 
 Ours is the whole monitor: one new sample in, the verdict out, with a full window of 100. The peers
 compute the same number of distances between the window and the reference anew, as one would with

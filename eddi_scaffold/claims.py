@@ -27,7 +27,7 @@ class Use:
     Attributes:
         holds: value -> whether it does.
         beside: ids of further inputs, each with a test that holds as well whenever the claim is
-            made this way (``valid`` beside ``p_fail < 0.1`` in ``valid AND p_fail < 0.1``).
+            made this way (``valid`` with ``p_fail < 0.1`` in ``valid AND p_fail < 0.1``).
     """
 
     holds: Holds = any_value

@@ -117,7 +117,7 @@ def in_order(problems: Iterable[Problem]) -> list[Problem]:
 
 
 def with_excerpts(problems: Iterable[Problem], text: str) -> list[Problem]:
-    """Attach to each problem the source line of ``text`` that it speaks of."""
+    """Attach to each problem the source line of ``text`` that it concerns."""
     # not splitlines(), which sees line ends that XML, YAML and editors do not
     lines = re.split(r"\r\n|\r|\n", text)
     return [

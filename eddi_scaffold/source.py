@@ -15,7 +15,7 @@ from eddi_scaffold.regions.files import MAX_BYTES, NotRegularError, open_regular
 from eddi_scaffold.regions.paths import inside
 
 KEPT_BYTES = 4 * 1024 * 1024
-"""Larger files are not kept in memory beside what is made of them."""
+"""Larger files are not kept in memory next to what is made of them."""
 
 
 @dataclass(frozen=True)

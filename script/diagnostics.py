@@ -4,8 +4,8 @@
     script/diagnostics.py    # after a change of eddi_scaffold/diagnostics/areas or of a snapshot
 
 Examples come from the snapshots, exact texts that the tests compare with what is printed. One that
-is still in a snapshot stays as it is; any other becomes the first problem of that code there. A code
-in no snapshot is left unchanged: a test with ``assert_example`` proves its example.
+is still in a snapshot stays as it is; any other becomes the first problem of that code there. A
+code in no snapshot is left unchanged: a test with ``assert_example`` proves its example.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ _HEAD = """# Diagnostics
 
 <!-- written by script/diagnostics.py from eddi_scaffold/diagnostics/areas -->
 
-Every problem has a stable code; its wording may change. `eddi-scaffold explain K007` prints the section
-of a code, with `--json` for programs. An *error* stops each command that would write, a *warning* does
-not, an *info* is shown with `--verbose`. The examples are printed by tests.
+Every problem has a stable code; its wording may change. `eddi-scaffold explain K007` prints the
+section of a code, with `--json` for programs. An *error* stops each command that would write, a
+*warning* does not, an *info* is shown with `--verbose`. The examples are printed by tests.
 
 """
 

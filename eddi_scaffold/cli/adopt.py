@@ -32,7 +32,7 @@ def adopt(
 ) -> None:
     """Take over a package made by the D7.2 tools, with every hand-written body in its place.
 
-    The old package is only read. Model and configuration are recovered from it and written beside
+    The old package is only read. Model and configuration are recovered from it and written next to
     the new one.
 
     Example: eddi-scaffold adopt old/bn_monitor -o monitors

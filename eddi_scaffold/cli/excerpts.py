@@ -1,4 +1,4 @@
-"""The source lines that problems speak of, read again from their files when they are printed."""
+"""The source lines of problems, read again from their files when they are printed."""
 
 from __future__ import annotations
 

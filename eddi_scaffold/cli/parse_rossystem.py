@@ -22,7 +22,7 @@ class Format(str, Enum):
 
 
 class Extra(str, Enum):
-    """Topics beside the published ones."""
+    """Topics in addition to the published ones."""
 
     subscribed = "subscribed"
     actions = "actions"

@@ -1,7 +1,7 @@
 """Replace the block ``SimulatorOutputs`` of an ``eddi_config.yml`` as text.
 
-Every other byte stays: comments, order, quoting, line ends. Of the block itself, keys beside id,
-type and topic (``max_age``) stay with their topic.
+Every other byte stays: comments, order, quoting, line ends. Of the block itself, keys other than
+id, type and topic (``max_age``) stay with their topic.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class OldEntry:
     Attributes:
         text: as written, without the dash.
         column: blanks in front of it, which its further lines have as well.
-        more: the keys beside id, type and topic, as written.
+        more: the keys other than id, type and topic, as written.
     """
 
     id: str

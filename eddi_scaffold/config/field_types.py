@@ -24,7 +24,7 @@ KEYS = (
 )
 """Fields that name an element: the first of them that is a text counts."""
 NAME_LISTS = ("name", "names", "joint_names", "labels")
-"""Fields that name the numbers in a list beside."""
+"""Fields that name the numbers in a list of the same message."""
 _INTEGERS = ("int", "uint", "byte", "char")
 FieldsOf = Callable[[str], Fields | None]
 
@@ -103,7 +103,7 @@ def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:
 
 
 def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: FieldsOf) -> Step:
-    """Return the step with its key; the elements are messages, or numbers with names beside."""
+    """Return the step with its key; the elements are messages, or numbers with a list of names."""
     assert isinstance(before, Attribute)  # ROS has no lists of lists
     if is_primitive(inner):
         return _beside(step, parent, before, fields_of)
@@ -145,7 +145,7 @@ def _beside(step: ByKey, parent: str, before: Attribute, fields_of: FieldsOf) ->
     names = [name for name in NAME_LISTS if (known.get(name) or "").startswith("string[")]
     if step.field is None and len(names) == 1 and names[0] != before.name:
         return Beside(str(step.wanted), before.name, names[0])
-    message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) beside {before.name!r}"
+    message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) for {before.name!r}"
     raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
 
 

@@ -15,7 +15,7 @@ from eddi_scaffold.source import Source, beside, read_source
 KEY = -1
 """Last part of the path under which the place of a key is noted, not that of its value."""
 _EVENT_FILES = "event_files"
-"""Key of the remembered texts beside those of the configuration itself."""
+"""Key of the remembered texts of other files."""
 
 
 @dataclass(frozen=True)

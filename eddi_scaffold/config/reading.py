@@ -52,7 +52,7 @@ class RobotAdditions:
 
     Attributes:
         outputs: the entries of ``SimulatorOutputs`` as they are written -> those that count.
-        types: message type -> fields, of the specifications beside the node models.
+        types: message type -> fields, of the specifications next to the node models.
     """
 
     outputs: Callable[[Any], Any] = lambda entries: entries
@@ -66,7 +66,7 @@ def read_config(
 
     Args:
         source: the file.
-        robot: models of the robot, whose topics and message types count beside the file.
+        robot: models of the robot, whose topics and message types are used in addition to the file.
     """
     if looks_like_xml(source.data):
         return None, [error("K001", "this is XML, not an eddi_config.yml", Place(source.name))]

@@ -19,7 +19,7 @@ _TEXTS = {
     "string_type": "a text is expected",
     "too_short": "a text is expected, not nothing",
 }
-"""Our words for pydantic's, which speak to programmers."""
+"""Messages in place of pydantic's, which address programmers."""
 
 
 def violations(

@@ -1,6 +1,6 @@
 """What each diagnostic means, why it matters and what to do: the registry behind ``explain``.
 
-The texts stand in ``areas/*.md``, one file for the codes of one letter, where a person edits them::
+The texts are in ``areas/*.md``, one file for the codes of one letter, edited by hand::
 
     # K: Configurations
 

@@ -25,7 +25,7 @@ class DiagramNode:
         lines: the label; the first line is its heading. Long ones are wrapped or cut.
         shape: outline.
         tone: colour.
-        tooltip: text that a browser shows beside the pointer; the label when empty.
+        tooltip: text that a browser shows at the pointer; the label when empty.
     """
 
     id: str

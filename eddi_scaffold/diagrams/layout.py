@@ -107,7 +107,7 @@ def _label_width(edge: DiagramEdge) -> float:
 
 
 def _line(edge: DiagramEdge, points: tuple[tuple[float, float], ...], side: int) -> Route:
-    """Return a line with its label; opposite ones run beside each other, labels outside."""
+    """Return a line with its label; opposite ones are parallel, labels outside."""
     points = tuple((x + side * _APART, y) for x, y in points)
     (x, y), (u, v) = points[len(points) // 2 - 1], points[len(points) // 2]
     outside = side * (_label_width(edge) / 2 + 4)

@@ -73,14 +73,14 @@ class ModelInput:
 
 @dataclass(frozen=True)
 class ModelOutput:
-    """A topic that a model itself asks for, beside those of ``EDDIOutputs``.
+    """A topic that a model itself asks for, in addition to ``EDDIOutputs``.
 
     Attributes:
         id: of the value that it carries.
         topic: where one value of a message is published, as a message of ``std_msgs``.
         path: fields of the message; a pair is the element of a list by a field and its value.
         place: where the topic is named.
-        of: the message beside the result that contains the value (``evidence``), empty for the
+        of: the additional message that contains the value (``evidence``), empty for the
             result itself.
     """
 
@@ -215,7 +215,7 @@ class EditableMethod:
 
 @dataclass(frozen=True)
 class EditableModule:
-    """A module of the kind in which people write, beside ``EDDIInput.py``.
+    """An editable module of the kind, other than ``EDDIInput.py``.
 
     Every text is Python already: checked identifiers, literals and comments by ``escaping``, in
     lines of the few forms that ``copier_templates/shapes.jinja`` takes.
@@ -298,7 +298,7 @@ def _no_lag(_document: JsonObject, _frequency: float) -> float:
 
 
 def with_status(message: str) -> Callable[[Model], Mapping[str, str]]:
-    """Return the ``beside`` of a kind that publishes the facts behind its result, and no more."""
+    """Return the ``beside`` of a kind that publishes the facts behind its result only."""
     return lambda _: {"status": message}
 
 
@@ -315,7 +315,7 @@ class Functions(Generic[M]):
         export: file name -> text of the kind's own formats.
         inputs: the inputs that the monitor needs.
         runtime_model: the ``model`` part of ``config/model.json``.
-        beside: name -> message of what it publishes beside that, on ``<topic>/<name>``; in the
+        beside: name -> message that it publishes in addition, on ``<topic>/<name>``; in the
             runtime the monitor has a method ``<name>_message()`` for each.
         parts: ids of results that are messages of their own, which an output may choose.
         outputs: topics that a configured model itself asks for.
@@ -323,7 +323,7 @@ class Functions(Generic[M]):
             ``runtime_model`` and all below.
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
-        data_files: bulk data beside ``model.json``, which holds their digests.
+        data_files: bulk data next to ``model.json``, which holds their digests.
         cross_check: compares the compiled model (text of ``model.json``) with an independent
             tool before a package is written.
         readme: lines of Markdown for the package's README; what comes of a model is escaped.

@@ -147,7 +147,7 @@ class _Walk:
 def _compared(compare: Callable[[Any, Any], bool], value: object, limit: object) -> bool | None:
     try:
         return compare(value, limit)
-    except TypeError:  # a text beside a number is unknown, which is neither true nor false
+    except TypeError:  # a text compared with a number is unknown, which is neither true nor false
         return None
 
 

@@ -429,9 +429,9 @@ class _InputBinder:
             self._error("K020", str(problem), "field", problem.hint)
             return path
         self._check_end(found.type, message)
-        said = documented_at(found.path, message, self._fields_of)
-        if said is not None:
-            self._check_unit(said.units, f"{self.entry.field} of {message}")
+        documented = documented_at(found.path, message, self._fields_of)
+        if documented is not None:
+            self._check_unit(documented.units, f"{self.entry.field} of {message}")
         return found.path
 
     def _check_unit(self, given: Sequence[str], what: str) -> None:

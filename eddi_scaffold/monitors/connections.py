@@ -39,7 +39,7 @@ def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
 
 
 def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
-    """Report inputs that take what no monitor beside them gives: ``evidence[RtE_gone]`` (K047)."""
+    """Report inputs that take what no other monitor publishes: ``evidence[RtE_gone]`` (K047)."""
     providers = {given: monitor for monitor in monitors for given in _given(monitor)}
     for monitor in monitors:
         if monitor.config is not None:

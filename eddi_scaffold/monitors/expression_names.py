@@ -66,10 +66,10 @@ class ExpressionNames:
         if source is None or head_of(name) == name:
             return
         found = self._resolve(name, source, locate, at)
-        said = found and documented_at(found.path, source.type, self._fields_of)
-        if said and unit is not None and units.contradict(said.units, unit.name):
-            message = f"{name} is in {' or '.join(said.units)}, its VAR declares {unit.name}"
-            words = " or ".join(units.word(one) for one in said.units)
+        documented = found and documented_at(found.path, source.type, self._fields_of)
+        if documented and unit is not None and units.contradict(documented.units, unit.name):
+            message = f"{name} is in {' or '.join(documented.units)}, its VAR declares {unit.name}"
+            words = " or ".join(units.word(one) for one in documented.units)
             self.problems.append(error("E009", message, locate(at), f"write UNIT {words}"))
 
     def variable(self, name: str, locate: Locate, at: int) -> Variable | None:
@@ -134,19 +134,23 @@ class ExpressionNames:
 
     def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:
         """Add what the documentation of the message states about a number."""
-        said = documented_at(path, source.type, self._fields_of)
-        if said is None or variable.type != NUMBER:
+        documented = documented_at(path, source.type, self._fields_of)
+        if documented is None or variable.type != NUMBER:
             return variable
         within = None
-        if said.limits is not None:
+        if documented.limits is not None:
             head = head_of(variable.name)
-            within = f"{head}.{said.limits[0]}", f"{head}.{said.limits[1]}"
+            within = f"{head}.{documented.limits[0]}", f"{head}.{documented.limits[1]}"
             if not is_list_path(variable.name):
-                self._check(variable.name, ["within", *map(_steps, said.limits)])
-        if said.unless is not None:
-            self._check(variable.name, ["unless", _steps(said.unless[0]), said.unless[1]])
-        unit = said.units[0] if len(said.units) == 1 else None
-        return replace(variable, unit=unit, range=said.range, infinite=said.infinite, within=within)
+                self._check(variable.name, ["within", *map(_steps, documented.limits)])
+        if documented.unless is not None:
+            self._check(
+                variable.name, ["unless", _steps(documented.unless[0]), documented.unless[1]]
+            )
+        unit = documented.units[0] if len(documented.units) == 1 else None
+        return replace(
+            variable, unit=unit, range=documented.range, infinite=documented.infinite, within=within
+        )
 
     def _check(self, name: str, check: list[JsonValue]) -> None:
         self.checks.setdefault(name, []).append(check)

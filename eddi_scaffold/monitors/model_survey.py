@@ -93,7 +93,7 @@ def configured(source: Source, more: Sequence[Source]) -> Configured:
 
     Args:
         source: what is to be shown; a configuration that names no model is returned as it is.
-        more: configurations that are given beside it.
+        more: configurations that are given with it.
 
     Raises:
         EddiError: a configuration has errors, or names a file that is not there.

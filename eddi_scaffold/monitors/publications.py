@@ -88,7 +88,7 @@ def _messages(monitor: BoundMonitor) -> dict[str, str]:
 def _publish_messages(
     output: OutputEntry, messages: Mapping[str, str], place: Place
 ) -> Iterator[Publication]:
-    """Yield the topic of the result, then those of the messages beside it."""
+    """Yield the topic of the result, then those of its additional messages."""
     yield Publication(output, messages[""], place, messages[""])
     for name, type_ in messages.items():
         if name:

@@ -58,8 +58,8 @@ def simulator_outputs(
     Args:
         system: what runs.
         models: what the nodes are.
-        include: topics beside the published ones: those that the system only subscribes, those of
-            its action servers.
+        include: topics in addition to the published ones: those that the system only subscribes,
+            those of its action servers.
         existing: entries of a configuration, whose ids stay.
         filters: which topics to keep; they never change an id.
         names: the names of the system, or of the node models where the system's are not used.

@@ -1,6 +1,6 @@
 """From the name of an interface and its namespace to the topic that a running system has.
 
-Rules of graph resource names in ROS 1, with what real models need beside them.
+Rules of graph resource names in ROS 1, with what real models need in addition.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
 def assemble(
     monitors: Sequence[BoundMonitor], platform: Platform, root: Path, problems: Sequence[Problem]
 ) -> Assembly:
-    """Turn monitors into packages beside those that are below ``root`` already.
+    """Turn monitors into packages, next to those that exist below ``root``.
 
     Raises:
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
@@ -113,7 +113,7 @@ def assemble(
 def wiring_with(
     monitors: Sequence[BoundMonitor], present: Mapping[str, Mapping[str, Any]]
 ) -> list[Problem]:
-    """Check the wiring of monitors beside packages that they do not replace.
+    """Check the wiring of monitors with packages that they do not replace.
 
     Args:
         monitors: the new ones.

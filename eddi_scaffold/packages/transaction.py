@@ -179,7 +179,7 @@ def recover(root: Path) -> Sequence[str]:
 
     Returns:
         What was found, one sentence each; nothing is taken from a folder that no journal of this
-        user speaks of.
+        user refers to.
     """
     if not root.is_dir():
         return ()

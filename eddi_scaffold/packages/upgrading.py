@@ -1,4 +1,4 @@
-"""Which packages ``upgrade`` and ``status`` speak of, and what they should be."""
+"""Which packages ``upgrade`` and ``status`` concern, and what they should be."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
 """Packages that readers look into, whether or not there is a model in them."""
 _LEFT_OUT = frozenset({"attacktree", "fmea", "fmeda"})
-"""Models beside those that monitors are made of."""
+"""Models of which no monitors are generated."""
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
 """Names in the namespaces of all generations of the metamodel."""
 _LOOKS_LIKE = {
@@ -64,7 +64,7 @@ def _may_be_ours(document: EddiDocument, root: Element) -> bool:
 
 
 def _unread_elements(document: EddiDocument) -> Iterator[Element]:
-    """Yield packages without a model for a monitor, and other models beside such ones."""
+    """Yield packages without a model for a monitor, and other models next to such ones."""
     packages = list(document.packages())
     known = set(packages)
     inside: set[Element] = set()

@@ -121,7 +121,7 @@ def remove_file(path: Path) -> bool:
 
 
 def clean_temporaries(root: Path, paths: list[str]) -> None:
-    """Remove what a killed process left beside the files that sync writes."""
+    """Remove what a killed process left next to the files that sync writes."""
     found = {root / EDDI / name for name, _ in entries(root / EDDI) if name.endswith(_TEMPORARY)}
     for path in (resolved(root, root / name) for name in paths):
         if path is not None:

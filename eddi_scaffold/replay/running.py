@@ -23,14 +23,14 @@ _NO_OTHER = "unknown inputs"
 """The reason of a result that only lacks inputs: their names are more precise."""
 
 
-def watched(play: Play, say: Callable[[str], None]) -> Play:
+def watched(play: Play, report: Callable[[str], None]) -> Play:
     """Report from time to time the progress of a long recording."""
-    said = time.monotonic()
+    reported = time.monotonic()
     for part, frame in play:
         yield part, frame
-        if time.monotonic() - said >= _PATIENCE:
-            said = time.monotonic()
-            say(f"{frame.t:.0f} s of the recording are played")
+        if time.monotonic() - reported >= _PATIENCE:
+            reported = time.monotonic()
+            report(f"{frame.t:.0f} s of the recording are played")
 
 
 def steps(play: Play) -> Iterator[dict[str, Any]]:
@@ -104,8 +104,8 @@ def picture(title: str, play: Play) -> str:
 
 def _omission(running: RuntimeMonitor) -> str:
     """Return why there is no verdict, as text for people, where a kind provides it."""
-    say = getattr(running, "omission", None)
-    return "" if say is None else str(say()[1])
+    omission = getattr(running, "omission", None)
+    return "" if omission is None else str(omission()[1])
 
 
 def _reason(output: object) -> str:
@@ -124,7 +124,7 @@ def _facts(output: object) -> dict[str, Value]:
 
 
 def _beside(running: RuntimeMonitor, reason: str) -> str:
-    """Return the reason for people where no input that is waited for has it beside its name."""
+    """Return the reason for people where no input that is waited for has it after its name."""
     if not reason or hasattr(running, "omission") or reason == _NO_OTHER:
         return ""
     return f"  not valid: {reason}"

@@ -1,4 +1,4 @@
-"""Models of a robot beside configurations: its topics, its message types, and what does not fit."""
+"""Models of a robot used with configurations: its topics, message types, and what does not fit."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def beside(robot: Robot) -> RobotAdditions:
 def beside_configs(
     system: Path | None, folder: Path | None
 ) -> tuple[RobotAdditions | None, list[Problem]]:
-    """Return what a command was given beside configurations, if it was.
+    """Return what a command was given in addition to configurations, if it was.
 
     What does not resolve in the system is a warning here: only what an input requires must.
 
@@ -150,7 +150,7 @@ def _as_warnings(problems: Iterable[Problem]) -> list[Problem]:
 
 
 def message_types(models: Models) -> dict[str, dict[str, str]]:
-    """Return the messages that are specified beside node models; the first of a name counts."""
+    """Return the messages that are specified next to node models; the first of a name is used."""
     found: dict[str, dict[str, str]] = {}
     for file in models.files:
         for package in file.model.packages:

@@ -140,9 +140,9 @@ DEEP = f"x = {'-' * 200_000}1\n"
         (
             {"scripts/EDDIInput.py": "def x(:\n"},
             "A001",
-            "EDDIInput.py:1:7: error: this is no Python",
+            "EDDIInput.py:1:7: error: this is not Python",
         ),
-        ({"scripts/EDDIInput.py": DEEP}, "A001", "this is no Python: nested too deeply"),
+        ({"scripts/EDDIInput.py": DEEP}, "A001", "this is not Python: nested too deeply"),
         ({"scripts/EDDIInput.py": f"x = 1{' + 1' * 900}\n"}, "A001", "nested too deeply"),
         ({"scripts/RosNode.py": f"x = 0x{'f' * 9000}\n"}, "A001", "a number with too many digits"),
         ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),

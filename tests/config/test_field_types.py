@@ -115,7 +115,7 @@ def test_the_key_is_the_field_that_names_the_element(
             "ranges[front]",
             (
                 "sensor_msgs/LaserScan has no list of names (name, names, joint_names, "
-                "labels) beside 'ranges'; one element is [0]; its fields: header, angle_min, "
+                "labels) for 'ranges'; one element is [0]; its fields: header, angle_min, "
                 "angle_max, angle_increment, time_increment, scan_time, range_min, range_max, "
                 "ranges, intensities"
             ),
@@ -125,7 +125,7 @@ def test_the_key_is_the_field_that_names_the_element(
             "name[gripper]",
             (
                 "sensor_msgs/JointState has no list of names (name, names, joint_names, "
-                "labels) beside 'name'; one element is [0]; its fields: header, name, "
+                "labels) for 'name'; one element is [0]; its fields: header, name, "
                 "position, velocity, effort"
             ),
         ),

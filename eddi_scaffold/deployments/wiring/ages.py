@@ -29,7 +29,7 @@ def with_default_ages(
 
     Args:
         monitors: those that run together.
-        others: those that run beside them.
+        others: those that run with them.
 
     Returns:
         For each monitor ``None``, or its new configuration, and what to report of it (K053).

@@ -19,7 +19,7 @@ def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) 
 
     Args:
         members: the monitors that are at hand.
-        others: those that run beside them.
+        others: those that run with them.
     """
     together = deployment(members, others)
     rings = list(check_rings(together.participants))

@@ -78,7 +78,7 @@ class Deployment:
     Attributes:
         members: those that are at hand.
         publishers: full name of a topic -> the members that publish it.
-        others: those that run beside them.
+        others: those that run with them.
     """
 
     members: tuple[Member, ...]

@@ -1,4 +1,4 @@
-"""The compiled network beside pgmpy, before a package is written (extra ``bn``)."""
+"""The compiled network compared with pgmpy, before a package is written (extra ``bn``)."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ def settings(model: NetworkModel) -> dict[str, JsonValue]:
 
 
 def beside(model: NetworkModel) -> Mapping[str, str]:
-    """Return the messages that the monitor publishes beside its output."""
+    """Return the messages that the monitor publishes in addition to its output."""
     evidence = {"evidence": "BayesianNetworkEvidence"} if settings_of(model).thresholds else {}
     return {"status": "BayesianNetworkStatus", **evidence}
 

@@ -31,7 +31,7 @@ _RESULTS = (
     *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs", "accepted"),
     *ReliabilityResult._fields,
 )
-"""Names of what is published and recorded beside the thresholds."""
+"""Names of what is published and recorded, thresholds apart."""
 _Make = Callable[[Values, str], Mapping[str, Any] | None]
 
 

@@ -1,4 +1,4 @@
-"""SafeML -> ``config/model.json`` and the reference beside it."""
+"""SafeML -> ``config/model.json`` and the reference next to it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from eddi_scaffold.kinds.safeml.plan import upwards
 from eddi_scaffold.source import Source
 
 REFERENCE_FILE = "reference.csv"
-"""Name of the reference beside ``model.json``, whatever it was called before."""
+"""Name of the reference next to ``model.json``, whatever it was called before."""
 
 CONFIG_FILE = "safeml_config.yml"
-"""Name of the configuration beside it, for people."""
+"""Name of the configuration next to it, for people."""
 
 
 def runtime_model(file: SafeMLFile, plan: Plan) -> dict[str, Any]:

@@ -120,8 +120,8 @@ def _result(page: Page) -> str:
 
 def _problem(problem: Problem) -> str:
     place = ":".join(str(part) for part in (problem.place.line, problem.place.col) if part)
-    said = f"<strong>{problem.level}</strong> {place} {escape(problem.message)} [{problem.code}]"
-    shown = [f'<div class="problem {problem.level}"><p>{said}</p>']
+    text = f"<strong>{problem.level}</strong> {place} {escape(problem.message)} [{problem.code}]"
+    shown = [f'<div class="problem {problem.level}"><p>{text}</p>']
     if problem.excerpt is not None and problem.place.col is not None:
         shown.append(f"<pre>{_marked(problem.excerpt, problem.place.col)}</pre>")
     if problem.hint:

@@ -190,12 +190,12 @@ class _Handler(BaseHTTPRequestHandler):
         return body
 
     def _length(self) -> int:
-        said = self.headers.get_all("Content-Length", [])
-        if "Transfer-Encoding" in self.headers or not said:
+        lengths = self.headers.get_all("Content-Length", [])
+        if "Transfer-Encoding" in self.headers or not lengths:
             raise _Refused(HTTPStatus.LENGTH_REQUIRED, "a Content-Length is required")
-        if len(said) > 1 or not _LENGTH.fullmatch(said[0]):
+        if len(lengths) > 1 or not _LENGTH.fullmatch(lengths[0]):
             raise _Refused(HTTPStatus.BAD_REQUEST, "the Content-Length is not a number of bytes")
-        return int(said[0])
+        return int(lengths[0])
 
     def _send(
         self, status: HTTPStatus, kind: str, data: bytes, more: Mapping[str, str] | None = None

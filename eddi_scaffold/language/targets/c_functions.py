@@ -1,7 +1,7 @@
 """Windows in C99, the same algorithms as ``eddi_runtime.expressions.windows`` in the same order.
 
 Buffers are rings whose size is a power of two; the arrays lie in the monitor's struct and are
-passed beside the ring, so that a struct can be copied as a whole.
+passed next to the ring, so that a struct can be copied as a whole.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publica
 
 
 def rows(published: Iterable[Publication]) -> list[Publication]:
-    """Return the topics that have a row of their own: all but the status beside a result."""
+    """Return the topics that have a row of their own: all but the status of a result."""
     return [one for one in published if one.of != STATUS or one.path]
 
 

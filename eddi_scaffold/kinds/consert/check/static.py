@@ -56,7 +56,7 @@ def _constant(consert: ConSert) -> Iterator[Problem]:
     inputs, values = inputs_of(consert), constants(consert)
     for guarantee in consert.guarantees:
         value = values[guarantee.id]
-        # without any input it is C012 that speaks
+        # without any input C012 is reported
         if value is not None and not guarantee.default and inputs[guarantee.id]:
             fate = "always active" if value else "never active"
             message = f"guarantee {shown(guarantee.id)} is {fate}, whatever the evidence"

@@ -61,7 +61,7 @@ class Shape:
             what: what it is, for messages.
             mandatory: keys that it must have.
             optional: keys that it may have.
-            kind: with an ``id``, messages speak of ``<kind> '<id>'`` instead.
+            kind: with an ``id``, messages name ``<kind> '<id>'`` instead.
         """
         if not isinstance(node, y.Map):
             self.report("C003", f"{what} must be a map, not {y.describe(node)}", node.place)
