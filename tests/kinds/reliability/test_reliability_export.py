@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from eddi_scaffold.kinds.reliability.model import System
+from eddi_scaffold.kinds.reliability.model import ReliabilitySystem
 from eddi_scaffold.kinds.reliability.report import outline, readme
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from tests.kinds.reliability.monitors import read_text
@@ -68,12 +68,12 @@ max_gap: 3 s
 """
 
 
-def read(text: str) -> System:
+def read(text: str) -> ReliabilitySystem:
     model, problems = read_text(text)
     assert [one for one in problems if one.level == "error"] == []
     assert model is not None
     system = model.data
-    assert isinstance(system, System)
+    assert isinstance(system, ReliabilitySystem)
     return system
 
 
