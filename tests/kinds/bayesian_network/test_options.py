@@ -90,8 +90,8 @@ MISTAKES: dict[str, tuple[object, str]] = {
     "no list": ({NODE: {**ENTRY, "order": "all"}}, "`order` must be a list of states"),
     "twice": ({NODE: {**ENTRY, "order": [STATES[0]] * 3}}, "`order` names a state twice"),
     "no text": ({NODE: {**ENTRY, "order": [True, *STATES[1:3]]}}, "`order` must be a list of"),
-    "no name": ({NODE: {"input": "value", "map": {"1": True}}}, "True is no name of a state"),
-    "no state": ({NODE: {**ENTRY, "order": ["near", *STATES[1:3]]}}, "'near' is no state"),
+    "no name": ({NODE: {"input": "value", "map": {"1": True}}}, "True is not a name of a state"),
+    "no state": ({NODE: {**ENTRY, "order": ["near", *STATES[1:3]]}}, "'near' is not a state"),
     "no number": ({NODE: {**ENTRY, "offset": "1"}}, "`offset` must be a finite number"),
     "nothing left": ({NODE: {**ENTRY, "scale": 0}}, "`scale` must not be 0"),
     "negative": ({NODE: {**ENTRY, "hysteresis": -1}}, "`hysteresis` must not be negative"),
@@ -119,12 +119,16 @@ def test_each_mistake_in_a_discretisation_is_told(case: str) -> None:
 
 def test_keys_of_a_map_are_of_the_type_of_the_input() -> None:
     keys = {"1": STATES[0], "2": STATES[1]}
-    for type_, wrong in (("int", []), ("str", []), ("bool", ["'1' is no bool", "'2' is no bool"])):
+    for type_, wrong in (
+        ("int", []),
+        ("str", []),
+        ("bool", ["'1' is not of type bool", "'2' is not of type bool"]),
+    ):
         entry = {"input": "value", "map": keys}
         text = config({"discretisation": {NODE: entry}})
         text = text.replace("id: value,", f"id: value, type: {type_},")
         _, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
-        found = [one.message for one in problems if "is no bool" in one.message]
+        found = [one.message for one in problems if "is not of type bool" in one.message]
         assert [text.partition(",")[0].split(": ")[-1] for text in found] == wrong
 
 
