@@ -25,6 +25,7 @@ PATHS = (
     "copier.yml",
     "copier_templates",
     "eddi_scaffold/__init__.py",
+    "eddi_scaffold/compiling",
     "eddi_scaffold/regions",
     "runtime_lib/src",
 )

@@ -25,8 +25,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_runtime import EDDIInputBase  # noqa: E402 - a benchmark runs from the checkout
-from eddi_runtime.consert import build  # noqa: E402
-from eddi_runtime.model_file import ModelFile, check_document, digest_of  # noqa: E402
+
+from eddi_scaffold.compiling.document import ModelFile, check_document, digest_of  # noqa: E402
+from eddi_scaffold.compiling.execution import build  # noqa: E402
 
 SIZES = {1: (2, 2), 30: (61, 2), 300: (601, 10)}
 """Gates -> (inputs, guarantees)."""
@@ -76,7 +77,11 @@ def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
         alone("step", monitor.step, wheel) | {"peer": "conserts-rs 0.1.6"},
         alone("execute_step (list of dicts)", monitor.execute_step, "D7.2 Fig 9 shape"),
         alone("explain all", lambda _: monitor.explain(), "no peer explains"),
-        alone("load", lambda _: build(check_document(document)), "check and compile, no file"),
+        alone(
+            "compile",
+            lambda _: build(check_document(document)),
+            "checked and imported, no file",
+        ),
     ]
 
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from eddi_runtime import EDDIInputBase
 from eddi_runtime import __version__ as runtime_version
-from eddi_runtime.documents import ModelError
-from eddi_runtime.model_file import canonical, digest_of, parse_model
-from eddi_runtime.monitor import build
+from eddi_runtime.documents import ModelError as RuntimeError_
 
+from eddi_scaffold.compiling.document import ModelError, canonical, digest_of
 from eddi_scaffold.kinds import JsonValue, Kind, Model
+from eddi_scaffold.monitors.execution import monitor_of
 from eddi_scaffold.problems import EddiError, Place, error
 
 
@@ -20,7 +20,7 @@ def model_document(
     inputs: Sequence[dict[str, JsonValue]],
     place: Place,
 ) -> str:
-    """Return canonical JSON with its own digest, after the runtime has compiled it once.
+    """Return canonical JSON with its own digest, after it has been compiled once.
 
     Args:
         model: what is monitored, configured.
@@ -29,7 +29,7 @@ def model_document(
         place: place of the configuration, for errors.
 
     Raises:
-        EddiError: the runtime refuses the model or the settings (K028).
+        EddiError: the model or the settings cannot be compiled (K028).
     """
     data: dict[str, JsonValue] = {
         "format": 1,
@@ -48,9 +48,8 @@ def model_document(
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:
-        parsed = parse_model(text, "the runtime model", kind.functions.data_files(model))
-        EDDIInputBase().bind(parsed.inputs)
-        build(parsed)
-    except ModelError as refused:  # the runtime that will run it has the last word
+        monitor = monitor_of(text, "the model", kind.functions.data_files(model))
+        EDDIInputBase().bind(monitor.inputs)
+    except (ModelError, RuntimeError_) as refused:  # what will run it has the last word
         raise EddiError(error("K028", refused.reason, place)) from None
     return text

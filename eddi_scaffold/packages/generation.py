@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
+from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers, render
@@ -112,6 +113,10 @@ def write_packages(
             progress(package.folder)
             rendered = Path(scratch, str(number), "rendered")
             notes = render(package.answers, template, source, rendered)
+            for name, data in package.files.items():
+                (rendered / name).parent.mkdir(parents=True, exist_ok=True)
+                (rendered / name).write_bytes(data)
+            write_compiled(rendered)
             _merge_package(root, package, rendered, notes, work)
     if not dry_run:
         work.notes += _write(root, work.changes)
@@ -190,9 +195,6 @@ def _merged(
         save_orphan(staged, body)
     report = sync_package(staged, partial(committed_text, target))
     _refuse(report.refused, target)
-    for name, data in package.files.items():
-        (staged / name).parent.mkdir(parents=True, exist_ok=True)
-        (staged / name).write_bytes(data)
     after = {
         path: _with_mode(state, before.get(path))
         for path, state in transaction.tree_of(staged).items()

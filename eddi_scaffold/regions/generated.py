@@ -104,6 +104,21 @@ def save_generated_edits(root: Path, paths: Iterable[str] | None = None) -> list
     return [save_reject(root, name, read_regular(root / name), ".edited") for name in names]
 
 
+def replace_generated(root: Path, name: str, data: bytes) -> None:
+    """Write a generated-only file; text that a person put there is kept in ``.eddi/rejects``.
+
+    For files that Copier does not render, so that it has not merged the person's text either.
+    """
+    if name in changed_generated(root):
+        save_generated_edits(root, [name])
+    write_file(root, name, data)
+    note = root / EDDI / _EDITED
+    noted = read_text(note)
+    if isinstance(noted, str) and name in noted.split("\n"):
+        rest = [one for one in noted.split("\n") if one and one != name]
+        write_file(root, f"{EDDI}/{_EDITED}", "".join(f"{one}\n" for one in rest).encode())
+
+
 def _matching(root: Path, line: str) -> list[str]:
     if "*" not in line or not is_relative(line):
         names = [line]
@@ -137,5 +152,6 @@ __all__ = [
     "note_edits",
     "record_generated",
     "recorded_generated",
+    "replace_generated",
     "save_generated_edits",
 ]

@@ -157,11 +157,11 @@ def load(folder: Path) -> Packaged:
 
 def _loaded(folder: Path, name: str, *, ros: bool) -> Callable[[], tuple[Any, Any]]:
     """Import the package as its node or a program would, and leave no file behind."""
-    package, model = (name, folder / "config") if ros else (folder.name, folder)
+    package = name if ros else folder.name
     with _importing(folder / "src" if ros else folder.parent, package):
         monitor_class = importlib.import_module(f"{package}.EDDIMonitor").EDDIMonitor
         input_class = importlib.import_module(f"{package}.EDDIInput").EDDIInput
-    return lambda: (monitor_class(str(model / "model.json")), input_class())
+    return lambda: (monitor_class(), input_class())
 
 
 @contextmanager

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from eddi_runtime.model_file import parse_model
-from eddi_runtime.monitor import build
-
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
+from eddi_scaffold.monitors.execution import monitor_of
 from eddi_scaffold.replay.node import SECOND, GivenInput, ReplayedNode
 from eddi_scaffold.replay.playing import Part
 from eddi_scaffold.replay.publishing import Publications
@@ -21,7 +19,7 @@ if TYPE_CHECKING:
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor:
     """Return the monitor as its package would load it; hand-written code is not in it."""
     files = monitor.kind.functions.data_files(monitor.model)
-    return build(parse_model(monitor.model_json, monitor.model.name, files))
+    return monitor_of(monitor.model_json, monitor.model.name, files)
 
 
 def rhythm(monitor: BoundMonitor) -> Rhythm:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from eddi_runtime.consert import build
-from eddi_runtime.model_file import check_document, digest_of
+from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.consert.emission import STRAIGHT_LINE_LIMIT, lines_of
+from eddi_scaffold.compiling.document import check_document, digest_of
+from eddi_scaffold.compiling.execution import module_of
 
 
 def binary():
@@ -78,8 +80,16 @@ def signed(data):
     return dict(data, sha256=digest_of(data))
 
 
-def monitor(*args, allow_unsupported=False, **kwargs):
-    return build(check_document(document(*args, **kwargs)), allow_unsupported=allow_unsupported)
+def monitor(*args, allow_unsupported=False, limit=STRAIGHT_LINE_LIMIT, **kwargs):
+    made = document(*args, **kwargs)
+    return compiled(made, allow_unsupported=allow_unsupported, limit=limit)
+
+
+def compiled(data, *, allow_unsupported=False, limit=STRAIGHT_LINE_LIMIT):
+    """Return the monitor of a model document."""
+    model_file = check_document(data)
+    lines = lines_of(model_file, allow_unsupported=allow_unsupported, limit=limit)
+    return module_of(whole_text(model_file, {"consert": 1}, lines), data["id"]).Monitor()
 
 
 def give(**values):

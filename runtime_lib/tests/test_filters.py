@@ -1,8 +1,8 @@
 """Debouncing and majority, by the letters of their samples."""
 
 import pytest
-from eddi_runtime import ModelError
 
+from eddi_scaffold.compiling.document import ModelError
 from runtime_lib.tests.documents import binary, give, monitor
 
 RAW = {"T": True, "F": False, "U": None}
@@ -31,7 +31,7 @@ def test_debounce_loses_at_once_and_gains_late():
 )
 def test_no_filter_is_no_code(wanted):
     one = made(**wanted)
-    assert one._filter is None
+    assert one.filter is None
     assert run(one, "T F U T") == "T F U T"
 
 

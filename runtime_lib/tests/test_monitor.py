@@ -1,7 +1,6 @@
 """Evaluation, output, best guarantees, messages and what stands beside the output."""
 
 import pytest
-from eddi_runtime.consert import compile as compiler
 
 from runtime_lib.tests.documents import GOOD, active, binary, give, monitor, nested, numeric
 
@@ -249,10 +248,10 @@ def test_a_chain_of_50_000_gates():
     assert made.explain("G").missing == (("f", "h"),)
 
 
-def test_loop_and_straight_line_agree(monkeypatch):
-    plain = nested(), nested(filter={"kind": "majority", "window": 3})
-    monkeypatch.setitem(compiler.compile_step.__kwdefaults__, "limit", 0)
-    loops = nested(), nested(filter={"kind": "majority", "window": 3})
+def test_loop_and_straight_line_agree():
+    majority = {"kind": "majority", "window": 3}
+    plain = nested(), nested(filter=majority)
+    loops = nested(limit=0), nested(limit=0, filter=majority)
     values = [None, True, False, "low", 5.0, 25, 30.0, float("nan"), object()]
     for k in range(200):
         names = enumerate("abcnd")

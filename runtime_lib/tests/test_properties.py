@@ -4,13 +4,11 @@ import itertools
 from fractions import Fraction
 
 import pytest
-from eddi_runtime.consert import build
-from eddi_runtime.consert import compile as compiler
-from eddi_runtime.model_file import check_document
 
 from runtime_lib.tests.documents import (
     active,
     categorical,
+    compiled,
     document,
     give,
     monitor,
@@ -103,7 +101,7 @@ def test_the_order_of_lists_changes_nothing_but_the_order(case, random):
     for key in ("evidence", "gates", "guarantees", "edges"):
         random.shuffle(mixed["model"][key])
     random.shuffle(mixed["inputs"])
-    one, other = made(graph), build(check_document(signed(mixed)))
+    one, other = made(graph), compiled(signed(mixed))
     assert set(step(one, state)) == set(step(other, state))
     assert one.verdicts() == other.verdicts()
     for name in graph[2]:
@@ -113,13 +111,7 @@ def test_the_order_of_lists_changes_nothing_but_the_order(case, random):
 @given(cases())
 def test_straight_line_and_loop_are_the_same(case):
     graph, state = case
-    one = made(graph)
-    limit = compiler.compile_step.__kwdefaults__["limit"]
-    try:
-        compiler.compile_step.__kwdefaults__["limit"] = 0
-        other = made(graph)
-    finally:
-        compiler.compile_step.__kwdefaults__["limit"] = limit
+    one, other = made(graph), made(graph, limit=0)
     assert step(one, state) == step(other, state)
 
 

@@ -2,10 +2,9 @@
 
 import pytest
 from eddi_runtime import EDDIInputBase
-from eddi_runtime.documents import ModelError
 from eddi_runtime.inputs import InputSpec, accepted
-from eddi_runtime.model_file import check_document
 
+from eddi_scaffold.compiling.document import ModelError, check_document
 from runtime_lib.tests.documents import GOOD, document, give, monitor, nested, signed
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import eddi_runtime
 import pytest
-from eddi_runtime.model_file import canonical
 from eddi_runtime.testing import FakeClock, inputs, script
 
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import check_document
 from runtime_lib.tests.documents import GOOD, active, document, nested
 
 
@@ -26,20 +27,20 @@ def test_the_clock_stands_still():
     assert clock() == clock() == 5.5
 
 
-def test_a_copy_under_another_name_works(tmp_path):
+def test_a_copy_inside_of_a_package_works(tmp_path):
     """A plain package carries the runtime inside: nothing in it may know its own name."""
     package = tmp_path / "carrier"
     shutil.copytree(
         Path(eddi_runtime.__file__).parent,
-        package / "inner",
+        package / "eddi_runtime",
         ignore=shutil.ignore_patterns("node", "transports", "ros1.py", "__pycache__"),
     )
     (package / "__init__.py").write_text("")
     model = document(["e"], guarantees=["G"], edges=["e>G"])
-    (tmp_path / "model.json").write_text(canonical(model))
+    (package / "compiled.py").write_text(compile_model(check_document(model), runtime="."))
     code = (
-        "import sys, carrier.inner as r; m = r.load('model.json'); class_ = type(m);"
-        "assert class_.__module__ == 'carrier.inner.consert.monitor';"
+        "import sys; from carrier.compiled import Monitor; m = Monitor();"
+        "assert Monitor.__mro__[1].__module__ == 'carrier.eddi_runtime.consert.monitor';"
         "x = type('X', (), {'e': True})(); print(m.execute_step(x), m.explain('G').text());"
         "assert not {'eddi_runtime', 'numpy', 'rospy'} & set(sys.modules)"
     )

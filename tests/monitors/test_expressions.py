@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 from eddi_runtime import EDDIInputBase
-from eddi_runtime.model_file import parse_model
 
+from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds

@@ -56,6 +56,6 @@ def model_files(tmp_path_factory):
     """Model files by package name."""
     folder = tmp_path_factory.mktemp("models")
     for name, document in models.MODELS.items():
-        (folder / f"{name}.json").write_text(models.finished(document))
-    (folder / "tester_half.json").write_text(models.finished(models.tester(0.5)))
+        (folder / f"{name}.py").write_text(models.compiled(document))
+    (folder / "tester_half.py").write_text(models.compiled(models.tester(0.5)))
     return {path.stem: path for path in folder.iterdir()}

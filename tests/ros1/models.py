@@ -1,21 +1,16 @@
-"""Model files of the test packages, as the generator writes them."""
+"""Models of the test packages, compiled as the generator does it."""
 
 import copy
-import hashlib
-import json
+
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import check_document, digest_of
 
 BINARY = {"kind": "binary", "type": "Test"}
 
 
-def finished(document):
-    """Return the canonical text of a model with its digest."""
-    document = {key: value for key, value in document.items() if key != "sha256"}
-    digest = hashlib.sha256(_canonical(document).encode()).hexdigest()
-    return _canonical({**document, "sha256": digest})
-
-
-def _canonical(document):
-    return json.dumps(document, sort_keys=True, indent=1, allow_nan=False) + "\n"
+def compiled(document):
+    """Return the text of the compiled monitor of a model."""
+    return compile_model(check_document(dict(document, sha256=digest_of(document))))
 
 
 def _input(name, requires, max_age=None):

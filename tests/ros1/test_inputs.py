@@ -17,8 +17,10 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     for topic in ("/consertb/guarantees", "/conserta/guarantees"):
         probe.subscribe(topic)
     probe.subscribe("/conserta/guarantees/status", "eddi_messages/ConSertStatus")
-    a = world.node(master, "conserta", f"_model:={model_files['conserta']}")
-    b = world.node(master, "consertb", f"_model:={model_files['consertb']}", "_startup_grace:=0.0")
+    a = world.node(master, "conserta", f"compiled:={model_files['conserta']}")
+    b = world.node(
+        master, "consertb", f"compiled:={model_files['consertb']}", "_startup_grace:=0.0"
+    )
     probe.active("/conserta/guarantees", set(), after=start)
     level, text, values = probe.diagnostics(
         "/conserta", lambda level, text, v: v.get("RtE_A_D0") == "ok", after=start
@@ -79,8 +81,8 @@ def test_a_hung_and_a_dead_publisher(world, master, probe, model_files):
     start = probe.mark()
     for space in ("limit", "free"):
         probe.subscribe(f"/{space}/guarantees")
-    world.node(master, "tester", f"_model:={model_files['tester_half']}", "__ns:=/limit")
-    world.node(master, "tester", f"_model:={model_files['tester']}", "__ns:=/free")
+    world.node(master, "tester", f"compiled:={model_files['tester_half']}", "__ns:=/limit")
+    world.node(master, "tester", f"compiled:={model_files['tester']}", "__ns:=/free")
     source = world.probe(master)
     for space in ("limit", "free"):
         source.do("every", topic=f"/{space}/flag", kind=BOOL, fields={"data": True}, hz=20)
@@ -116,7 +118,7 @@ def test_broken_evidence_is_unknown_and_nothing_ends(world, master, probe, model
     start = probe.mark()
     out = "/faulty/guarantees"
     probe.subscribe(out)
-    model = f"_model:={model_files['tester']}"
+    model = f"compiled:={model_files['tester']}"
     node = world.node(master, "tester", model, "__ns:=/faulty", "_frequency:=20")
     probe.publish("/faulty/flag", BOOL, {"data": True}, latch=True)
     probe.publish("/faulty/number", NUMBER, {"data": 1.0}, latch=True)
@@ -162,7 +164,7 @@ def test_a_numpy_scalar_is_converted(world, master, probe, model_files):
     """Row 16; runs where /usr/bin/python3 has numpy, as Debian's ROS message classes want."""
     start = probe.mark()
     probe.subscribe("/numpy/guarantees")
-    model = f"_model:={model_files['tester']}"
+    model = f"compiled:={model_files['tester']}"
     node = world.node(master, "tester", model, "__ns:=/numpy")
     probe.publish("/numpy/how", TEXT, {"data": "numpy"}, latch=True)
 
@@ -181,7 +183,7 @@ def test_none_in_a_message_made_by_hand(world, master, probe, model_files):
     """Row 15: an overridden create_ros_msg may do anything, nothing stays active, nothing dies."""
     start = probe.mark()
     probe.subscribe("/hand/guarantees")
-    model = f"_model:={model_files['tester']}"
+    model = f"compiled:={model_files['tester']}"
     node = world.node(master, "tester", model, "__ns:=/hand", env={"TESTER_HAND_MADE": "1"})
     probe.publish("/hand/how", TEXT, {"data": "true"}, latch=True)
     probe.active("/hand/guarantees", {"G_E"}, after=start)
@@ -198,7 +200,7 @@ def test_latched_evidence_after_a_respawn(world, master, probe, model_files):
     start = probe.mark()
     probe.subscribe("/again/guarantees")
     probe.publish("/again/flag", BOOL, {"data": True}, latch=True)
-    arguments = [f"_model:={model_files['tester']}", "__ns:=/again", "_frequency:=20"]
+    arguments = [f"compiled:={model_files['tester']}", "__ns:=/again", "_frequency:=20"]
     first = world.node(master, "tester", *arguments)
     probe.active("/again/guarantees", {"G_F"}, after=start)
     first.send(signal.SIGKILL)
@@ -223,7 +225,7 @@ def test_latched_evidence_with_a_limit(world, master, probe, model_files):
     start = probe.mark()
     probe.subscribe("/old/guarantees")
     probe.publish("/old/flag", BOOL, {"data": True}, latch=True)
-    node = world.node(master, "tester", f"_model:={model_files['tester_half']}", "__ns:=/old")
+    node = world.node(master, "tester", f"compiled:={model_files['tester_half']}", "__ns:=/old")
     _level, text, _ = probe.diagnostics(
         "/old/tester", lambda lv, t, v: v.get("F") == "stale", after=start
     )

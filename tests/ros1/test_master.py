@@ -22,7 +22,7 @@ def test_a_roscore_that_dies_and_returns(world, model_files):
     probe = world.probe(master)
     for topic, kind in (("/guarantees", OUT), ("/diagnostics", "diagnostic_msgs/DiagnosticArray")):
         probe.subscribe(topic, kind)
-    model = f"_model:={model_files['tester']}"
+    model = f"compiled:={model_files['tester']}"
     node = world.node(master, "tester", model, "_watchdog_period:=0.5")
     leaving = world.node(
         master, "tester", model, "_watchdog_period:=0.5", "_on_master_loss:=exit", "__name:=leaving"
@@ -66,7 +66,7 @@ def test_a_roscore_that_dies_and_returns(world, model_files):
 def test_no_roscore_at_start_and_one_that_hangs(world, model_files):
     """Row 6: waits with one line, ends on SIGTERM; a master that hangs delays no end."""
     absent = Master(world)
-    model = f"_model:={model_files['tester']}"
+    model = f"compiled:={model_files['tester']}"
     waiting = world.node(absent, "tester", model)
     ended = world.node(absent, "tester", model, "__name:=other")
     for node in (waiting, ended):
@@ -106,11 +106,11 @@ def test_publishers_of_another_type(world, master, probe, model_files, tmp_path)
     world.node(
         master,
         "tester",
-        f"_model:={model_files['tester']}",
+        f"compiled:={model_files['tester']}",
         "__ns:=/typed",
         "_watchdog_period:=0.3",
     )
-    node = world.node(master, "conserta", f"_model:={model_files['conserta']}", "__ns:=/typed")
+    node = world.node(master, "conserta", f"compiled:={model_files['conserta']}", "__ns:=/typed")
     level, text, _ = probe.diagnostics(
         "/typed/tester", lambda lv, t, v: "wrong_type.0" in v, after=mark
     )
@@ -133,7 +133,7 @@ def test_simulated_time(world, model_files):
     probe = world.probe(master)
     for topic, kind in (("/guarantees", OUT), ("/diagnostics", "diagnostic_msgs/DiagnosticArray")):
         probe.subscribe(topic, kind)
-    node = world.node(master, "tester", f"_model:={model_files['tester_half']}")
+    node = world.node(master, "tester", f"compiled:={model_files['tester_half']}")
     probe.publish("/flag", BOOL, {"data": True}, connected=True)
     probe.active("/guarantees", {"G_F"}, after=0)
     mark = probe.mark()
@@ -160,7 +160,7 @@ def test_simulated_time(world, model_files):
 
 def test_one_name_for_two_nodes(world, master, probe, model_files):
     """Row 12: the second refuses to start; who loses its name all the same says so."""
-    model = f"_model:={model_files['tester']}"
+    model = f"compiled:={model_files['tester']}"
     first = world.node(master, "tester", model, "__ns:=/twice")
     uri = until(lambda: master.call("lookupNode", "/twice/tester"))
     until(lambda: "monitor of" in first.text)
@@ -185,27 +185,29 @@ def test_models_that_cannot_be_used(world, master, model_files, tmp_path):
     """Row 19: the node ends before it registers, with path and reason on stderr."""
     good = model_files["tester"].read_text()
     for name, text in {
-        "damaged": good[:100],
-        "changed": good.replace('"Distance"', '"Speed"'),
-        "newer": good.replace('"requires_runtime": "0.1"', '"requires_runtime": "99.0"'),
+        "damaged": good[: good.rindex("        return [")],
+        "changed": good.replace("== 2", "== 1", 1),
+        "newer": good.replace("consert: 1}", "consert: 99}"),
     }.items():
-        (tmp_path / f"{name}.json").write_text(text)
+        (tmp_path / f"{name}.py").write_text(text)
     nodes = {
-        name: world.node(master, "tester", f"_model:={tmp_path}/{name}.json", f"__name:={name}")
+        name: world.node(master, "tester", f"compiled:={tmp_path}/{name}.py", f"__name:={name}")
         for name in ("damaged", "changed", "newer", "absent")
     }
-    nodes["beside"] = world.node(master, "tester", "__name:=beside")
+    model = f"compiled:={model_files['tester']}"
     nodes["rate"] = world.node(
-        master, "tester", "_frequency:=0", "_queue_size:=none", "__name:=rate"
+        master, "tester", model, "_frequency:=0", "_queue_size:=none", "__name:=rate"
     )
+    nodes["other"] = world.node(master, "tester", model, "_model:=other.json", "__name:=other")
     for name, node in nodes.items():
         assert node.wait() == 1, node.text
         assert master.call("lookupNode", f"/{name}") is None
         assert "Traceback" not in node.text
-    for name in ("damaged", "changed", "newer", "absent"):
-        assert f"{tmp_path}/{name}.json" in nodes[name].text
-    assert "sha256" in nodes["changed"].text
-    assert "no model file: " in nodes["beside"].text
-    assert "tester/config/model.json" in nodes["beside"].text
+    for name in ("damaged", "changed", "newer"):
+        assert f"{tmp_path}/{name}.py: " in nodes[name].text
+        assert "eddi-scaffold upgrade" in nodes[name].text
+    assert "the package is not whole: No module named 'compiled'" in nodes["absent"].text
+    assert "copier recopy --trust" in nodes["absent"].text
     assert "~frequency: 0.000001 to 1000000 Hz expected, got 0" in nodes["rate"].text
     assert "~queue_size" in nodes["rate"].text
+    assert "~model: the model is compiled into the package" in nodes["other"].text

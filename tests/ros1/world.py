@@ -272,10 +272,13 @@ class World:
         return probe
 
     def node(self, master, package, *arguments, script=None, env=None):
-        """Start the node of a test package with arguments such as ``_model:=...``."""
+        """Start the node of a test package; ``compiled:=PATH`` says which monitor it has."""
         path = script or HERE / "packages" / package / "scripts" / "RosNode.py"
-        command = [PYTHON, str(path), *map(str, arguments)]
-        return self.process(command, {**self.env(master), **(env or {})})
+        words = [str(one) for one in arguments]
+        models = [one for one in words if one.startswith("compiled:=")]
+        command = [PYTHON, str(path), *(one for one in words if one not in models)]
+        given = {"COMPILED": "".join(models).partition(":=")[2], **(env or {})}
+        return self.process(command, {**self.env(master), **given})
 
     def destroy(self):
         for thing in reversed(self._things):

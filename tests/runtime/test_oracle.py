@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from eddi_runtime.consert import build
-from eddi_runtime.consert import compile as compiler
-from eddi_runtime.model_file import check_document, digest_of
 from eddi_runtime.testing import inputs
 
+from eddi_scaffold.compiling.consert.emission import STRAIGHT_LINE_LIMIT
+from eddi_scaffold.compiling.document import digest_of
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from runtime_lib.tests.documents import compiled
 from tests.kinds.consert.oracle import as_source, oracle
 
 
@@ -28,22 +28,21 @@ def document(model, settings):
     return dict(data, sha256=digest_of(data))
 
 
-def monitor(name, **settings):
+def monitor(name, limit=STRAIGHT_LINE_LIMIT, **settings):
     (model,) = FUNCTIONS.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
-    return build(check_document(document(model, settings)), allow_unsupported=True)
+    return compiled(document(model, settings), allow_unsupported=True, limit=limit)
 
 
 def active(rows):
     return [row["id"] for row in rows if row["active"]]
 
 
-@pytest.mark.parametrize("limit", [compiler.STRAIGHT_LINE_LIMIT, 0])
-def test_every_step_of_every_scenario(monkeypatch, limit):
-    monkeypatch.setitem(compiler.compile_step.__kwdefaults__, "limit", limit)
+@pytest.mark.parametrize("limit", [STRAIGHT_LINE_LIMIT, 0])
+def test_every_step_of_every_scenario(limit):
     steps = 0
     for scenario in oracle()["evaluate"]:
         window = {"kind": "majority", "window": scenario["window"]}
-        made = monitor(scenario["model"], filter=window)
+        made = monitor(scenario["model"], limit, filter=window)
         for step in scenario["steps"]:
             found = active(made.execute_step(inputs(made, step["in"])))
             assert found == step["active"], (scenario["id"], step)
@@ -97,7 +96,7 @@ def test_every_model_that_the_generator_accepts_is_accepted_here():
         if any(problem.level == "error" for problem in reading.problems):
             continue
         for model in reading.models:
-            made = build(check_document(document(model, {})))
+            made = compiled(document(model, {}))
             assert active(made.execute_step(None)) == [
                 g.id for g in model.data.guarantees if g.default
             ]

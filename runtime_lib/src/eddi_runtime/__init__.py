@@ -5,12 +5,16 @@ it once. Pure Python 3.8; only the parts below ``eddi_runtime.transports`` know 
 """
 
 from .access import by_id, by_key, by_name, joined
+from .compatibility import needs
 from .documents import ModelError
 from .inputs import EDDIInputBase, InputSpec, InputState
 from .monitor import Monitor, load
 from .version import __version__
 
+FORMATS = (1,)
+
 __all__ = [
+    "FORMATS",
     "EDDIInputBase",
     "InputSpec",
     "InputState",
@@ -22,4 +26,5 @@ __all__ = [
     "by_name",
     "joined",
     "load",
+    "needs",
 ]

@@ -32,6 +32,7 @@ def find_model(file: str, package: str) -> Path:
 
 def _places(file: str, package: str) -> Iterable[Path]:
     folder = Path(file).resolve().parent
+    yield folder / _MODEL.name  # a plain package
     above: List[Path] = list(folder.parents)
     if folder.name != package:
         yield from (root / _MODEL for root in above[:1])  # <root>/scripts

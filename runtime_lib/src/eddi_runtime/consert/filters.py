@@ -1,19 +1,14 @@
 """Filters of leaf values over time: debouncing (ours) and majority (that of SESAME's first tool).
 
 A filter is a state and ``apply``: the truth values of all leaves of this step -> the filtered ones.
-``kind: none`` and ``regain_after: 1`` are no filter at all, and no code.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from typing import Any, Deque, Mapping, Optional, Protocol, Sequence, Tuple
+from typing import Deque, Protocol, Sequence, Tuple
 
-from ..documents import ModelError, take
 from .values import FALSE, TRUE, UNKNOWN
-
-_MAX_SAMPLES = 100_000
-"""Longest history; at 1 kHz that is 100 s."""
 
 
 class LeafFilter(Protocol):
@@ -28,39 +23,11 @@ class LeafFilter(Protocol):
     def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""
 
-    def reset(self) -> None:
-        """Forget all samples."""
+    def reset(self, leaves: int) -> None:
+        """Forget all samples; ``leaves`` are filtered from now on."""
 
     def waiting(self, leaf: int) -> str:
         """Return why a leaf whose raw value is TRUE is not TRUE yet, for people."""
-
-
-def make_filter(settings: Mapping[str, Any], leaves: int) -> Optional[LeafFilter]:
-    """Return the filter that the settings ask for, ``None`` for none.
-
-    Raises:
-        ModelError: the filter is not known or its number is not a whole number above 0.
-    """
-    wanted = settings.get("filter")
-    if wanted is None:
-        return None
-    kind = take(wanted, "kind", str, "the filter")
-    if kind == "none":
-        return None
-    if kind == "debounce":
-        needed = _samples(wanted, "regain_after")
-        return Debounce(leaves, needed) if needed > 1 else None
-    if kind == "majority":
-        window = _samples(wanted, "window")
-        return Majority(leaves, window) if window > 1 else None
-    raise ModelError("", f"the filter {kind!r} is not known: none, debounce or majority")
-
-
-def _samples(wanted: Any, key: str) -> int:
-    number: int = take(wanted, key, int, "the filter") if key in wanted else 1
-    if not 1 <= number <= _MAX_SAMPLES:
-        raise ModelError("", f"{key!r} of the filter is not from 1 to {_MAX_SAMPLES}")
-    return number
 
 
 class Debounce:
@@ -70,16 +37,15 @@ class Debounce:
     matters for safety, the loss of evidence, is never delayed.
     """
 
-    def __init__(self, leaves: int, needed: int) -> None:
+    def __init__(self, needed: int) -> None:
         self.needed = needed
-        self._leaves = leaves
-        self.reset()
+        self.reset(0)
 
-    def reset(self) -> None:
-        """Forget all samples."""
-        self._in_a_row = [0] * self._leaves
-        self._held = [UNKNOWN] * self._leaves
-        self.values: Tuple[int, ...] = (UNKNOWN,) * self._leaves
+    def reset(self, leaves: int) -> None:
+        """Forget all samples; ``leaves`` are filtered from now on."""
+        self._in_a_row = [0] * leaves
+        self._held = [UNKNOWN] * leaves
+        self.values: Tuple[int, ...] = (UNKNOWN,) * leaves
 
     def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""
@@ -106,17 +72,16 @@ class Majority:
     Both directions are late: a loss is seen after up to half the window.
     """
 
-    def __init__(self, leaves: int, window: int) -> None:
+    def __init__(self, window: int) -> None:
         self.window = window
-        self._leaves = leaves
-        self.reset()
+        self.reset(0)
 
-    def reset(self) -> None:
-        """Forget all samples."""
+    def reset(self, leaves: int) -> None:
+        """Forget all samples; ``leaves`` are filtered from now on."""
         self._samples: Deque[Sequence[int]] = deque()
-        self._true = [0] * self._leaves
-        self._not_false = [0] * self._leaves
-        self.values: Tuple[int, ...] = (UNKNOWN,) * self._leaves
+        self._true = [0] * leaves
+        self._not_false = [0] * leaves
+        self.values: Tuple[int, ...] = (UNKNOWN,) * leaves
 
     def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""

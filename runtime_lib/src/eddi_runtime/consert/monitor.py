@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import (
     Any,
-    Callable,
     Dict,
     Iterable,
     List,
     Mapping,
+    NamedTuple,
     Optional,
     Sequence,
     Set,
@@ -17,88 +17,109 @@ from typing import (
     overload,
 )
 
-from ..documents import ModelError
 from ..inputs import InputSpec, accepted
-from ..model_file import ModelFile
 from ..monitor import Standing, Tree
-from . import compile as compiler
+from ..reading import ABSENT, read
 from .explain import Explanation, Reason, Sets
-from .filters import Majority, make_filter
-from .graph import build_graph
+from .filters import LeafFilter, Majority
+from .graph import Graph, Node
 from .messages import output_message, status_message
-from .model import read_consert
-from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, describe, judge
+from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge
 
 Rows = List[Dict[str, object]]
 Groups = List[Tuple[str, ...]]
 """Minimal sets of inputs that would activate a guarantee, by size, then by ids."""
 
 
-def build(
-    model_file: ModelFile,
-    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
-    *,
-    allow_unsupported: bool = False,
-) -> ConSertMonitor:
-    """Compile a ConSert.
+class Guarantee(NamedTuple):
+    """One guarantee.
 
-    Args:
-        model_file: the model.
-        hooks: not used: all hand-written code is in EDDIInput.
-        allow_unsupported: build guarantees without support and gates without input as the
-            constants that they are in SESAME's first tool; for tests of the evaluation only.
-
-    Raises:
-        ModelError: the model is wrong, or has a constant that no author meant.
+    Attributes:
+        id: as in the model.
+        node: its number in the graph.
+        published: the id in the output, empty where it is the same.
+        default: holds always, without support.
+        ranking: lowest is best, ``None`` when not given.
     """
-    return ConSertMonitor(model_file, allow_unsupported=allow_unsupported)
+
+    id: str
+    node: int
+    published: str = ""
+    default: bool = False
+    ranking: Optional[int] = None
 
 
-class ConSertMonitor:
-    """One compiled ConSert. Not thread-safe: the thread that steps it also asks it.
+class ConSert:
+    """What the class ``Monitor`` of a compiled ConSert inherits.
 
-    Ids in the output of ``execute_step`` are those that ``guarantee_ids`` asks for; everywhere
-    else they are those of the model.
+    Not thread-safe: the thread that steps it also asks it. Ids in the output of ``execute_step``
+    are those that ``guarantee_ids`` of the configuration asks for; everywhere else they are those
+    of the model.
 
     Attributes:
         model_id: id of the model.
         digest: SHA-256 of the model file's content.
         kind: ``consert``.
         inputs: what ``execute_step`` reads, one attribute each.
-        guarantee_ids: ids of the guarantees in file order.
-        published_ids: their ids in the output.
-        step: one evaluation: object with the inputs -> active flags in file order. Never raises.
+        leaves: how each of the inputs is judged.
+        nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
+            comes first; the first node has the number after those of the inputs.
+        guarantees: in file order.
+        services: (id of a provided service, ids of its guarantees).
+        filter: of the truth values of the inputs, None for none.
+        raw: values of the inputs in the last step, ``Absent`` where one could not be read.
+        source: the object they were read from.
     """
 
     kind = "consert"
-    step: Callable[[object], Tuple[bool, ...]]
+    model_id: str
+    digest: str
+    inputs: Tuple[InputSpec, ...]
+    leaves: Tuple[Leaf, ...]
+    nodes: Tuple[Tuple[str, str, Tuple[int, ...]], ...]
+    guarantees: Tuple[Guarantee, ...]
+    services: Tuple[Tuple[str, Tuple[str, ...]], ...] = ()
+    raw: Sequence[object]
+    source: object
+    _output_faults: Tuple[str, ...]
+    _groups: Tuple[Sequence[int], Dict[int, Groups]]
 
-    def __init__(self, model_file: ModelFile, *, allow_unsupported: bool = False) -> None:
-        data = read_consert(model_file)
-        self._graph = build_graph(data)
-        if self._graph.unsupported and not allow_unsupported:
-            listed = ", ".join(map(repr, self._graph.unsupported))
-            raise ModelError("", f"constant without being meant as default: {listed}")
-        self.model_id = model_file.id
-        self.digest = model_file.digest
-        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
-        self.guarantee_ids = tuple(g.id for g in data.guarantees)
-        self.published_ids = tuple(g.published for g in data.guarantees)
-        self._data = data
+    def __init__(self, leaf_filter: Optional[LeafFilter] = None) -> None:
+        self.filter = leaf_filter
+        self._graph = Graph(
+            names=(*(spec.id for spec in self.inputs), *(name for name, _, _ in self.nodes)),
+            leaves=len(self.inputs),
+            nodes=tuple(Node(gate == "And", inputs) for _, gate, inputs in self.nodes),
+            guarantees=tuple(one.node for one in self.guarantees),
+        )
+        self.guarantee_ids = tuple(one.id for one in self.guarantees)
+        self.published_ids = tuple(one.published or one.id for one in self.guarantees)
         self._number = dict(zip(self.published_ids, self._graph.guarantees))
         self._number.update(zip(self.guarantee_ids, self._graph.guarantees))
-        self._filter = make_filter(model_file.settings, self._graph.leaves)
-        self._record = compiler.Record(self._graph.leaves)
-        self.step = compiler.compile_step(
-            self._graph,
-            data.leaves,
-            [(spec.attribute, spec.id) for spec in self.inputs],
-            self._record,
-            None if self._filter is None else self._filter.apply,
-        )
-        self._rows = compiler.compile_rows(self.published_ids)
-        self._output_faults: Tuple[str, ...] = ()
-        self._groups: Tuple[Sequence[int], Dict[int, Groups]] = ((), {})
+        self.reset()
+
+    def step(self, source: object) -> Tuple[bool, ...]:
+        """Evaluate once: active flags in file order; never raises.
+
+        Compiled monitors write this out, but for models that are too large for a text.
+        """
+        self.raw, self.source = self.read(source), source
+        values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
+        if self.filter is not None:
+            values = self.filter.apply(values)
+        found = self._graph.evaluate(values)
+        return tuple([found[k] == TRUE for k in self._graph.guarantees])
+
+    def read(self, source: object) -> Tuple[object, ...]:
+        """Return the value of each input, ``Absent`` where it cannot be read; never raises."""
+        return tuple([read(source, spec.attribute, spec.id) for spec in self.inputs])
+
+    def judge(self, leaf: int, raw: object) -> int:
+        """Return the truth value of a raw value, and count it when its type is wrong."""
+        value, why = judge(self.leaves[leaf], raw)
+        if why == FAULT:
+            self._fault_counts[leaf] += 1
+        return value
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
         """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
@@ -106,7 +127,8 @@ class ConSertMonitor:
         Reads one attribute per input. Absent, None, NaN and whatever is no value for the input
         is UNKNOWN, and a guarantee is active only when it is TRUE. Never raises an Exception.
         """
-        return self._rows(self.step(eddi_input))
+        flags = self.step(eddi_input)
+        return [{"id": one, "active": flag} for one, flag in zip(self.published_ids, flags)]
 
     def as_json(self, output: Rows) -> Rows:
         """Return the rows: they are JSON already."""
@@ -134,19 +156,19 @@ class ConSertMonitor:
         guarantee comes last.
         """
         values = self._graph.evaluate(self._leaf_values())
-        place = {g.id: k for k, g in enumerate(self._data.guarantees)}
+        place = {one.id: k for k, one in enumerate(self.guarantees)}
 
         def rank(name: str) -> Tuple[bool, bool, int, int]:
-            one = self._data.guarantees[place[name]]
+            one = self.guarantees[place[name]]
             return one.default, one.ranking is None, one.ranking or 0, place[name]
 
         return {
-            service.id: min(
-                (name for name in service.guarantees if values[self._number[name]] == TRUE),
+            service: min(
+                (name for name in names if values[self._number[name]] == TRUE),
                 key=rank,
                 default=None,
             )
-            for service in self._data.services
+            for service, names in self.services
         }
 
     @overload
@@ -222,10 +244,10 @@ class ConSertMonitor:
 
     def accepted(self) -> Tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
-        found = accepted(self.inputs, self._record.source)
-        if not isinstance(self._filter, Majority):
+        found = accepted(self.inputs, self.source)
+        if not isinstance(self.filter, Majority):
             return found
-        rows = zip(self.inputs, self._filter.values, self._judgements())
+        rows = zip(self.inputs, self.filter.values, self._judgements())
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: filter: majority" for name in held))
 
@@ -256,14 +278,14 @@ class ConSertMonitor:
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
         return {
-            self.inputs[k].id: describe(self._data.leaves[k], self._record.raw[k], FAULT)
+            self.inputs[k].id: describe(self.leaves[k], self.raw[k], FAULT)
             for k, (_, why) in enumerate(self._judgements())
             if why == FAULT
         }
 
     def fault_counts(self) -> Dict[str, int]:
         """Return input id -> in how many steps its value had a wrong type, since the start."""
-        return {spec.id: n for spec, n in zip(self.inputs, self._record.fault_counts)}
+        return {spec.id: n for spec, n in zip(self.inputs, self._fault_counts)}
 
     def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
         """Return the same: there is nothing but verdicts."""
@@ -295,19 +317,20 @@ class ConSertMonitor:
 
     def reset(self) -> None:
         """Forget former steps: filters begin anew, inputs count as missing."""
-        if self._filter is not None:
-            self._filter.reset()
-        fresh = compiler.Record(self._graph.leaves)
-        self._record.raw, self._record.source = fresh.raw, fresh.source
-        self._record.fault_counts[:] = fresh.fault_counts
+        if self.filter is not None:
+            self.filter.reset(len(self.inputs))
+        self.raw = (ABSENT,) * len(self.inputs)
+        self.source = None
+        self._fault_counts = [0] * len(self.inputs)
         self._output_faults = ()
+        self._groups = ((), {})
 
     def _judgements(self) -> List[Judgement]:
-        return [judge(leaf, raw) for leaf, raw in zip(self._data.leaves, self._record.raw)]
+        return [judge(leaf, raw) for leaf, raw in zip(self.leaves, self.raw)]
 
     def _leaf_values(self) -> Sequence[int]:
-        if self._filter is not None:
-            return self._filter.values
+        if self.filter is not None:
+            return self.filter.values
         return [value for value, _ in self._judgements()]
 
     def _missing_groups(self, leaf_values: Sequence[int]) -> Dict[int, Groups]:
@@ -324,14 +347,14 @@ class ConSertMonitor:
         return self._groups[1]
 
     def _reason(self, leaf: int, value: int, why: str) -> Reason:
-        raw = self._record.raw[leaf]
-        if value == TRUE and self._filter is not None:
-            return Reason("debouncing", self._filter.waiting(leaf))
+        raw = self.raw[leaf]
+        if value == TRUE and self.filter is not None:
+            return Reason("debouncing", self.filter.waiting(leaf))
         if why == MISSING:
-            state = _state(self._record.source, self.inputs[leaf].id)
+            state = _state(self.source, self.inputs[leaf].id)
             if state is not None:
                 return state
-        return Reason(why, describe(self._data.leaves[leaf], raw, why))
+        return Reason(why, describe(self.leaves[leaf], raw, why))
 
 
 def _standing(

@@ -7,11 +7,10 @@ exact types only and everything else is UNKNOWN.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import Any, FrozenSet, Optional, Tuple, Union
+from typing import Sequence, Tuple, Union
 
 from ..plain_values import plain, show
+from ..reading import ABSENT, Absent
 
 FALSE, UNKNOWN, TRUE = 0, 1, 2
 NAMES = ("FALSE", "UNKNOWN", "TRUE")
@@ -23,103 +22,82 @@ Judgement = Tuple[int, str]
 """(truth value, why)."""
 
 
-class Absent:
-    """Stands for an attribute that could not be read.
-
-    Attributes:
-        problem: why, empty when the object simply has no such attribute.
-    """
-
-    __slots__ = ("problem",)
-
-    def __init__(self, problem: str = "") -> None:
-        self.problem = problem
+Range = Tuple[float, float, bool]
+"""(smallest double inside, the other end, does that lie inside), in the unit of the input."""
 
 
-ABSENT = Absent()
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A range in the unit of the input; the start lies inside.
-
-    Attributes:
-        start: smallest double inside.
-        end: the other end.
-        closed: the end lies inside as well.
-    """
-
-    start: float
-    end: float
-    closed: bool
-
-    def covers(self, number: float) -> bool:
-        """Return whether a number other than NaN lies in the range."""
-        return self.start <= number and (number <= self.end if self.closed else number < self.end)
-
-
-@dataclass(frozen=True)
-class BinaryLeaf:
+class Binary:
     """A leaf with the value True or False: binary evidence, or any demand."""
 
-    id: str
-
-    def judge_plain(self, value: Any) -> Judgement:
+    def judge_plain(self, value: object) -> Judgement:
         """Judge a value of an exact Python type; see ``judge``."""
         if isinstance(value, bool):
             return (TRUE, GOOD) if value else (FALSE, NOT_COVERED)
         return UNKNOWN, FAULT
+
+    def why_false(self, value: object) -> str:
+        """Return why a value that the leaf accepts is FALSE, for people."""
+        return "the value is False"
 
     def expectation(self) -> str:
         """Return what the leaf accepts, for people."""
         return "True or False"
 
 
-@dataclass(frozen=True)
-class CategoricalLeaf:
+class Categorical:
     """A leaf with a text as value, which should be among the covered ones."""
 
-    id: str
-    covered: FrozenSet[str]
-    text: str = ""
+    def __init__(self, *covered: str) -> None:
+        self.covered = frozenset(covered)
+        self._text = "{" + ", ".join(covered) + "}"
 
-    def judge_plain(self, value: Any) -> Judgement:
+    def judge_plain(self, value: object) -> Judgement:
         """Judge a value of an exact Python type; see ``judge``."""
         if isinstance(value, str):
             return (TRUE, GOOD) if value in self.covered else (FALSE, NOT_COVERED)
         return UNKNOWN, FAULT
+
+    def why_false(self, value: object) -> str:
+        """Return why a value that the leaf accepts is FALSE, for people."""
+        return _not_in(value, self._text)
 
     def expectation(self) -> str:
         """Return what the leaf accepts, for people."""
         return "a text"
 
 
-@dataclass(frozen=True)
-class NumericLeaf:
+class Numeric:
     """A leaf with a number as value, which should lie in one of the ranges.
 
-    Attributes:
+    Args:
         ranges: in the unit of the input (a factor is already in the bounds).
         text: the ranges as in the model, for people.
     """
 
-    id: str
-    ranges: Tuple[Interval, ...]
-    text: str = ""
+    def __init__(self, ranges: Sequence[Range], text: str) -> None:
+        self.ranges = ranges
+        self._text = text
 
-    def judge_plain(self, value: Any) -> Judgement:
+    def judge_plain(self, value: object) -> Judgement:
         """Judge a value of an exact Python type; see ``judge``."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return UNKNOWN, FAULT
-        inside = any(interval.covers(value) for interval in self.ranges)
+        inside = any(
+            start <= value and (value <= end if closed else value < end)
+            for start, end, closed in self.ranges
+        )
         return (TRUE, GOOD) if inside else (FALSE, NOT_COVERED)
+
+    def why_false(self, value: object) -> str:
+        """Return why a value that the leaf accepts is FALSE, for people."""
+        return _not_in(value, self._text)
 
     def expectation(self) -> str:
         """Return what the leaf accepts, for people."""
         return "a number"
 
 
-Leaf = Union[BinaryLeaf, CategoricalLeaf, NumericLeaf]
+Leaf = Union[Binary, Categorical, Numeric]
 
 
 def judge(leaf: Leaf, raw: object) -> Judgement:
@@ -148,17 +126,9 @@ def describe(leaf: Leaf, raw: object, why: str) -> str:
     if why == FAULT:
         problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
         return problem or f"expected {leaf.expectation()}, got {show(raw)}"
-    if isinstance(leaf, BinaryLeaf):
-        return "the value is False"
-    covered = leaf.text if len(leaf.text) <= 200 else f"{leaf.text[:197]}..."
-    return f"the value {show(raw)} is not in {covered}"
+    return leaf.why_false(raw)
 
 
-def nearest_double(exact: Optional[Any], text: str) -> float:
-    """Return the double nearest to an exact bound, or to its text when there is no factor."""
-    if exact is None:
-        return float(text)
-    try:
-        return float(exact)
-    except OverflowError:
-        return math.inf if exact > 0 else -math.inf
+def _not_in(value: object, covered: str) -> str:
+    short = covered if len(covered) <= 200 else f"{covered[:197]}..."
+    return f"the value {show(value)} is not in {short}"

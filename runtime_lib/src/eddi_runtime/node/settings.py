@@ -15,7 +15,6 @@ class Settings(NamedTuple):
 
     Attributes:
         frequency: steps per second; fractions are common (0.2).
-        model: path of the model file, ``None`` to look beside the script.
         diagnostics: publish a summary on ``/diagnostics``.
         watchdog_period: seconds between two looks at the master, 0 for none.
         on_master_loss: ``reregister`` or ``exit`` when a new master does not know the node.
@@ -24,7 +23,6 @@ class Settings(NamedTuple):
     """
 
     frequency: float
-    model: Optional[str] = None
     diagnostics: bool = True
     watchdog_period: float = 2.0
     on_master_loss: str = "reregister"
@@ -60,8 +58,11 @@ def settings(
     low, high = FREQUENCIES
     fits = hertz is not None and low <= hertz <= high
     check("frequency", f"{low:f} to {high:.0f} Hz", rate, fits)
-    model = given.get("model") or None
-    check("model", "a path", model, model is None or isinstance(model, str))
+    if given.get("model"):
+        wrong.append(
+            "parameter ~model: the model is compiled into the package; take the parameter out of"
+            " the launch file, and run `eddi-scaffold upgrade -m MODEL` for another model"
+        )
     diagnostics = given.get("diagnostics", True)
     check("diagnostics", "true or false", diagnostics, isinstance(diagnostics, bool))
     period = given.get("watchdog_period", 2.0)
@@ -77,4 +78,4 @@ def settings(
     check("startup_grace", "seconds >= 0", grace, wait is not None and wait >= 0.0)
     if wrong or hertz is None or seconds is None or wait is None:
         return Settings(frequency), wrong
-    return Settings(hertz, model, diagnostics, seconds, loss, size, wait), wrong
+    return Settings(hertz, diagnostics, seconds, loss, size, wait), wrong

@@ -275,13 +275,13 @@ class MonitorNode:
             self._diagnostics.start()
 
     @classmethod
-    def main(cls, eddi_input_class: Any, eddi_monitor_class: Any, script_file: str) -> int:
+    def main(cls, eddi_input_class: Any, eddi_monitor_class: Any, *_: object) -> int:
         """Run the node of a generated package and return its exit status.
 
         Args:
             eddi_input_class: the generated EDDIInput.
             eddi_monitor_class: the generated EDDIMonitor.
-            script_file: ``__file__`` of RosNode.py, beside which the model is looked for.
+            _: not used; the nodes of older packages give their own file.
 
         Returns:
             0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS
@@ -289,7 +289,7 @@ class MonitorNode:
         """
         name = start.node_name(cls.NAME)
         try:
-            node = cls._prepare(name, eddi_input_class, eddi_monitor_class, script_file)
+            node = cls._prepare(name, eddi_input_class, eddi_monitor_class)
         except start.StartError as error:
             sys.stderr.write(f"{name}: error: {error}\n")
             return 1
@@ -305,9 +305,7 @@ class MonitorNode:
         return node.run()
 
     @classmethod
-    def _prepare(
-        cls, name: str, eddi_input_class: Any, eddi_monitor_class: Any, script_file: str
-    ) -> "MonitorNode":
+    def _prepare(cls, name: str, eddi_input_class: Any, eddi_monitor_class: Any) -> "MonitorNode":
         """Do everything that can fail before anything is registered."""
         master = start.wait_for_master(name)
         start.refuse_duplicate(master, name)
@@ -315,11 +313,13 @@ class MonitorNode:
         options, wrong = settings(given, cls.FREQUENCY, cls.STARTUP_GRACE)
         if wrong:
             raise start.StartError("; ".join(wrong))
-        path = start.model_file(options.model, script_file, cls.NAME)
         try:
-            monitor = eddi_monitor_class(str(path))
+            monitor = eddi_monitor_class()
         except ModelError as error:
             raise start.StartError(str(error)) from error
+        except ImportError as error:
+            advice = "run `eddi-scaffold upgrade`, or `copier recopy --trust` in the package"
+            raise start.StartError(f"the package is not whole: {error}; {advice}") from error
         eddi_input = eddi_input_class()
         node = cls(monitor, eddi_input, options)
         eddi_input.bind(node._core.inputs)

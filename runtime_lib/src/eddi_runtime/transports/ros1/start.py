@@ -1,12 +1,11 @@
-"""Everything before the node registers: its name, the master, its parameters, the model file.
+"""Everything before the node registers: its name, the master, its parameters.
 
 A start that cannot work ends here, so that the ROS graph never sees a broken node.
 """
 
 import sys
 import time
-from pathlib import Path
-from typing import Any, Dict, Optional, Sequence
+from typing import Any, Dict, Sequence
 
 import rosgraph
 import rosgraph.names
@@ -14,7 +13,6 @@ import rospy
 import rospy.client
 import rospy.names
 
-from ...places import NoModelFileError, find_model
 from .master import Peer, Refused, Unreachable, answers_as
 
 _POLL_S = 0.2
@@ -82,22 +80,6 @@ def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str
     except rospy.ROSInitException as error:
         raise StartError(str(error)) from error
     return parameters
-
-
-def model_file(given: Optional[str], script_file: str, package: str) -> Path:
-    """Return the model file: the parameter's, or the one of the script's package.
-
-    Raises:
-        StartError: with every path that was tried.
-    """
-    if given is None:
-        try:
-            return find_model(script_file, package)
-        except NoModelFileError as error:
-            raise StartError(str(error)) from error
-    if not Path(given).is_file():
-        raise StartError(f"no model file: {given}")
-    return Path(given)
 
 
 def _write_to_stderr(node: str, text: str) -> None:

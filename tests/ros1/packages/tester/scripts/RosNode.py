@@ -40,4 +40,4 @@ class HandMade(RosNode):
 
 if __name__ == "__main__":
     node = HandMade if "TESTER_HAND_MADE" in os.environ else RosNode
-    sys.exit(node.main(EDDIInput, EDDIMonitor, __file__))
+    sys.exit(node.main(EDDIInput, EDDIMonitor))

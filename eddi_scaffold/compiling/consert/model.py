@@ -1,20 +1,67 @@
-"""The ``model`` part of a ConSert's model file as typed data, checked once more on the robot."""
+"""The ``model`` part of a ConSert's model file as typed data."""
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
+from typing import Any
 
-from ..documents import ModelError, take
-from ..inputs import InputSpec
-from ..model_file import ModelFile
-from .values import BinaryLeaf, CategoricalLeaf, Interval, Leaf, NumericLeaf, nearest_double
+from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile, take
 
 _BOUND = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf")
+_ELEMENTS = ("evidence", "demands", "gates", "guarantees")
 _MAX_BOUND = 1000
 """Characters of a bound: longer texts are no measurement, and exact arithmetic would be slow."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A range in the unit of the input; the start lies inside.
+
+    Attributes:
+        start: smallest double inside.
+        end: the other end.
+        closed: the end lies inside as well.
+    """
+
+    start: float
+    end: float
+    closed: bool
+
+
+@dataclass(frozen=True)
+class BinaryLeaf:
+    """A leaf with the value True or False: binary evidence, or any demand."""
+
+    id: str
+
+
+@dataclass(frozen=True)
+class CategoricalLeaf:
+    """A leaf with a text as value, which should be among the covered ones."""
+
+    id: str
+    covered: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class NumericLeaf:
+    """A leaf with a number as value, which should lie in one of the ranges.
+
+    Attributes:
+        ranges: in the unit of the input (a factor is already in the bounds).
+        text: the ranges as in the model, for people.
+    """
+
+    id: str
+    ranges: tuple[Interval, ...]
+    text: str
+
+
+Leaf = BinaryLeaf | CategoricalLeaf | NumericLeaf
 
 
 @dataclass(frozen=True)
@@ -31,7 +78,7 @@ class GuaranteeData:
     id: str
     published: str
     default: bool
-    ranking: Optional[int]
+    ranking: int | None
 
 
 @dataclass(frozen=True)
@@ -39,7 +86,7 @@ class Service:
     """A provided service: its id and the ids of its guarantees."""
 
     id: str
-    guarantees: Tuple[str, ...]
+    guarantees: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -50,13 +97,15 @@ class ConSertData:
         leaves: evidence and demands, in the order of ``inputs``.
         gates: id -> True for And, False for Or.
         edges: (from, to) ids.
+        paths: id -> fragment path of the element in the EDDI, where it came from one.
     """
 
-    leaves: Tuple[Leaf, ...]
+    leaves: tuple[Leaf, ...]
     gates: Mapping[str, bool]
-    guarantees: Tuple[GuaranteeData, ...]
-    edges: Tuple[Tuple[str, str], ...]
-    services: Tuple[Service, ...]
+    guarantees: tuple[GuaranteeData, ...]
+    edges: tuple[tuple[str, str], ...]
+    services: tuple[Service, ...]
+    paths: Mapping[str, str]
 
 
 def read_consert(model_file: ModelFile) -> ConSertData:
@@ -80,12 +129,19 @@ def read_consert(model_file: ModelFile) -> ConSertData:
     known = {g.id for g in guarantees}
     for service in services:
         _check_known(service.guarantees, known, f"provided service {service.id!r}")
-    return ConSertData(leaves, gates, guarantees, tuple(dict.fromkeys(edges)), tuple(services))
+    return ConSertData(
+        leaves, gates, guarantees, tuple(dict.fromkeys(edges)), tuple(services), _paths(model)
+    )
 
 
-def _leaves(model: Mapping[str, Any], inputs: Tuple[InputSpec, ...]) -> Tuple[Leaf, ...]:
+def _paths(model: Mapping[str, Any]) -> dict[str, str]:
+    items = (item for key in _ELEMENTS for item in model[key])
+    return {item["id"]: item["path"] for item in items if isinstance(item.get("path"), str)}
+
+
+def _leaves(model: Mapping[str, Any], inputs: tuple[InputData, ...]) -> tuple[Leaf, ...]:
     specs = {spec.id: spec for spec in inputs}
-    found: Dict[str, Leaf] = {}
+    found: dict[str, Leaf] = {}
     for key in ("evidence", "demands"):
         for item in take(model, key, list, "the model"):
             name = take(item, "id", str, f"an element of {key!r}")
@@ -98,7 +154,7 @@ def _leaves(model: Mapping[str, Any], inputs: Tuple[InputSpec, ...]) -> Tuple[Le
     return tuple(found[spec.id] for spec in inputs)
 
 
-def _leaf(item: Any, name: str, spec: InputSpec, *, is_demand: bool) -> Leaf:
+def _leaf(item: Any, name: str, spec: InputData, *, is_demand: bool) -> Leaf:
     where = f"{name!r}"
     # A demand gets whether some guarantee that fulfils it is active, whatever its dimension.
     dimension = None if is_demand else take(item, "dimension", dict, where)
@@ -111,14 +167,14 @@ def _leaf(item: Any, name: str, spec: InputSpec, *, is_demand: bool) -> Leaf:
     if kind == "categorical":
         if not all(isinstance(text, str) for text in covered):
             raise ModelError("", f"'covered' of {where} is not a list of texts")
-        return CategoricalLeaf(name, frozenset(covered), "{" + ", ".join(covered) + "}")
+        return CategoricalLeaf(name, tuple(dict.fromkeys(covered)))
     if kind == "numeric":
         ranges = tuple(_interval(one, where, spec.factor) for one in covered)
         return NumericLeaf(name, ranges, _range_text(covered, dimension.get("uom"), spec.factor))
     raise ModelError("", f"the dimension of {where} has the unknown kind {kind!r}")
 
 
-def _interval(item: Any, where: str, factor: Optional[Tuple[int, int]]) -> Interval:
+def _interval(item: Any, where: str, factor: tuple[int, int] | None) -> Interval:
     """Return a range in the unit of the input.
 
     The factor is divided out of the bound in exact arithmetic, and the result is rounded once to
@@ -127,7 +183,9 @@ def _interval(item: Any, where: str, factor: Optional[Tuple[int, int]]) -> Inter
     """
     ends = [_bound(take(item, key, str, f"a range of {where}"), where) for key in ("start", "end")]
     start, end = (
-        nearest_double(None if exact is None or factor is None else exact / Fraction(*factor), text)
+        _nearest_double(
+            None if exact is None or factor is None else exact / Fraction(*factor), text
+        )
         for text, exact in ends
     )
     closed = take(item, "inclusive", bool, f"a range of {where}")
@@ -136,7 +194,7 @@ def _interval(item: Any, where: str, factor: Optional[Tuple[int, int]]) -> Inter
     return Interval(start, end, closed)
 
 
-def _bound(text: str, where: str) -> Tuple[str, Optional[Fraction]]:
+def _bound(text: str, where: str) -> tuple[str, Fraction | None]:
     """Return the text and its exact value, ``None`` where a double is exact (0, infinity)."""
     if len(text) > _MAX_BOUND or not _BOUND.fullmatch(text):
         raise ModelError("", f"a bound of {where} is not a decimal number: {text[:40]!r}")
@@ -147,14 +205,14 @@ def _bound(text: str, where: str) -> Tuple[str, Optional[Fraction]]:
     return text, Fraction(text)
 
 
-def _range_text(covered: List[Any], unit: Any, factor: Optional[Tuple[int, int]]) -> str:
+def _range_text(covered: list[Any], unit: Any, factor: tuple[int, int] | None) -> str:
     parts = [f"[{r['start']}, {r['end']}{']' if r['inclusive'] else ')'}" for r in covered]
     text = " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
     return text if factor is None else f"{text} (after times {factor[0]}/{factor[1]})"
 
 
-def _gates(items: List[Any]) -> Dict[str, bool]:
-    found: Dict[str, bool] = {}
+def _gates(items: list[Any]) -> dict[str, bool]:
+    found: dict[str, bool] = {}
     for item in items:
         name = take(item, "id", str, "a gate")
         if name in found:
@@ -181,7 +239,7 @@ def _guarantee(item: Any, published: str) -> GuaranteeData:
     return GuaranteeData(name, take(item, published, str, where), default, ranking)
 
 
-def _edge(item: Any) -> Tuple[str, str]:
+def _edge(item: Any) -> tuple[str, str]:
     if isinstance(item, list) and len(item) == 2 and all(isinstance(end, str) for end in item):
         return item[0], item[1]
     raise ModelError("", "an element of 'edges' is not a pair of ids")
@@ -195,15 +253,25 @@ def _service(item: Any) -> Service:
     return Service(name, tuple(members))
 
 
-def _check_unique(ids: List[str], what: str) -> None:
-    known = set()
+def _check_unique(ids: list[str], what: str) -> None:
+    known: set[str] = set()
     for one in ids:
         if one in known:
             raise ModelError("", f"two {what} have the id {one!r}")
         known.add(one)
 
 
-def _check_known(ids: Iterable[str], known: Set[str], where: str) -> None:
+def _check_known(ids: Iterable[str], known: set[str], where: str) -> None:
     for one in ids:
         if one not in known:
             raise ModelError("", f"{where} names {one!r}, which does not exist")
+
+
+def _nearest_double(exact: Fraction | None, text: str) -> float:
+    """Return the double nearest to an exact bound, or to its text when there is no factor."""
+    if exact is None:
+        return float(text)
+    try:
+        return float(exact)
+    except OverflowError:
+        return math.inf if exact > 0 else -math.inf

@@ -1,0 +1,1 @@
+"""ConSerts as straight-line Python: judge the evidence, then one line for each gate."""

@@ -1,0 +1,51 @@
+"""The inputs of a monitor as text: one ``InputSpec`` each, and how its attribute is read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.compiling.document import InputData
+from eddi_scaffold.compiling.text import (
+    Item,
+    Part,
+    assignment,
+    call,
+    comment,
+    is_identifier,
+    literal,
+    text_literal,
+    tuple_of,
+)
+
+
+def input_lines(inputs: Sequence[InputData], paths: Mapping[str, str]) -> list[str]:
+    """Return the lines of the class attribute ``inputs``.
+
+    Args:
+        inputs: in the order of the model file.
+        paths: input id -> fragment path of its element in the EDDI.
+    """
+    rows = (Item(_spec(one), above=comment(paths.get(one.id, ""))) for one in inputs)
+    return assignment("inputs", tuple_of(rows), 4)
+
+
+def attribute_of(source: str, attribute: str) -> str:
+    """Return the expression that reads an attribute."""
+    if is_identifier(attribute):
+        return f"{source}.{attribute}"
+    return f"getattr({source}, {text_literal(attribute)})"
+
+
+def _spec(one: InputData) -> Part:
+    named: dict[str, Any] = {
+        "requires": one.requires or None,
+        "max_age": one.max_age,
+        "factor": one.factor,
+        "default": one.default,
+        "every_message": one.every_message or None,
+        "expression": one.expression,
+        "accepts": one.accepts or None,
+    }
+    given = {key: literal(value) for key, value in named.items() if value is not None}
+    return call("InputSpec", [text_literal(one.id), text_literal(one.attribute)], **given)

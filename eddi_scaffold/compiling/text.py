@@ -1,0 +1,183 @@
+"""Python text that a reviewer reads: names, literals, comments, and brackets that fit a line.
+
+Nothing of a model is written bare but plain ASCII identifiers: other texts are literals, in which
+everything else is escaped, and comments, from which everything else is left out.
+"""
+
+from __future__ import annotations
+
+import keyword
+import math
+import re
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+
+WIDTH = 100
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,39}")
+_LONGEST_COMMENT = 70
+
+
+@dataclass(frozen=True)
+class Group:
+    """A bracket with elements: on one line if that fits, else with one element in a line.
+
+    Attributes:
+        opening: text up to the bracket, ``Input(``.
+        items: the elements.
+        closing: the other bracket.
+    """
+
+    opening: str
+    items: tuple[Item, ...]
+    closing: str = ")"
+
+
+@dataclass(frozen=True)
+class Item:
+    """An element of a bracket.
+
+    Attributes:
+        part: what it is.
+        prefix: text before it, ``unit=`` or ``"a": ``.
+        above: comment in a line of its own above it, empty for none.
+        behind: comment behind it in the same line, empty for none.
+    """
+
+    part: Part
+    prefix: str = ""
+    above: str = ""
+    behind: str = ""
+
+
+Part = str | Group
+
+
+def tuple_of(items: Iterable[Part | Item]) -> Group:
+    """Return a tuple."""
+    return Group("(", _items(items))
+
+
+def call(name: str, positional: Iterable[Part], **keywords: Part) -> Group:
+    """Return a call."""
+    named = [Item(part, f"{key}=") for key, part in keywords.items()]
+    return Group(f"{name}(", (*_items(positional), *named))
+
+
+def literal(value: object) -> Part:
+    """Return a value of JSON, or a tuple of such values, as Python text.
+
+    Raises:
+        TypeError: it is of another type.
+    """
+    if value is None or isinstance(value, bool):
+        return repr(value)
+    if isinstance(value, str):
+        return text_literal(value)
+    if isinstance(value, int):
+        return int.__repr__(value)
+    if isinstance(value, float):
+        return number(value)
+    if isinstance(value, tuple):
+        return tuple_of(literal(one) for one in value)
+    if isinstance(value, list):
+        return Group("[", _items(literal(one) for one in value), "]")
+    if isinstance(value, dict):
+        pairs = (Item(literal(one), f"{text_literal(key)}: ") for key, one in value.items())
+        return Group("{", tuple(pairs), "}")
+    raise TypeError(f"a {type(value).__name__} has no literal here")
+
+
+def text_literal(text: str) -> str:
+    """Return the literal of a text: ASCII, in double quotes unless that takes more escapes."""
+    quote = "'" if text.count('"') > text.count("'") else '"'
+    escaped = text.encode("unicode_escape", "surrogatepass").decode("ascii")
+    return quote + escaped.replace(quote, f"\\{quote}") + quote
+
+
+def number(value: float) -> str:
+    """Return the shortest literal that gives the same double; ``INF`` and ``NAN`` by name."""
+    if math.isnan(value):
+        return "NAN"
+    if math.isinf(value):
+        return "INF" if value > 0 else "-INF"
+    return float.__repr__(value)
+
+
+def comment(text: str) -> str:
+    """Return a text as a comment without the sign: printable ASCII, not longer than a line."""
+    plain = "".join(one if " " <= one <= "~" else "?" for one in " ".join(text.split()))
+    return plain if len(plain) <= _LONGEST_COMMENT else f"{plain[: _LONGEST_COMMENT - 3]}..."
+
+
+def is_identifier(text: str) -> bool:
+    """Return whether a text can be the name of an attribute or a variable as it is."""
+    return _IDENTIFIER.fullmatch(text) is not None and not keyword.iskeyword(text)
+
+
+def variables(ids: Sequence[str], reserved: Collection[str]) -> list[str]:
+    """Return a variable for each id: the id itself where that can be, else ``v<number>``.
+
+    Args:
+        ids: no two are equal.
+        reserved: names with another meaning in the text.
+    """
+    taken = {one for one in ids if is_identifier(one)} | set(reserved)
+    names = []
+    for k, one in enumerate(ids):
+        name = one if is_identifier(one) and one not in reserved else f"v{k}"
+        while name != one and name in taken:
+            name += "_"
+        taken.add(name)
+        names.append(name)
+    return names
+
+
+def assignment(target: str, part: Part, indent: int) -> list[str]:
+    """Return the lines of ``target = part``."""
+    return _lines(Item(part, f"{target} = "), "", indent)
+
+
+def statement(part: Part, indent: int) -> list[str]:
+    """Return the lines of an expression that stands alone."""
+    return _lines(Item(part), "", indent)
+
+
+def returned(part: Part, indent: int) -> list[str]:
+    """Return the lines of ``return part``."""
+    return _lines(Item(part, "return "), "", indent)
+
+
+def _items(parts: Iterable[Part | Item]) -> tuple[Item, ...]:
+    return tuple(one if isinstance(one, Item) else Item(one) for one in parts)
+
+
+def _lines(item: Item, end: str, indent: int) -> list[str]:
+    blanks = " " * indent
+    above = [f"{blanks}# {item.above}"] if item.above else []
+    behind = f"  # {item.behind}" if item.behind else ""
+    flat = _flat(item.part)
+    if flat is not None and (
+        isinstance(item.part, str) or len(f"{blanks}{item.prefix}{flat}{end}") <= WIDTH
+    ):
+        line = f"{blanks}{item.prefix}{flat}{end}"
+        if behind and len(line + behind) > WIDTH:
+            return [*above, f"{blanks}# {item.behind}", line]
+        return [*above, line + behind]
+    assert isinstance(item.part, Group)
+    inner = [line for one in item.part.items for line in _lines(one, ",", indent + 4)]
+    first, last = f"{blanks}{item.prefix}{item.part.opening}", f"{blanks}{item.part.closing}{end}"
+    return [*above, first + behind, *inner, last]
+
+
+def _flat(part: Part) -> str | None:
+    """Return a part in one line, None when a comment keeps it from that."""
+    if isinstance(part, str):
+        return part
+    texts = []
+    for item in part.items:
+        flat = _flat(item.part)
+        if flat is None or item.above or item.behind:
+            return None
+        texts.append(item.prefix + flat)
+    comma = "," if part.opening == "(" and len(texts) == 1 else ""
+    return f"{part.opening}{', '.join(texts)}{comma}{part.closing}"

@@ -1,0 +1,45 @@
+"""Whether a compiled monitor and this runtime fit: asked once, when the monitor is imported."""
+
+from __future__ import annotations
+
+import hashlib
+from types import ModuleType
+from typing import Mapping
+
+from .documents import ModelError
+from .version import __version__
+
+_MARK = b"\n# sha256 of the lines below: "
+
+
+def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
+    """Refuse a compiled monitor that was changed, or that needs another runtime than this one.
+
+    Each part of the runtime runs its newest format and the one before (``FORMATS``), so that two
+    packages of different age work on one runtime.
+
+    Args:
+        file: ``__file__`` of the compiled monitor.
+        formats: part of the runtime -> format that the monitor was compiled for.
+
+    Raises:
+        ModelError: with what to run.
+    """
+    for part, wanted in formats.items():
+        known = part.FORMATS
+        if wanted not in known:
+            runs = " and ".join(map(str, known))
+            reason = (
+                f"compiled for format {wanted} of {part.__name__}, but eddi_runtime {__version__}"
+                f" runs {runs}: run `eddi-scaffold upgrade`"
+            )
+            raise ModelError(file, reason)
+    try:
+        with open(file, "rb") as opened:  # noqa: PTH123 - pathlib would double the time of a start
+            _, mark, rest = opened.read().partition(_MARK)
+    except OSError:
+        return  # byte code alone, or a text that was compiled in memory
+    digest, _, below = rest.partition(b"\n")
+    if not mark or digest.decode("ascii", "replace") != hashlib.sha256(below).hexdigest():
+        reason = "the file was changed after it was generated: run `eddi-scaffold upgrade`"
+        raise ModelError(file, f"{reason}, or `copier recopy --trust` in the package")

@@ -1,0 +1,106 @@
+"""Compiled ConSerts: the text, what of a hostile model is in it, and a changed file."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+
+import pytest
+from eddi_runtime import ModelError
+
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import check_document
+from eddi_scaffold.compiling.execution import build
+from runtime_lib.tests.documents import categorical, document, give, numeric, signed
+
+HOSTILE = [
+    '"""',
+    "\\",
+    "\n",
+    "__import__('os')",
+    "a b",
+    "class",
+    "self",
+    "é",
+    "\ud800",
+    "x" * 500,
+    "#",
+]
+
+
+def large(**settings):
+    ids = [f"input_{k}" for k in range(40)]
+    gates = [f"gate{k}{'&|'[k % 2]}" for k in range(30)]
+    edges = [f"{one}>gate{k % 30}" for k, one in enumerate(ids)]
+    edges += [f"gate{k}>gate{k + 1}" for k in range(29)]
+    evidence = [
+        (one, [numeric("[0, 5)", "[7, inf]"), categorical("low", "mid"), numeric("[1, 2]")][k % 3])
+        for k, one in enumerate(ids)
+    ]
+    guarantees = [{"id": "G", "ranking": 1}, "H", {"id": "D", "default": True}]
+    edges += ["gate29>G", "gate7>H", "gate8>H"]
+    return document(
+        evidence, [], gates, guarantees, edges, [("S", ["G", "H"])], specs={}, **settings
+    )
+
+
+def hostile():
+    evidence = [(one, categorical(*HOSTILE)) for one in HOSTILE]
+    edges = [(one, "G") for one in HOSTILE]
+    specs = {one: {"attribute": f"value {k}"} for k, one in enumerate(HOSTILE)}
+    made = document(evidence, guarantees=["G"], edges=edges, specs=specs)
+    for k, item in enumerate(made["model"]["evidence"]):
+        item["path"] = HOSTILE[-k]
+    return signed(dict(made, id='"""\nimport os', source={"file": "\\", "path": '"'}))
+
+
+@pytest.mark.parametrize("made", [large(), large(filter={"kind": "debounce", "regain_after": 3})])
+def test_the_formatter_changes_nothing(tmp_path, made):
+    path = tmp_path / "compiled.py"
+    path.write_text(compile_model(check_document(made)))
+    command = ["ruff", "format", "--diff", "--isolated", "--line-length", "100", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("", 0), done.stderr
+
+
+def test_the_text_is_for_python_3_8():
+    ast.parse(compile_model(check_document(large())), feature_version=(3, 8))
+
+
+def test_nothing_of_a_hostile_model_becomes_code():
+    text = compile_model(check_document(hostile()))
+    assert text.isascii()
+    names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    assert "__import__" not in names
+    monitor = build(check_document(hostile()))
+    good = {f"value {k}": one for k, one in enumerate(HOSTILE)}
+    assert monitor.execute_step(give(**good)) == [{"id": "G", "active": True}]
+    bad = dict(good, **{"value 3": "else"})
+    assert monitor.execute_step(give(**bad)) == [{"id": "G", "active": False}]
+
+
+def test_two_monitors_of_one_text_are_independent():
+    first, second = type(build(check_document(large()))), build(check_document(large()))
+    one, other = first(), first()
+    one.execute_step(give(input_0=1.0))
+    assert other.raw != one.raw
+    assert second.raw == other.raw
+
+
+def test_a_changed_file_is_refused(tmp_path, monkeypatch):
+    text = compile_model(check_document(large()))
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "compiled_whole.py").write_text(text)
+    __import__("compiled_whole")
+    for number, changed in enumerate(
+        (text[: text.rindex("        return [")], text.replace("== 2", "== 1", 1))
+    ):
+        (tmp_path / f"compiled_{number}.py").write_text(changed)
+        with pytest.raises(ModelError, match=r"the file was changed .*eddi-scaffold upgrade"):
+            __import__(f"compiled_{number}")
+
+
+def test_another_format_of_a_part_is_refused():
+    text = compile_model(check_document(large())).replace("consert: 1}", "consert: 7}")
+    with pytest.raises(ModelError, match=r"format 7 of eddi_runtime\.consert, but .* runs 1: run"):
+        exec(text, {"__file__": "compiled.py"})
