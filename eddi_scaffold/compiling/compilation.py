@@ -20,7 +20,6 @@ KINDS: dict[str, tuple[int, Callable[[ModelFile], list[str]]]] = {
 }
 """Kind -> format of its part of the runtime, and what writes its class."""
 
-
 _LOADED = ("bayesian_network", "event", "reliability", "safeml")
 """Kinds whose models are still compiled when the monitor starts."""
 
@@ -46,6 +45,8 @@ def compile_model(model_file: ModelFile, runtime: str = "") -> str:
     Raises:
         ModelError: the model is wrong, or its kind is not known.
     """
+    if model_file.kind in _LOADED:
+        return _LOADING.format(runtime)
     if model_file.kind not in KINDS:
         known = ", ".join(sorted(KINDS))
         raise ModelError(
