@@ -38,4 +38,4 @@ class RosNode(MonitorNode):
 
 
 if __name__ == '__main__':
-    sys.exit(RosNode.main(EDDIInput, EDDIMonitor, __file__))
+    sys.exit(RosNode.main(EDDIInput, EDDIMonitor))
