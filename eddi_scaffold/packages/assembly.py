@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -106,8 +106,8 @@ def assemble(
     if has_errors(found):
         raise EddiError(*found)
     config = next((m.config.config for m in monitors if m.config is not None), None)
-    names = [package.folder for package in packages]
-    return Assembly([*packages, *support(platform, root, names, config)], names, found)
+    new = {package.folder: package.answers for package in packages}
+    return Assembly([*packages, *support(platform, root, new, config)], list(new), found)
 
 
 def wiring_with(
@@ -133,16 +133,25 @@ def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonit
 
 
 def support(
-    platform: Platform, root: Path, monitors: Iterable[str], config: Config | None
+    platform: Platform,
+    root: Path,
+    monitors: Mapping[str, Mapping[str, Any]],
+    config: Config | None,
 ) -> list[PackageAnswers]:
     """Return the shared packages for these monitors and those that are there already.
+
+    Args:
+        platform: of all of them.
+        root: folder of all packages.
+        monitors: package -> answers of those that are new, or newer.
+        config: names the maintainer of the shared packages.
 
     The maintainer of a shared package was set when it was first generated, and is kept.
     """
     present = existing(root)
     own = platform.templates.monitor
-    names = {name for name, answers in present.items() if answers["template"] == own}
-    packages = platform.support(sorted(names | set(monitors)), config)
+    there = {name: answers for name, answers in present.items() if answers["template"] == own}
+    packages = platform.support({**there, **monitors}, config)
     return [
         PackageAnswers(
             package.folder, {**package.answers, **_kept_identity(present.get(package.folder, {}))}

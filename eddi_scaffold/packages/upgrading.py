@@ -113,7 +113,7 @@ def targets(
     problems += wiring_with(joined, group.present)
     shared = {folder for folder in group.present if folder not in monitors}
     for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
-        own = [folder for folder, of in monitors.items() if of is platform]
+        own = {p.folder: p.answers for p in packages if monitors.get(p.folder) is platform}
         packages += [p for p in support(platform, group.root, own, None) if p.folder in shared]
     if has_errors(problems):
         raise EddiError(*problems)

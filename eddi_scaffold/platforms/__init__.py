@@ -88,8 +88,8 @@ class Platform:
         workspace: where its packages are built together; ``None``: each goes to any folder.
         needs_config: a monitor cannot be generated without a configuration.
         monitor: answers of the package of one monitor, and problems.
-        support: answers of the packages that all monitors share; gets the names of every monitor
-            package of the workspace, sorted, and who maintains them.
+        support: answers of the packages that all monitors share; gets every monitor package of the
+            workspace with its answers, and who maintains them.
         taken_names: folder of all packages, or ``None`` -> names that would break the platform ->
             why.
         next_steps: workspace or folder, and monitor packages -> shell commands that build and
@@ -101,7 +101,7 @@ class Platform:
     workspace: Workspace | None
     needs_config: bool
     monitor: Callable[[BoundMonitor], tuple[PackageAnswers, list[Problem]]]
-    support: Callable[[Sequence[str], Config | None], list[PackageAnswers]]
+    support: Callable[[Mapping[str, Mapping[str, JsonValue]], Config | None], list[PackageAnswers]]
     taken_names: Callable[[Path | None], Mapping[str, str]]
     next_steps: Callable[[Path, Sequence[str]], Sequence[str]]
 

@@ -7,9 +7,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
 
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.parts import parts_of
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
+from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.platforms import PackageAnswers, Platform, Templates
@@ -27,6 +30,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
     files = dict(monitor.kind.functions.data_files(monitor.model))
     answers["package_data"] = ["model.json", *sorted(files)]
+    answers["parts"] = list(parts_of(parse_model(monitor.model_json)))
     return PackageAnswers(monitor.package, answers, files), []
 
 
@@ -36,7 +40,9 @@ def _sample(binding: InputBinding) -> str:
     return f"{binding.attribute}={python_literal(value)}"
 
 
-def _support(_monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:
+def _support(
+    _monitors: Mapping[str, Mapping[str, JsonValue]], _config: Config | None
+) -> list[PackageAnswers]:
     return []
 
 

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from eddi_scaffold import __version__
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.parts import parts_of
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.config.schema import Config, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
-from eddi_scaffold.kinds import JsonValue, kinds
+from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1 import templates
+from eddi_scaffold.platforms.ros1.messages import messages_of
 from eddi_scaffold.platforms.ros1.names import LAUNCHER, METAPACKAGE, RUNTIME
 from eddi_scaffold.platforms.ros1.outputs import publication_answers, rows
 from eddi_scaffold.problems import Problem, error
@@ -61,10 +64,14 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     return PackageAnswers(monitor.package, answers, files), problems
 
 
-def support_answers(monitors: Sequence[str], config: Config | None) -> list[PackageAnswers]:
+def support_answers(
+    monitors: Mapping[str, Mapping[str, JsonValue]], config: Config | None
+) -> list[PackageAnswers]:
     """Return the answers of messages, launcher, runtime and metapackage."""
-    texts = {name: text for kind in kinds().values() for name, text in kind.messages.items()}
+    texts = messages_of(monitors.values())
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
+    models = (parse_model(str(one["model_json"])) for one in monitors.values())
+    parts = {part for model in models for part in parts_of(model)}
     listed = sorted(monitors)
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
@@ -97,7 +104,9 @@ def support_answers(monitors: Sequence[str], config: Config | None) -> list[Pack
             "Launch file that starts every EDDI runtime monitor of this workspace",
             monitors=listed,
         ),
-        package(templates.RUNTIME, RUNTIME, "Runtime library of the EDDI monitors"),
+        package(
+            templates.RUNTIME, RUNTIME, "Runtime library of the EDDI monitors", parts=sorted(parts)
+        ),
     ]
 
 

@@ -1,0 +1,97 @@
+"""Only what the monitors of a workspace need lies in its shared packages."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import jinja2
+import pytest
+
+from eddi_scaffold.compiling.parts import PARTS, with_needed
+from eddi_scaffold.regions.check import list_regions
+from tests.cli.command import run
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+RUNTIME = ROOT / "runtime_lib" / "src" / "eddi_runtime"
+CORE = {"node", "transports"}
+"""Folders of the runtime that belong to no kind."""
+OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
+
+
+def generate(place: Path, example: str, model: str, config: str) -> None:
+    files = [EXAMPLES / example / model, "-c", EXAMPLES / example / config]
+    done = run("generate", "-w", place, "-m", *files, cwd=place)
+    assert done.status == 0, done.err
+
+
+def parts(packages: Path) -> set[str]:
+    runtime = packages / "eddi_runtime" / "src" / "eddi_runtime"
+    return {path.name for path in runtime.iterdir() if path.is_dir()} - CORE
+
+
+def messages(packages: Path) -> set[str]:
+    return {path.stem for path in (packages / "eddi_messages" / "msg").iterdir()}
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    (tmp_path / "src").mkdir()
+    generate(tmp_path, "two-conserts", "two_conserts.xml", "consert_a_config.yml")
+    return tmp_path
+
+
+@pytest.mark.slow
+def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
+    packages = place / "src" / "eddi_monitor"
+    assert parts(packages) == {"consert"}
+    assert messages(packages) == OWN
+    manifest = packages / "eddi_runtime" / "package.xml"
+    edited = manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>")
+    manifest.write_text(edited)
+
+    generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")
+    assert parts(packages) == {"consert", "event", "expressions"}
+    assert messages(packages) == {*OWN, "EventOutput"}
+    assert "<!-- ours -->" in manifest.read_text()
+
+    shutil.rmtree(packages / "motor_watch")
+    generate(place, "two-conserts", "two_conserts.xml", "consert_b_config.yml")
+    assert parts(packages) == {"consert"}
+    assert messages(packages) == OWN
+    assert "<!-- ours -->" in manifest.read_text()
+    assert not [one for one in list_regions(packages / "eddi_runtime") if one.review]
+
+
+@pytest.mark.slow
+def test_a_message_that_is_listened_to_is_there(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    config = (EXAMPLES / "two-conserts" / "consert_a_config.yml").read_text("utf-8")
+    config = config.replace("std_msgs.Bool", "eddi_messages.SafeMLStatus")
+    (tmp_path / "config.yml").write_text(config)
+    model = EXAMPLES / "two-conserts" / "two_conserts.xml"
+    done = run("generate", "-w", ".", "-m", model, "-c", "config.yml", cwd=tmp_path)
+    assert done.status == 0, done.err
+    assert messages(tmp_path / "src" / "eddi_monitor") == {*OWN, "SafeMLStatus"}
+
+
+def test_the_templates_know_the_same_parts() -> None:
+    text = (ROOT / "copier_templates" / "parts.jinja").read_text("utf-8")
+    assert set(jinja2.Template(text).module.ALL) == set(PARTS)
+    assert {path.parent.name for path in RUNTIME.glob("*/__init__.py")} - CORE == set(PARTS)
+
+
+@pytest.mark.parametrize("part", sorted(PARTS))
+def test_a_part_imports_no_other_than_it_says(tmp_path: Path, part: str) -> None:
+    left_out = set(PARTS) - set(with_needed([part]))
+    shutil.copytree(RUNTIME, tmp_path / "eddi_runtime", ignore=shutil.ignore_patterns(*left_out))
+    modules = [
+        ".".join(path.relative_to(tmp_path).with_suffix("").parts)
+        for path in sorted((tmp_path / "eddi_runtime" / part).glob("*.py"))
+        if path.stem != "__init__"
+    ]
+    code = "\n".join(f"import {module}" for module in modules)
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
