@@ -41,7 +41,7 @@ class ConfigFile:
         document = self.config.model_dump(exclude_defaults=True)
         if self.event_files:
             document[_EVENT_FILES] = dict(self.event_files)
-        return json.dumps(document, sort_keys=True)
+        return json.dumps(document, sort_keys=True, indent=1)
 
     def path(self, name: str) -> str:
         """Return the path of a file that is named relative to this configuration, for places."""
