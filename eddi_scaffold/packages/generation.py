@@ -17,6 +17,7 @@ from pathlib import Path
 
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
+from eddi_scaffold.packages.current import is_current
 from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers, render
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
@@ -110,6 +111,8 @@ def write_packages(
     ):
         work.notes += source.notes
         for number, package in enumerate(packages):
+            if is_current(root / package.folder, package, template, source):
+                continue
             progress(package.folder)
             rendered = Path(scratch, str(number), "rendered")
             notes = render(package.answers, template, source, rendered)

@@ -10,9 +10,10 @@ from __future__ import annotations
 import io
 import tarfile
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, error
@@ -20,21 +21,35 @@ from eddi_scaffold.regions.git import GitError, Repository, git, git_dir_of
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
 """All that rendering reads; the tasks, which need more, do not run from here."""
+MADE_BY = (*PATHS, "eddi_scaffold/compiling", "eddi_scaffold/regions")
+"""All that the files of a package come from, but for the answers."""
 
 
 @dataclass(frozen=True)
 class Unpacked:
-    """Templates in a plain folder.
+    """Templates of one version, for the time of one command.
 
     Attributes:
-        folder: where they lie, for the time of one command.
         commit: what Copier would record as ``_commit``; ``None`` without git.
-        notes: what the user should know of them.
+        changed: they are not exactly those of the commit.
+        unpack: puts them into a plain folder and returns it; see ``folder``.
     """
 
-    folder: Path
-    commit: str | None = None
-    notes: tuple[str, ...] = ()
+    commit: str | None
+    changed: bool
+    unpack: Callable[[], Path]
+
+    @cached_property
+    def folder(self) -> Path:
+        """Return where they lie, unpacked when first asked for."""
+        return self.unpack()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Return what the user should know of them."""
+        if self.commit is None or not self.changed:
+            return ()
+        return ("the templates have uncommitted changes, which are included",)
 
 
 @contextmanager
@@ -50,7 +65,7 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
     """
     place = location.expanduser()
     if ref is None:
-        yield Unpacked(place)
+        yield Unpacked(None, True, lambda: place)
         return
     with tempfile.TemporaryDirectory(prefix="eddi-templates-") as scratch:
         if place.is_file():
@@ -58,12 +73,15 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         else:
             templates = Repository(place, git_dir_of(place))
         commit = _git(templates, "describe", "--tags", "--always", ref).decode().strip()
-        folder = Path(scratch, "templates")
-        changed = ref == "HEAD" and _git(templates, "status", "--porcelain", "--", *PATHS)
-        archive = _changed(templates, Path(scratch)) if changed else _archive(templates, ref)
-        _extract(archive, folder)
-        notes = ("the templates have uncommitted changes, which are included",) if changed else ()
-        yield Unpacked(folder, commit, notes)
+        changed = ref == "HEAD" and bool(_git(templates, "status", "--porcelain", "--", *MADE_BY))
+
+        def unpack() -> Path:
+            folder = Path(scratch, "templates")
+            archive = _changed(templates, Path(scratch)) if changed else _archive(templates, ref)
+            _extract(archive, folder)
+            return folder
+
+        yield Unpacked(commit, changed, unpack)
 
 
 def _cloned(bundle: Path, target: Path) -> Repository:

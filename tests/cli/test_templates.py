@@ -90,5 +90,10 @@ def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
         "word: {type: str, validator: '{% if true %}no{% endif %}'}\n"
     )
     with pytest.raises(EddiError) as failure:
-        render({"word": "x"}, Template(str(source), None), Unpacked(source), tmp_path / "out")
+        render(
+            {"word": "x"},
+            Template(str(source), None),
+            Unpacked(None, True, lambda: source),
+            tmp_path / "out",
+        )
     assert_example("T004", failure.value.problems)

@@ -68,7 +68,12 @@ class Renderings:
         place = self.folder / f"{self.pool.index(world.inputs)}_{(world.version - 1) % LOOKS}"
         if not place.exists():
             template = self.template(world)
-            render(self.answers(world), template, Unpacked(Path(template.location)), place)
+            render(
+                self.answers(world),
+                template,
+                Unpacked(None, True, lambda: Path(template.location)),
+                place,
+            )
         return place
 
 

@@ -1,0 +1,71 @@
+"""Whether a package is what it would be rendered to: then nothing needs to be rendered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from eddi_scaffold.packages import transaction
+from eddi_scaffold.packages.rendering import Template, read_answers
+from eddi_scaffold.packages.unpacking import Unpacked
+from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.generated import (
+    changed_generated,
+    listed_generated,
+    recorded_generated,
+)
+from eddi_scaffold.regions.store import without_sentinel
+
+_PRISTINE, _BASE = ".eddi/pristine/", ".eddi/base/"
+
+
+def is_current(target: Path, package: PackageAnswers, template: Template, source: Unpacked) -> bool:
+    """Return whether a rendering would change nothing, by what the package itself records.
+
+    Args:
+        target: folder of the package.
+        package: what it should be.
+        template: what the answers file should record as the origin.
+        source: the templates that would be used.
+    """
+    if source.changed or package.saved or target.is_symlink() or not target.is_dir():
+        return False
+    tree = transaction.survey(target)
+    if tree.others or broken_files(target):
+        return False
+    origin = {"_commit": source.commit, "_src_path": template.location}
+    answers = read_answers(target) or {}
+    wanted = {**package.answers, **origin}
+    if any(answers.get(key, _NOTHING) != value for key, value in wanted.items()):
+        return False
+    if any(tree.files.get(name, _NO_FILE).data != data for name, data in package.files.items()):
+        return False
+    return _is_whole(target, tree)
+
+
+_NOTHING = object()
+_NO_FILE = transaction.FileState(b"\0")
+
+
+def _is_whole(target: Path, tree: transaction.Tree) -> bool:
+    """Return whether all that the last rendering made is there, merged, and as it was made."""
+    recorded = recorded_generated(target)
+    if not recorded or recorded != listed_generated(target) or changed_generated(target):
+        return False
+    if any(name not in tree.files for name in recorded):
+        return False
+    rendered, merged = _below(tree, _PRISTINE), _below(tree, _BASE)
+    return (
+        {name: without_sentinel(text) for name, text in rendered.items()} == merged
+        and merged.keys() <= tree.files.keys()
+        and not any(name.startswith(".eddi/orphans/") for name in tree.files)
+        and all(one.executable for one in tree.files.values() if one.data.startswith(b"#!"))
+    )
+
+
+def _below(tree: transaction.Tree, folder: str) -> dict[str, str]:
+    return {
+        name.removeprefix(folder): state.data.decode("utf-8", "replace")
+        for name, state in tree.files.items()
+        if name.startswith(folder)
+    }

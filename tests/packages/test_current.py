@@ -1,0 +1,88 @@
+"""A package that is as it should be is not rendered again; whatever differs is put right."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.packages import generation
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import write_packages
+from eddi_scaffold.packages.rendering import Template
+from eddi_scaffold.platforms import platforms
+from tests.checkouts import checkout, tree
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def template(tmp_path_factory: pytest.TempPathFactory) -> Template:
+    return Template(str(checkout(tmp_path_factory.mktemp("templates") / "ours", "v9").path), "HEAD")
+
+
+@pytest.fixture
+def generate(
+    template: Template, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[], list[str]]:
+    """Return what generates a workspace in ``tmp_path / "ws"`` and tells what was rendered."""
+    example = Path(template.location) / "examples" / "two-conserts"
+    rendered: list[str] = []
+    render = generation.render
+
+    def counted(answers, *more):  # type: ignore[no-untyped-def]
+        rendered.append(str(answers["package"]))
+        return render(answers, *more)
+
+    monkeypatch.setattr(generation, "render", counted)
+
+    def again() -> list[str]:
+        rendered.clear()
+        ros1, root = platforms()["ros1"], tmp_path / "ws"
+        model, config = example / "two_conserts.xml", example / "consert_a_config.yml"
+        monitors, problems = monitors_of(model, [config])
+        write_packages(root, assemble(monitors, ros1, root, problems).packages, template)
+        return sorted(rendered)
+
+    return again
+
+
+def test_nothing_is_rendered_twice(generate: Callable[[], list[str]], tmp_path: Path) -> None:
+    assert len(generate()) == 5
+    before = tree(tmp_path / "ws")
+    assert generate() == []
+    assert tree(tmp_path / "ws") == before
+
+
+CHANGES: dict[str, Callable[[Path], object]] = {
+    "a generated file is gone": lambda p: (p / "setup.py").unlink(),
+    "a generated file was edited": lambda p: (p / "setup.py").write_text("# mine\n"),
+    "the compiled monitor was edited": lambda p: (p / "src/conserta/compiled.py").write_text("#"),
+    "an editable file is gone": lambda p: (p / "src/conserta/EDDIInput.py").unlink(),
+    "the record of files is gone": lambda p: (p / ".eddi/manifest.json").unlink(),
+    "the last rendering is gone": lambda p: shutil.rmtree(p / ".eddi/base"),
+    "a program cannot be run": lambda p: (p / "scripts/RosNode.py").chmod(0o644),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+def test_what_differs_is_put_right(
+    generate: Callable[[], list[str]], tmp_path: Path, change: Callable[[Path], object]
+) -> None:
+    generate()
+    package = tmp_path / "ws" / "conserta"
+    before = tree(package, ".eddi/rejects")
+    change(package)
+    assert generate() == ["conserta"]
+    assert tree(package, ".eddi/rejects") == before
+
+
+def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) -> None:
+    generate()
+    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    file.write_text(file.read_text().replace("= RtE_E0.data", "= RtE_E0.data and True"))
+    before = tree(tmp_path / "ws")
+    assert generate() == []
+    assert tree(tmp_path / "ws") == before
