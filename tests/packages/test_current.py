@@ -73,10 +73,10 @@ def test_what_differs_is_put_right(
 ) -> None:
     generate()
     package = tmp_path / "ws" / "conserta"
-    before = tree(package, ".eddi/rejects")
+    before = tree(package, "rejects")
     change(package)
     assert generate() == ["conserta"]
-    assert tree(package, ".eddi/rejects") == before
+    assert tree(package, "rejects") == before
 
 
 def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) -> None:
