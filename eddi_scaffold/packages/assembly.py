@@ -20,9 +20,9 @@ from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
-from eddi_scaffold.packages.workspace import existing
+from eddi_scaffold.packages.workspace import existing, is_compiled
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.problems import EddiError, Problem, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 
 _IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
@@ -146,11 +146,19 @@ def support(
         monitors: package -> answers of those that are new, or newer.
         config: names the maintainer of the shared packages.
 
+    Raises:
+        EddiError: a monitor of an older release would stop working (G024).
+
     The maintainer of a shared package was set when it was first generated, and is kept.
     """
     present = existing(root)
     own = platform.templates.monitor
     there = {name: answers for name, answers in present.items() if answers["template"] == own}
+    older = [name for name in there if name not in monitors and not is_compiled(root / name)]
+    if older:
+        message = f"an older eddi-scaffold made {', '.join(older)}: not for this runtime library"
+        hint = "first run `eddi-scaffold upgrade` for the whole workspace; hand edits stay"
+        raise EddiError(error("G024", message, Place(str(root)), hint))
     packages = platform.support({**there, **monitors}, config)
     return [
         PackageAnswers(

@@ -12,12 +12,19 @@ from eddi_scaffold.packages.transaction import PREFIX
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import stays
+from eddi_scaffold.regions.generated import recorded_generated
 
 
 def existing(root: Path) -> dict[str, dict[str, Any]]:
     """Return folder name -> answers of the generated packages directly below ``root``."""
     found = ((folder.name, read_answers(folder)) for folder in _folders(root))
     return {name: answers for name, answers in found if answers is not None}
+
+
+def is_compiled(package: Path) -> bool:
+    """Return whether the package of a monitor has a compiled monitor, as all new ones have."""
+    names = (name.rpartition("/")[2] for name in recorded_generated(package))
+    return "compiled.py" in names
 
 
 def packages_root(platform: Platform, place: Path) -> Path:
