@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import math
-import subprocess
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,6 +20,7 @@ from eddi_scaffold.compiling.text import (
     tuple_of,
     variables,
 )
+from tests.compiling.formatting import reformatted
 
 anything = st.text(st.characters())
 
@@ -68,7 +68,7 @@ def test_variables_are_identifiers_and_differ(ids):
     assert all(one.isidentifier() and one not in ("self", "class") for one in names)
 
 
-def test_brackets_are_as_the_formatter_lays_them(tmp_path):
+def test_brackets_are_as_the_formatter_lays_them():
     short = tuple_of(["1"])
     commented = tuple_of([Item("1", behind="one"), Item(short, above="two")])
     wide = tuple_of([Group("{", (Item(text_literal("x" * 60), '"key": '),), "}")] * 3)
@@ -80,9 +80,4 @@ def test_brackets_are_as_the_formatter_lays_them(tmp_path):
         *assignment("e", tuple_of([]), 0),
         *assignment("f", literal('it\'s "quoted"'), 0),
     ]
-    path = tmp_path / "made.py"
-    path.write_text("\n".join(lines) + "\n")
-    command = ["ruff", "format", "--diff", "--isolated", "--line-length", "100", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.stdout == ""
-    assert done.returncode == 0, done.stderr
+    assert reformatted("\n".join(lines) + "\n") == ""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import runpy
 import sys
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 from eddi_runtime import __version__
@@ -133,7 +134,9 @@ class Robot:
     def start(self, package, **changed):
         """Start the generated node of a package; class attributes may be changed."""
         script = WORKSPACE / package / "scripts" / "RosNode.py"
-        ours = SimpleNamespace(Input=Input, Output=Output, MonitorNode=ToyNode)
+        ours = SimpleNamespace(
+            Input=Input, Output=Output, MonitorNode=ToyNode, reported=nullcontext
+        )
         with self._patch.context() as patch:
             patch.syspath_prepend(str(WORKSPACE / package / "src"))
             patch.setitem(sys.modules, "eddi_runtime.ros1", ours)

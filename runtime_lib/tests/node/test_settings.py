@@ -9,15 +9,15 @@ def test_what_is_not_given_is_that_of_the_generated_node():
     assert not wrong
     assert good == Settings(2.0)
     own, _ = settings({}, 10.0, 3.0)
-    given, _ = settings({"startup_grace": 0, "model": ""}, 10.0, 3.0)
+    given, _ = settings({"startup_grace": 0}, 10.0, 3.0)
     assert own == Settings(10.0, startup_grace=3.0)
     assert given == Settings(10.0, startup_grace=0.0)
 
 
 def test_everything_can_be_given():
-    own = {"frequency": 0.2, "model": "/m", "diagnostics": False, "watchdog_period": 0}
+    own = {"frequency": 0.2, "diagnostics": False, "watchdog_period": 0}
     own.update(on_master_loss="exit", queue_size=5, startup_grace=1)
-    assert settings(own, 10.0) == (Settings(0.2, "/m", False, 0.0, "exit", 5, 1.0), [])
+    assert settings(own, 10.0) == (Settings(0.2, False, 0.0, "exit", 5, 1.0), [])
 
 
 def test_all_that_is_wrong_is_told_at_once():

@@ -2,5 +2,6 @@
 
 from ...node.topics import Input, Output
 from .node import MonitorNode
+from .start import reported
 
-__all__ = ["Input", "MonitorNode", "Output"]
+__all__ = ["Input", "MonitorNode", "Output", "reported"]

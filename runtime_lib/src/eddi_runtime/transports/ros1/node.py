@@ -317,9 +317,6 @@ class MonitorNode:
             monitor = eddi_monitor_class()
         except ModelError as error:
             raise start.StartError(str(error)) from error
-        except ImportError as error:
-            advice = "run `eddi-scaffold upgrade`, or `copier recopy --trust` in the package"
-            raise start.StartError(f"the package is not whole: {error}; {advice}") from error
         eddi_input = eddi_input_class()
         node = cls(monitor, eddi_input, options)
         eddi_input.bind(node._core.inputs)

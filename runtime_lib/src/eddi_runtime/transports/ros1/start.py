@@ -5,7 +5,8 @@ A start that cannot work ends here, so that the ROS graph never sees a broken no
 
 import sys
 import time
-from typing import Any, Dict, Sequence
+from contextlib import contextmanager
+from typing import Any, Dict, Iterator, Sequence
 
 import rosgraph
 import rosgraph.names
@@ -13,13 +14,40 @@ import rospy
 import rospy.client
 import rospy.names
 
+from ...documents import ModelError
 from .master import Peer, Refused, Unreachable, answers_as
 
+_ADVICE = "run `eddi-scaffold upgrade`, or `copier recopy --trust` in the package"
 _POLL_S = 0.2
 
 
 class StartError(Exception):
     """The node must not start; the text gives the reason for the user."""
+
+
+@contextmanager
+def reported(package: str) -> Iterator[None]:
+    """End with one line, not a traceback, when the compiled monitor cannot be imported.
+
+    Errors of hand-written modules keep their traceback.
+    """
+    try:
+        yield
+    except ModelError as error:
+        reason = str(error)
+    except SyntaxError as error:
+        if not str(error.filename).endswith("compiled.py"):
+            raise
+        reason = f"{error.filename}: the file is damaged: {_ADVICE}"
+    except ImportError as error:
+        name = error.name or ""
+        if name.partition(".")[0] != "eddi_runtime" and not name.endswith(".compiled"):
+            raise
+        reason = f"the package is not whole: {error}: {_ADVICE}"
+    else:
+        return
+    _write_to_stderr(package, f"error: {reason}")
+    sys.exit(1)
 
 
 def node_name(name: str) -> str:

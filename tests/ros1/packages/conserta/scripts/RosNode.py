@@ -6,10 +6,12 @@ import eddi_messages.msg
 from eddi_messages.msg import ConSertOutput, ConSertStatus
 from std_msgs.msg import Bool
 
-from eddi_runtime.ros1 import Input, MonitorNode, Output
+from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
 
 from conserta.EDDIInput import EDDIInput
-from conserta.EDDIMonitor import EDDIMonitor
+
+with reported("conserta"):
+    from conserta.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):

@@ -9,10 +9,12 @@ import eddi_messages.msg
 from eddi_messages.msg import ConSertOutput
 from std_msgs.msg import Bool, Float64, String
 
-from eddi_runtime.ros1 import Input, MonitorNode, Output
+from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
 
 from tester.EDDIInput import EDDIInput
-from tester.EDDIMonitor import EDDIMonitor
+
+with reported("tester"):
+    from tester.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):

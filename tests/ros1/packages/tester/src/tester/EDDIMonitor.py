@@ -5,16 +5,17 @@ import importlib.util
 import os
 from pathlib import Path
 
+path = os.environ.get("COMPILED", "")
+if not Path(path).is_file():
+    raise ModuleNotFoundError("No module named 'compiled'", name=f"{__package__}.compiled")
+spec = importlib.util.spec_from_file_location("compiled", path)
+compiled = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(compiled)
+
 
 class EDDIMonitor:
     def __init__(self):
-        path = os.environ.get("COMPILED", "")
-        spec = importlib.util.spec_from_file_location("compiled", path)
-        if spec is None or not Path(path).is_file():
-            raise ModuleNotFoundError("No module named 'compiled'")
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        self.monitor = module.Monitor()
+        self.monitor = compiled.Monitor()
 
     def execute_step(self, eddi_input):
         return self.monitor.execute_step(eddi_input)

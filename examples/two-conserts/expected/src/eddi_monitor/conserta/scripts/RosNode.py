@@ -8,10 +8,12 @@ import sys
 import eddi_messages.msg
 from std_msgs.msg import Bool
 
-from eddi_runtime.ros1 import Input, MonitorNode, Output
+from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
 
 from conserta.EDDIInput import EDDIInput
-from conserta.EDDIMonitor import EDDIMonitor
+
+with reported('conserta'):
+    from conserta.EDDIMonitor import EDDIMonitor
 
 
 class RosNode(MonitorNode):
