@@ -47,7 +47,7 @@ _NOTHING = object()
 _NO_FILE = transaction.FileState(b"\0")
 
 
-def _is_whole(target: Path, tree: transaction.Tree) -> bool:
+def _is_whole(target: Path, tree: transaction.FolderContent) -> bool:
     """Return whether all that the last rendering made is there, merged, and as it was made."""
     recorded = recorded_generated(target)
     if not recorded or recorded != listed_generated(target) or changed_generated(target):
@@ -63,7 +63,7 @@ def _is_whole(target: Path, tree: transaction.Tree) -> bool:
     )
 
 
-def _below(tree: transaction.Tree, folder: str) -> dict[str, str]:
+def _below(tree: transaction.FolderContent, folder: str) -> dict[str, str]:
     return {
         name.removeprefix(folder): state.data.decode("utf-8", "replace")
         for name, state in tree.files.items()
