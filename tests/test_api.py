@@ -18,7 +18,7 @@ from tests.checkouts import HERE
 EXAMPLE = HERE / "examples" / "two-conserts"
 MODEL, CONFIG = EXAMPLE / "two_conserts.xml", EXAMPLE / "consert_a_config.yml"
 SCRIPT: dict[str, Any] = runpy.run_path(str(HERE / "script" / "reference.py"))
-NODE = ("Input", "MonitorNode", "Output")
+NODE = ("Input", "MonitorNode", "Output", "reported")
 IMPORT = re.compile(r"^\s*from (eddi_runtime[\w.]*) import ([\w, ]+)", re.MULTILINE)
 
 
@@ -29,8 +29,8 @@ def test_what_is_public() -> None:
         *("check", "generate", "load", "run"),
     ]
     assert sorted(eddi_runtime.__all__) == [
-        *("EDDIInputBase", "InputSpec", "InputState", "ModelError", "Monitor", "__version__"),
-        *("by_id", "by_key", "by_name", "joined", "load"),
+        *("EDDIInputBase", "FORMATS", "InputSpec", "InputState", "ModelError", "Monitor"),
+        *("__version__", "by_id", "by_key", "by_name", "joined", "load", "needs"),
     ]
     assert all(hasattr(api, name) for name in api.__all__)
     assert all(hasattr(eddi_runtime, name) for name in eddi_runtime.__all__)
@@ -43,7 +43,7 @@ def test_templates_import_what_is_public() -> None:
         for module, names in IMPORT.findall(path.read_text("utf-8"))
         for name in names.split(",")
     }
-    assert ("eddi_runtime.places", "find_model") in found
+    assert ("eddi_runtime.ros1", "reported") in found
     for module, name in found - {("eddi_runtime.ros1", name) for name in NODE}:
         assert name in importlib.import_module(module).__all__
     text = (HERE / "runtime_lib/src/eddi_runtime/ros1.py").read_text("utf-8")

@@ -16,6 +16,8 @@ from eddi_scaffold.regions.generated import (
 )
 from eddi_scaffold.regions.store import without_sentinel
 
+UNCOMMITTED = ".eddi/uncommitted"
+"""Says that the templates were not exactly those of the commit in the answers."""
 _PRISTINE, _BASE = ".eddi/pristine/", ".eddi/base/"
 
 
@@ -31,7 +33,7 @@ def is_current(target: Path, package: PackageAnswers, template: Template, source
     if source.changed or package.saved or target.is_symlink() or not target.is_dir():
         return False
     tree = transaction.survey(target)
-    if tree.others or broken_files(target):
+    if tree.others or UNCOMMITTED in tree.files or broken_files(target):
         return False
     origin = {"_commit": source.commit, "_src_path": template.location}
     answers = read_answers(target) or {}

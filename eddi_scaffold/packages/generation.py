@@ -17,7 +17,7 @@ from pathlib import Path
 
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
-from eddi_scaffold.packages.current import is_current
+from eddi_scaffold.packages.current import UNCOMMITTED, is_current
 from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers, render
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
@@ -120,6 +120,8 @@ def write_packages(
                 (rendered / name).parent.mkdir(parents=True, exist_ok=True)
                 (rendered / name).write_bytes(data)
             write_compiled(rendered)
+            if source.notes:
+                (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
             _merge_package(root, package, rendered, notes, work)
     if not dry_run:
         work.notes += _write(root, work.changes)
@@ -271,6 +273,7 @@ def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
 def _copy_rendering(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
     """Put a rendering over a package; an editable file that is there stays for the merge."""
     shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
+    (staged / UNCOMMITTED).unlink(missing_ok=True)
     editable = set(_names(rendered / ".eddi" / "pristine"))
     for name in _names(rendered):
         target = staged / name

@@ -12,6 +12,7 @@ from .monitor import Monitor, load
 from .version import __version__
 
 FORMATS = (1,)
+"""Formats of compiled monitors that the core of this runtime runs."""
 
 __all__ = [
     "FORMATS",
