@@ -28,8 +28,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
-from eddi_runtime.expressions.engine import build_engine  # noqa: E402 - runs from the checkout
-
+from eddi_scaffold.compiling.expressions.engine import build_engine  # noqa: E402 - runs from the checkout
 from eddi_scaffold.language import analyse  # noqa: E402
 from eddi_scaffold.language.targets import generate  # noqa: E402
 

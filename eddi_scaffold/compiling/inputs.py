@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.compiling.document import InputData
+from eddi_scaffold.compiling.expressions.emission import expression_classes
 from eddi_scaffold.compiling.text import (
     Item,
     Part,
@@ -20,13 +21,17 @@ from eddi_scaffold.compiling.text import (
 
 
 def input_lines(inputs: Sequence[InputData], paths: Mapping[str, str]) -> list[str]:
-    """Return the lines of the class attribute ``inputs``.
+    """Return the lines of the class attribute ``inputs``; expressions are classes above it.
 
     Args:
         inputs: in the order of the model file.
         paths: input id -> fragment path of its element in the EDDI.
     """
-    rows = (Item(_spec(one), above=comment(paths.get(one.id, ""))) for one in inputs)
+    classes = expression_classes(inputs)
+    rows = (
+        Item(_spec(one, classes.get(one.id)), above=comment(paths.get(one.id, "")))
+        for one in inputs
+    )
     return assignment("inputs", tuple_of(rows), 4)
 
 
@@ -37,15 +42,16 @@ def attribute_of(source: str, attribute: str) -> str:
     return f"getattr({source}, {text_literal(attribute)})"
 
 
-def _spec(one: InputData) -> Part:
+def _spec(one: InputData, expression: str | None) -> Part:
     named: dict[str, Any] = {
         "requires": one.requires or None,
         "max_age": one.max_age,
         "factor": one.factor,
         "default": one.default,
         "every_message": one.every_message or None,
-        "expression": one.expression,
         "accepts": one.accepts or None,
     }
     given = {key: literal(value) for key, value in named.items() if value is not None}
+    if expression is not None:
+        given["expression"] = expression
     return call("InputSpec", [text_literal(one.id), text_literal(one.attribute)], **given)

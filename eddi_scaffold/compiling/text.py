@@ -147,6 +147,16 @@ def returned(part: Part, indent: int) -> list[str]:
     return _lines(Item(part, "return "), "", indent)
 
 
+def unpacked(names: Sequence[str], value: str) -> list[str]:
+    """Return the lines that take a tuple apart, in a method; none for no names."""
+    if not names:
+        return []
+    line = f"        {', '.join(names)}{',' if len(names) == 1 else ''} = {value}"
+    if len(line) <= WIDTH:
+        return [line]
+    return ["        (", *(f"            {name}," for name in names), f"        ) = {value}"]
+
+
 def _items(parts: Iterable[Part | Item]) -> tuple[Item, ...]:
     return tuple(one if isinstance(one, Item) else Item(one) for one in parts)
 

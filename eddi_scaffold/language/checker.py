@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from eddi_runtime.expressions.form import BUFFERED, MAX_CAPACITY
-from eddi_runtime.expressions.form import WINDOWS as WINDOW_OPS
-
+from eddi_scaffold.compiling.expressions.form import BUFFERED, MAX_CAPACITY
+from eddi_scaffold.compiling.expressions.form import WINDOWS as WINDOW_OPS
 from eddi_scaffold.language.alignment import Pair, Value, aligned
 from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.form_builder import GraphBuilder, capacity

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from eddi_runtime.expressions.form import BUFFERED, SIGNATURES, VERSION
+from eddi_scaffold.compiling.expressions.form import BUFFERED, SIGNATURES, VERSION
 
 Row = dict[str, Any]
 _CONSTANTS = ("number", "truth", "literal")

@@ -6,10 +6,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
-from eddi_runtime.expressions.engine import build_engine
-from eddi_runtime.expressions.form import BOOL
-from eddi_runtime.expressions.sampling import Sampling
-
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import BOOL
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.syntax import is_list_path
 
@@ -47,9 +45,7 @@ def play(
     """
     assert analysis.form is not None
     engine = build_engine(analysis.form)
-    sampling = Sampling(engine.form)
-    names = [one.name for one in sampling.inputs]
-    last = [names[used[0]] for used in sampling.uses]
+    names = [one.name for one in engine.sampling.inputs]
     values: dict[str, Any] = dict.fromkeys(names)
     stamps: dict[str, int | None] = dict.fromkeys(names)
     for t, samples in rows:
@@ -57,8 +53,7 @@ def play(
         for name in names:
             if name in samples:
                 values[name], stamps[name] = samples[name], now
-        raws = sampling.raws([values[name] for name in names])
-        found = engine.step(now, raws, [stamps[name] for name in last])
+        found = engine.step(now, [values[name] for name in names], [stamps[name] for name in names])
         yield (
             t,
             {

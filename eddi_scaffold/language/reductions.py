@@ -6,9 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from eddi_runtime.expressions.elements import OPERATIONS
-from eddi_runtime.expressions.reduction import TRUTHS
-
+from eddi_scaffold.compiling.expressions.reduction import OPERATIONS, TRUTHS
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.form_builder import GraphBuilder

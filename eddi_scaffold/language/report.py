@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_runtime.expressions.form import BUFFERED, LEAVES, WINDOWS, Node, read_form
-
+from eddi_scaffold.compiling.expressions.form import BUFFERED, LEAVES, WINDOWS, Node, read_form
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.canonical import duration_text
 from eddi_scaffold.language.scope import Variable

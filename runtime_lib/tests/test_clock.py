@@ -24,9 +24,7 @@ def test_whole_numbers_are_times():
 
 @pytest.mark.parametrize("nothing", NO_TIMES)
 def test_events_are_unknown_without_time(nothing):
-    from eddi_runtime.event.monitor import build
-
-    monitor = build(event_documents.model_file(("gt", "x", 5), ("gt", "x", 5)))
+    monitor = event_documents.monitor(("gt", "x", 5), ("gt", "x", 5))
     given = SimpleNamespace(x=6.0)
     assert [row["verdict"] for row in monitor.execute_step(given, nothing)] == [None, None]
     assert [row["verdict"] for row in monitor.execute_step(given, SECOND)] == [True, True]

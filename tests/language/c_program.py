@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from eddi_runtime.expressions.engine import converter
-from eddi_runtime.expressions.form import Form
+from eddi_runtime import expressions
 
+from eddi_scaffold.compiling.expressions.form import Form, Variable
 from eddi_scaffold.language.targets.c import c_files
 from eddi_scaffold.language.targets.monitor_model import MonitorModel
 from tests.language.formulas import Step
@@ -99,7 +99,7 @@ def clean(form: Form, step: Step) -> list[object]:
     """Return the arguments of ``evaluate`` behind the time."""
     found: list[object] = []
     for variable in form.variables:
-        found.append(converter(variable)(step.values.get(variable.name)))
+        found.append(_converted(variable, step.values.get(variable.name)))
         if variable.stamped:
             found.append(step.stamps.get(variable.name, step.t))
     return found
@@ -122,3 +122,10 @@ def run(program: Path, form: Form, steps: Sequence[Step]) -> list[str]:
 
 def as_number(text: str) -> float:
     return math.nan if "nan" in text else float.fromhex(text)
+
+
+def _converted(variable: Variable, raw: object) -> float | int:
+    """Return what the text of a package makes of a raw value."""
+    if variable.type == "enum":
+        return expressions.literal(raw, variable.literals)
+    return expressions.truth(raw) if variable.type == "bool" else expressions.number(raw)

@@ -7,10 +7,10 @@ import random
 from pathlib import Path
 
 import pytest
-from eddi_runtime.expressions.engine import build_engine
-from eddi_runtime.expressions.form import read_form
 from hypothesis import settings
 
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.findings import TextFindings, in_text

@@ -7,11 +7,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from eddi_runtime.expressions.expression import InputExpression
+from eddi_runtime.expressions import Expression
 
 from eddi_scaffold.language.input_expressions import ExpressionText, compile_input
 from eddi_scaffold.language.scope import BOOL, NUMBER, Variable
 from eddi_scaffold.problems import Place
+from runtime_lib.tests.event.event_documents import expression as expression_of
 
 VARIABLES = {
     "battery.percentage": Variable("battery.percentage", NUMBER, timeout=10**9),
@@ -32,10 +33,10 @@ def compiled(kind: Any, *texts: ExpressionText, **more: Any) -> Any:
     return compile_input(texts, kind, rate=10, variables=VARIABLES, **more)
 
 
-def made(kind: Any, *texts: ExpressionText, **more: Any) -> InputExpression:
+def made(kind: Any, *texts: ExpressionText, **more: Any) -> Expression:
     found, problems = compiled(kind, *texts, **more)
     assert problems == []
-    return InputExpression(json.loads(json.dumps(found.document)))
+    return expression_of(json.loads(json.dumps(found.document)))
 
 
 def battery(percentage: object) -> dict[str, object]:
@@ -45,8 +46,8 @@ def battery(percentage: object) -> dict[str, object]:
 def test_evidence_over_a_message() -> None:
     found, _ = compiled("bool", text("battery.percentage > 0.3 AND motor.temps[1] < 80"))
     assert found.requires == ("battery", "motor")
-    one = InputExpression(found.document)
-    assert one.requires == ("battery", "motor")
+    one = expression_of(found.document)
+    assert tuple(one.names) == ("battery", "motor")
     motor = {"motor": SimpleNamespace(temps=[20.0, 30.0])}
     assert one.value(0, {**battery(0.5), **motor}) is True
     assert one.value(1, {**battery(0.1), **motor}) is False

@@ -8,9 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
-from eddi_runtime.expressions.engine import build_engine
-from eddi_runtime.expressions.sampling import Sampling
 
+from eddi_scaffold.compiling.expressions.engine import build_engine
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.findings import TextFindings, in_text
@@ -171,7 +170,7 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
         analysis = analyse(text, rate=10)
         assert analysis.form is not None, [p.message for p in analysis.problems]
         engine = build_engine(analysis.form)
-        sampling = Sampling(engine.form)
+        sampling = engine.sampling
         monitor = generated(text)
         for t in range(40):
             values = sample(rng)
@@ -184,8 +183,7 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
                     wanted = reference(file, file.events[0].root, values)
                 except NearTie:
                     continue
-            raws = sampling.raws([values[one.name] for one in sampling.inputs])
-            (found,) = engine.step(t * SECOND, raws)
+            (found,) = engine.step(t * SECOND, [values[one.name] for one in sampling.inputs])
             assert same(found, wanted, analysis), (text, values, found, wanted)
             for one in sampling.inputs:
                 word = one.name.replace("[*]", "").replace(".", "_")

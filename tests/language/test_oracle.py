@@ -9,10 +9,9 @@ from typing import Any
 
 import pytest
 import yaml
-from eddi_runtime.expressions.engine import build_engine
-from eddi_runtime.expressions.form import read_form
-from eddi_runtime.expressions.values import BoolVal, NumVal
 
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.language import Variable, analyse
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.findings import TextFindings, in_text
@@ -20,6 +19,7 @@ from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.scope import BOOL, NUMBER
 from eddi_scaffold.language.targets.monitor_model import monitor_model
 from eddi_scaffold.language.targets.python import python_module
+from eddi_scaffold.language.targets.values import BoolVal, NumVal
 from tests.language import c_program
 from tests.language.formulas import Step
 from tests.shared_data import shared

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from eddi_runtime.expressions.engine import build_engine
-from eddi_runtime.expressions.form import read_form
 from hypothesis import settings
 
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.language import analyse
 from eddi_scaffold.language.targets import generate
 from eddi_scaffold.language.targets.kept_bodies import keep_in_folder

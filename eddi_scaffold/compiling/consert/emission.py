@@ -30,6 +30,7 @@ from eddi_scaffold.compiling.text import (
     statement,
     text_literal,
     tuple_of,
+    unpacked,
     variables,
 )
 
@@ -189,13 +190,13 @@ def _step(data: ConSertData, graph: Graph, model_file: ModelFile, *, filtered: b
         lines += assignment("raw", reads, 12)
         lines += ["        except Exception:", "            raw = self.read(source)"]
         lines += ["        self.raw, self.source = raw, source"]
-        lines += _unpacked(leaves, "raw")
+        lines += unpacked(leaves, "raw")
     for k, leaf in enumerate(data.leaves):
         lines += [f"        # {_about(leaf.id, data)}"]
         lines += _judgement(k, leaf, names[k])
     if filtered and leaves:
         lines += assignment("values", tuple_of(leaves), 8)
-        lines += _unpacked(leaves, "self.filter.apply(values)")
+        lines += unpacked(leaves, "self.filter.apply(values)")
     held = _gates(data, graph, names, lines)
     flags = (Item(f"{held[k]} == 2", behind=_about(graph.names[k], data)) for k in graph.guarantees)
     lines += returned(tuple_of(flags), 8)
@@ -214,15 +215,8 @@ def _rows(data: ConSertData, graph: Graph, names: Sequence[str]) -> list[str]:
         for one, flag in zip(data.guarantees, flags, strict=True)
     )
     lines = ["", "    def execute_step(self, source, t_ns=None):"]
-    lines += _unpacked(flags, "self.step(source)")
+    lines += unpacked(flags, "self.step(source)")
     return [*lines, *returned(Group("[", tuple(rows), "]"), 8)]
-
-
-def _unpacked(names: Sequence[str], value: str) -> list[str]:
-    line = f"        {', '.join(names)}{',' if len(names) == 1 else ''} = {value}"
-    if len(line) <= 100:
-        return [line]
-    return ["        (", *(f"            {name}," for name in names), f"        ) = {value}"]
 
 
 def _about(name: str, data: ConSertData) -> str:

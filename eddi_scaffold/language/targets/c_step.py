@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from eddi_runtime.expressions.form import BUFFERED, WINDOWS, Node
-from eddi_runtime.expressions.source import must_be_finite
-
+from eddi_scaffold.compiling.expressions.form import BUFFERED, WINDOWS, Node
+from eddi_scaffold.compiling.expressions.source import must_be_finite
 from eddi_scaffold.language.targets.monitor_model import MonitorModel
 
 _ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from eddi_runtime.expressions.form import Form, read_form
-from eddi_runtime.expressions.sampling import HostInput, Sampling
-
+from eddi_scaffold.compiling.expressions.form import Form, read_form
+from eddi_scaffold.compiling.expressions.sampling import HostInput, Sampling
 from eddi_scaffold.escaping import c_comment
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.targets.names import module_name, unique_names

@@ -6,11 +6,13 @@ import inspect
 import re
 from functools import cache
 
-from eddi_runtime.expressions import elements, reduction, stacks, values, windows
-from eddi_runtime.expressions.form import BUFFERED, WINDOWS, Variable
-from eddi_runtime.expressions.source import CLASSES, class_lines
+from eddi_runtime.expressions import lists, stacks, windows
+from eddi_runtime.expressions.conditions import Conditions
 
+from eddi_scaffold.compiling.expressions.form import BUFFERED, WINDOWS, Variable
+from eddi_scaffold.compiling.expressions.source import CLASSES, class_lines
 from eddi_scaffold.escaping import python_literal
+from eddi_scaffold.language.targets import values
 from eddi_scaffold.language.targets.kept_bodies import HEADER, region
 from eddi_scaffold.language.targets.monitor_model import HostArgument, MonitorModel
 
@@ -44,14 +46,15 @@ def _head(model: MonitorModel) -> list[str]:
         "",
         f"PERIOD_NS = {model.form.period}",
         "NEVER = -(1 << 64)",
-        "nan = math.nan",
+        "INF = math.inf",
+        "NAN = math.nan",
         "",
     ]
 
 
 def _typing(model: MonitorModel) -> list[str]:
     names = {"Any", "Callable", "Deque", "List", "Optional", "Tuple"}
-    more = {"Mapping", "Sequence", "Union"} if _needs_reductions(model) else set()
+    more = {"Sequence", "Union"} if _needs_lists(model) else set()
     return sorted(names | more)
 
 
@@ -90,35 +93,32 @@ def _functions(model: MonitorModel) -> list[str]:
     used: dict[type, None] = {}
     for node in model.form.nodes:
         if node.op in WINDOWS:
-            name = CLASSES[node.op]
-            found = getattr(windows, name, None) or getattr(stacks, name)
+            module, _, name = CLASSES[node.op].partition(".")
+            found = getattr(stacks if module == "stacks" else windows, name)
             used.update(dict.fromkeys(reversed(found.__mro__[:-1])))
         if node.op in BUFFERED and node.coverage is not None:
             used[windows.Covered] = None
     # In the order of the library: a base class comes first.
     order = sorted(used, key=lambda cls: (cls.__module__ == stacks.__name__, _line(cls)))
     lines = _title(2, "Functions")
-    if _needs_reductions(model):
-        lines += [*_reductions(), "", ""]
-    for cls in order:
+    if _needs_lists(model):
+        lines += [*_lists(), "", ""]
+    for cls in (*order, Conditions):
         lines += [*_source(cls), "", ""]
     arguments = [f"v_{name}" for name in model.variables]
-    lines += class_lines(model.form, "Engine", arguments)
+    lines += class_lines(model.form, arguments)
     return lines
 
 
-def _needs_reductions(model: MonitorModel) -> bool:
-    return model.has_lists or any(variable.text for variable in model.form.variables)
+def _needs_lists(model: MonitorModel) -> bool:
+    texts = any(variable.text for variable in model.form.variables)
+    return model.has_lists or texts or any(node.op == "sqrt" for node in model.form.nodes)
 
 
-def _reductions() -> list[str]:
-    """Return the modules of lists, without their heads."""
-    found = []
-    for module in (elements, reduction):
-        lines = _NOQA.sub("", inspect.getsource(module)).rstrip().split("\n")
-        first = next(k for k, line in enumerate(lines) if line.startswith("MAX_"))
-        found += ["", "", *lines[first:]]
-    return found[2:]
+def _lists() -> list[str]:
+    """Return the module of lists, without its head."""
+    lines = _NOQA.sub("", inspect.getsource(lists)).rstrip().split("\n")
+    return lines[next(k for k, line in enumerate(lines) if line.startswith("MAX_")) :]
 
 
 def _types() -> list[str]:
@@ -142,11 +142,11 @@ def as_number(value):
     if isinstance(value, NumVal):
         return value.number
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return nan
+        return NAN
     try:
         return float(value)
     except OverflowError:
-        return nan
+        return NAN
 
 
 def as_truth(value):
@@ -186,12 +186,9 @@ def _main(model: MonitorModel) -> list[str]:
     lines += ['    """The monitor: reads the variables, evaluates, calls what is raised."""', ""]
     lines += ["    def __init__(self):", "        self.engine = Engine()"]
     lines += ["        self.evaluate = self.engine.evaluate"]
-    for name, variable in zip(model.variables, model.form.variables, strict=True):
-        if variable.reduction is not None:
-            lines += [f"        self.reduce_{name} = Reduction({variable.reduction.row!r}).value"]
     lines += [f"        self.verdicts = {tuple(1 for _ in model.events)!r}", ""]
     lines += ["    def reset(self):", '        """Forget everything of former steps."""']
-    lines += ["        self.engine.reset()"]
+    lines += ["        self.engine.restart()"]
     lines += [f"        self.verdicts = {tuple(1 for _ in model.events)!r}", ""]
     lines += ["    def step(self, t_ns=None):"]
     result = "the number, NaN for UNKNOWN" if model.numeric else "event -> BoolVal"
@@ -232,7 +229,8 @@ def _arguments(model: MonitorModel) -> tuple[list[str], list[str]]:
         value = values[used[0].word]
         if variable.reduction is not None:
             parts = "".join(f"{_part(one, values[one.word])}, " for one in used)
-            lines += [f"        value_{name}, _ = self.reduce_{name}(({parts.rstrip()}))"]
+            called = f"reduced(self.engine.reduce_{k}, ({parts.rstrip()}))"
+            lines += [f"        value_{name}, _ = {called}"]
             value = f"value_{name}"
         calls.append(_conversion(variable, value))
         calls += [f"stamp_{used[0].word}"] if variable.stamped else []

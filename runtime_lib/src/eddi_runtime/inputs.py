@@ -33,8 +33,8 @@ class InputSpec(NamedTuple):
         factor: numerator and denominator: a given number times this is in the model's unit.
         default: value before the first message.
         every_message: the attribute holds the list of all values since the last step.
-        expression: what ``expression`` computes: forms of ``eddi_runtime.expressions``, and
-            ``names``: first word of a variable -> ``message`` or ``input``, and its id.
+        expression: class of ``compiled.py`` that computes what ``expression`` gives
+            (``eddi_runtime.expressions.Expression``).
         accepts: keys by which the configuration accepts a value of it that is not confirmed;
             ``max_age: none`` is not repeated here.
     """
@@ -46,7 +46,7 @@ class InputSpec(NamedTuple):
     factor: Optional[Tuple[int, int]] = None
     default: Any = None
     every_message: bool = False
-    expression: Optional[Mapping[str, Any]] = None
+    expression: Optional[Callable[[], Any]] = None
     accepts: Tuple[str, ...] = ()
 
 
@@ -134,14 +134,9 @@ class EDDIInputBase:
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
-        if any(spec.expression is not None for spec in specs):
-            from .expressions.expression import InputExpression  # noqa: PLC0415 - no other input pays for it
-
-            self.__expressions = {
-                spec.id: InputExpression(spec.expression)
-                for spec in specs
-                if spec.expression is not None
-            }
+        self.__expressions = {
+            spec.id: spec.expression() for spec in specs if spec.expression is not None
+        }
 
     def begin_step(
         self,
@@ -287,10 +282,9 @@ class EDDIInputBase:
         compiled = self.__expressions.get(input_id)
         if compiled is None:
             return None
-        names = self.__specs[input_id].expression["names"]  # type: ignore[index]  # it has one
         values: Dict[str, Any] = {}
         ages: Dict[str, float] = {}
-        for word, (kind, name) in names.items():
+        for word, (kind, name) in compiled.names.items():
             if kind == "message":
                 values[word] = self.__messages.get(name)
                 ages[word] = self.__ages.get(name, 0.0)

@@ -221,7 +221,7 @@ def texts(value: Any, what: str) -> Tuple[str, ...]:
     raise ModelError("", f"{what} is not a list of texts")
 
 
-def _expression(value: Any, where: str) -> Optional[Mapping[str, Any]]:
+def _expression(value: Any, where: str) -> Any:
     if value is None:
         return None
     names = value.get("names") if isinstance(value, dict) else None

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from eddi_runtime.expressions.form import BUFFERED, WINDOWS
-from eddi_runtime.model_file import check_document, digest_of
+from eddi_scaffold.compiling.document import check_document, digest_of
+from eddi_scaffold.compiling.execution import build, module_of
+from eddi_scaffold.compiling.expressions.emission import class_of
+from eddi_scaffold.compiling.expressions.form import BUFFERED, WINDOWS
 
 SECOND = 10**9
 
@@ -89,5 +91,11 @@ def document(*outputs, inputs=None, **options):
     return data
 
 
-def model_file(*outputs, **options):
-    return check_document(document(*outputs, **options))
+def monitor(*outputs, **options):
+    return build(check_document(document(*outputs, **options)))
+
+
+def expression(document):
+    """Return the compiled expression of an input."""
+    head = ["from eddi_runtime import expressions", 'NAN = float("nan")']
+    return module_of("\n".join([*head, *class_of("One", document)]), "expression").One()

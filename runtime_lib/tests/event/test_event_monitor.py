@@ -5,12 +5,14 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.documents import ModelError
-from eddi_runtime.event.monitor import build
-from eddi_runtime.expressions.expression import InputExpression, read_path, source_of
+from eddi_runtime.expressions.expression import read_path
 from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
 
-from .event_documents import SECOND, form, model_file
+from eddi_scaffold.compiling.document import ModelError
+from eddi_scaffold.compiling.expressions.emission import split_name
+
+from . import event_documents
+from .event_documents import SECOND, form
 
 NAN = float("nan")
 
@@ -22,8 +24,7 @@ class Hostile:
         raise RuntimeError(name)
 
 
-def made(*outputs, **options):
-    return build(model_file(*outputs, **options))
+made = event_documents.monitor
 
 
 def step(monitor, k, **values):
@@ -166,7 +167,7 @@ def test_wrong_models():
 
 
 def expression(kind, *parts, **more):
-    return InputExpression(dict({"type": kind, "parts": list(parts)}, **more))
+    return event_documents.expression(dict({"type": kind, "parts": list(parts)}, **more))
 
 
 def messages(**fields):
@@ -176,7 +177,7 @@ def messages(**fields):
 def test_an_expression_over_messages():
     part = {"form": form(("gt", "x", 5), variables=("x",), x={"name": "x.data[1].value"})}
     one = expression("bool", part)
-    assert one.requires == ("x",)
+    assert tuple(one.names) == ("x",)
     good = messages(data=[None, SimpleNamespace(value=6)])
     assert one.value(0, good) is True
     assert one.value(1, messages(data=[])) is None
@@ -222,7 +223,7 @@ def test_wrong_expressions(kind, parts):
 
 
 def test_paths():
-    assert source_of("a.b[2][0].c")[:2] == ("a", ("b", 2, 0, "c"))
+    assert split_name("a.b[2][0].c") == ("a", ("b", 2, 0, "c"))
     stamp = SimpleNamespace(stamp=SimpleNamespace(to_sec=lambda: 1.5))
     assert read_path(stamp, ("stamp",)) == 1.5
 
@@ -231,7 +232,7 @@ def test_elements_by_key_and_why_there_is_none():
     name = 'x.status["a.b"].level'
     part = {"form": form(("gt", "x", 5), variables=("x",), x={"name": name})}
     one = expression("bool", part, paths={name: ["status", ["name", "a.b"], "level"]})
-    assert one.requires == ("x",)
+    assert tuple(one.names) == ("x",)
     good = SimpleNamespace(name="a.b", level=6)
     assert (one.value(0, messages(status=[good])), one.reason) == (True, "")
     assert one.value(1, messages(status=[good, good])) is None

@@ -7,14 +7,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from eddi_runtime import ModelError
 from eddi_runtime.access import gather
-from eddi_runtime.event.monitor import EventMonitor
-from eddi_runtime.expressions.elements import number_in
-from eddi_runtime.expressions.form import read_form
-from eddi_runtime.expressions.reduction import MAX_ELEMENTS, Reduction
+from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in, reduced
 
-from .event_documents import SECOND, form, model_file
+from eddi_scaffold.compiling.document import ModelError
+from eddi_scaffold.compiling.execution import module_of
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.compiling.expressions.lists import reduction_lines
+from eddi_scaffold.compiling.expressions.reduction import read_reduction
+
+from .event_documents import SECOND, form, monitor
 
 LIST = {"name": "s.r[*]", "type": "number", "list": True}
 
@@ -22,6 +24,18 @@ LIST = {"name": "s.r[*]", "type": "number", "list": True}
 def row(op="list_min", **more):
     nodes = [{"op": "input", "value": 0}]
     return dict({"op": op, "inputs": [LIST], "nodes": nodes, "value": 0}, **more)
+
+
+class Reduction:
+    """A reduction as a package has it."""
+
+    def __init__(self, row):
+        lines = ["from eddi_runtime.expressions import lists", "class Made:"]
+        lines += reduction_lines(0, "reduced", read_reduction(row, "one"), "lists.")
+        self._reduce = module_of("\n".join(lines), "reduction").Made().reduce_0
+
+    def value(self, raws):
+        return reduced(self._reduce, raws)
 
 
 def scan(low, high):
@@ -130,19 +144,18 @@ def test_numbers_in_texts(text, number):
 
 
 def test_an_event_monitor_reads_the_list():
-    reduced = {"name": "MIN(x[*])", "reduction": row(inputs=[dict(LIST, name="x")])}
-    monitor = EventMonitor(
-        model_file(("gt", "x", 5), variables=("x",), x=reduced, inputs={"MIN(x[*])": {"id": "x"}})
-    )
+    reduction = {"name": "MIN(x[*])", "reduction": row(inputs=[dict(LIST, name="x")])}
+    inputs = {"MIN(x[*])": {"id": "x"}}
+    one = monitor(("gt", "x", 5), variables=("x",), x=reduction, inputs=inputs)
     given = SimpleNamespace()
-    setattr(given, monitor.inputs[0].attribute, [7.0, 6.0])
-    (event,) = monitor.execute_step(given, 0)
+    setattr(given, one.inputs[0].attribute, [7.0, 6.0])
+    (event,) = one.execute_step(given, 0)
     assert event["verdict"] is True
-    setattr(given, monitor.inputs[0].attribute, [7.0, math.nan])
-    (event,) = monitor.execute_step(given, SECOND)
+    setattr(given, one.inputs[0].attribute, [7.0, math.nan])
+    (event,) = one.execute_step(given, SECOND)
     assert event["verdict"] is None
-    assert monitor.faults() == {"x": "1 of 2 elements are not known"}
-    assert monitor.blocked() == {}
+    assert one.faults() == {"x": "1 of 2 elements are not known"}
+    assert one.blocked() == {}
 
 
 def test_what_stands_in_lists_of_messages():

@@ -1,7 +1,7 @@
 """Conditional events: conditions over time, three-valued (SESAME D7.2 section 3.5)."""
 
-from ..expressions.expression import InputExpression
-from ..expressions.values import BoolVal, NumVal
-from .monitor import EventMonitor, build
+from .monitor import Event, EventMonitor
 
-__all__ = ["BoolVal", "EventMonitor", "InputExpression", "NumVal", "build"]
+FORMATS = (1,)
+
+__all__ = ["FORMATS", "Event", "EventMonitor"]

@@ -2,80 +2,77 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..clock import step_time
-from ..documents import ModelError, take
-from ..expressions.engine import Engine, fault, stamp_at
-from ..expressions.form import BOOL, read_form, used_variables
-from ..expressions.sampling import Sampling
+from ..expressions.conditions import Conditions, Value, known_value, scaled, stamp
+from ..expressions.lists import reduced
 from ..inputs import InputSpec, accepted
-from ..model_file import ModelFile, texts
 from ..monitor import Standing, Tree
-from ..plain_values import plain
+from ..plain_values import show
+from ..reading import Absent, read
 from .messages import output_messages
 
 Rows = List[Dict[str, Any]]
+Verdicts = Dict[str, Union[bool, float, str, None]]
 _VERDICTS = (False, None, True)
 _REASONS = ("the condition is FALSE", "the condition is not decided yet")
+_WANTED = {"number": "a number", "bool": "True or False", "text": "a text", "list": "a list"}
 
 
-def build(
-    model_file: ModelFile,
-    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
-) -> EventMonitor:
-    """Compile events.
+class Event(NamedTuple):
+    """One event.
 
-    Args:
-        model_file: the model.
-        hooks: not used: all hand-written code is in EDDIInput.
-
-    Raises:
-        ModelError: the model is wrong.
+    Attributes:
+        id: as in the model.
+        hazard: UNKNOWN counts as active.
+        needs: numbers of the inputs that it depends on.
+        accepts: the words by which its text accepts silence.
     """
-    return EventMonitor(model_file)
+
+    id: str
+    hazard: bool
+    needs: Tuple[int, ...]
+    accepts: Tuple[str, ...] = ()
 
 
-class EventMonitor:
-    """Compiled events. Not thread-safe: the thread that steps it also asks it.
+class EventMonitor(Conditions):
+    """What the class ``Monitor`` of compiled events inherits.
+
+    Not thread-safe: the thread that steps it also asks it.
 
     Attributes:
         model_id: id of the model.
         digest: SHA-256 of the model file's content.
         kind: ``event``.
-        inputs: what ``execute_step`` reads, one attribute for each variable.
-        engine: the events without attributes and polarity.
+        inputs: what ``execute_step`` reads, one attribute each.
+        types: of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or
+            empty where no event reads it.
+        events: in file order.
+        reductions: for each reduction of a list the number of its first input.
+        raw: values of the inputs in the last step, None where there is none.
     """
 
     kind = "event"
+    model_id: str
+    digest: str
+    inputs: Tuple[InputSpec, ...]
+    types: Tuple[Union[str, Tuple[str, ...]], ...]
+    events: Tuple[Event, ...]
+    reductions: Tuple[int, ...] = ()
+    raw: Tuple[object, ...]
+    _source: Any
+    _unknown: Tuple[Value, ...]
+    _verdicts: Tuple[Value, ...]
+    _reasons: List[str]
 
-    def __init__(self, model_file: ModelFile) -> None:
-        form = read_form(take(model_file.model, "form", dict, "the model"))
-        self.model_id = model_file.id
-        self.digest = model_file.digest
-        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
-        self.engine = Engine(form)
-        self._sampling = Sampling(form)
-        self._sources = _sources(self._sampling, self.inputs)
-        self._stamped = any(variable.stamped for variable in form.variables)
-        self._outputs = [(output.id, output.hazard) for output in form.outputs]
-        self._accepts = _accepts(model_file)
-        self._needs = {
-            output.id: [
-                self._sources[number]
-                for number in sorted({one for k in used for one in self._sampling.uses[k]})
-            ]
-            for output, used in zip(form.outputs, used_variables(form))
-        }
-        if any(form.nodes[output.node].type != BOOL for output in form.outputs):
-            raise ModelError("", "an event is no truth value")
+    def __init__(self) -> None:
         self._output_faults: Tuple[str, ...] = ()
-        self._unknown: Tuple[Union[float, int], ...] = tuple(1 for _ in self._outputs)
-        self._verdicts = self._unknown
-        self._raw: List[Any] = []
-        self._source: object = None
-        self._forget()
+        self.reset()
+
+    def step(self, source: object, t: int) -> Tuple[Value, ...]:
+        """Evaluate once: 0, 1 or 2 for each event; compiled monitors have it."""
+        raise NotImplementedError
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
         """Evaluate once; never raises an Exception.
@@ -94,32 +91,53 @@ class EventMonitor:
         """
         self._source = eddi_input
         t = step_time(t_ns)
-        raw = self._raw = [_read(eddi_input, spec) for spec in self._sources]
         before, now = self._verdicts, self._unknown
-        if t is not None:
-            stamps = self._stamps(eddi_input, t) if self._stamped else None
-            now = self.engine.step(t, self._sampling.raws(raw), stamps)
+        if t is None:
+            self.raw = self.read(eddi_input)
+        else:
+            now = self.step(eddi_input, t)
         self._verdicts = now
         return [
             {
-                "id": name,
+                "id": one.id,
                 "verdict": _VERDICTS[int(value)],
-                "active": value == 2 or (hazard and value == 1),
+                "active": value == 2 or (one.hazard and value == 1),
                 "raised": value == 2 and last != 2,
                 "cleared": value != 2 and last == 2,
             }
-            for (name, hazard), value, last in zip(self._outputs, now, before)
+            for one, value, last in zip(self.events, now, before)
         ]
+
+    def read(self, source: object) -> Tuple[object, ...]:
+        """Return the value of each input, None where it cannot be read; never raises."""
+        found = []
+        for spec in self.inputs:
+            value = read(source, spec.attribute, spec.id)
+            value = None if type(value) is Absent else value
+            found.append(value if spec.factor is None else scaled(value, *spec.factor))
+        return tuple(found)
+
+    def reduce(self, number: int, function: Callable[..., Any], *raws: object) -> object:
+        """Return a reduction of lists, and keep why it is not known."""
+        value, self._reasons[number] = reduced(function, raws)
+        return value
+
+    def stamp(self, t: int, input_id: str) -> int:
+        """Return when the sample of an input was received."""
+        try:
+            return stamp(t, self._source.states[input_id].age)
+        except Exception:  # noqa: BLE001 - any object may be given as input
+            return t
 
     def as_json(self, output: Rows) -> Rows:
         """Return the rows: they are JSON already."""
         return output
 
-    def series(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+    def series(self, output: Rows) -> Verdicts:
         """Return event id -> verdict, None for UNKNOWN."""
         return {str(row["id"]): row["verdict"] for row in output}
 
-    def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+    def decided(self, output: Rows) -> Verdicts:
         """Return the same: there is nothing but verdicts."""
         return self.series(output)
 
@@ -138,19 +156,19 @@ class EventMonitor:
 
     def standings(self) -> List[Standing]:
         """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
-        waits: Dict[str, List[Tuple[str, str]]] = {name: [] for name, _ in self._outputs}
+        waits: Dict[str, List[Tuple[str, str]]] = {one.id: [] for one in self.events}
         for one, events in self.blocked().items():
             for name in events:
                 waits[name].append((one, "not known"))
         return [
             Standing(
                 "event",
-                name,
-                value == 2 or (hazard and value == 1),
-                tuple(waits[name]),
-                "" if value == 2 or waits[name] else _REASONS[int(value)],
+                one.id,
+                value == 2 or (one.hazard and value == 1),
+                tuple(waits[one.id]),
+                "" if value == 2 or waits[one.id] else _REASONS[int(value)],
             )
-            for (name, hazard), value in zip(self._outputs, self._verdicts)
+            for one, value in zip(self.events, self._verdicts)
         ]
 
     def accepted(self) -> Tuple[str, ...]:
@@ -164,10 +182,10 @@ class EventMonitor:
         that is TRUE, a HAZARD that is FALSE.
         """
         found: Dict[str, List[str]] = {}
-        for (name, hazard), value in zip(self._outputs, self._verdicts):
-            words = self._accepts.get(name, ()) if value == (0 if hazard else 2) else ()
-            of_inputs = accepted(self._needs[name], self._source)
-            found[name] = [*of_inputs, *(f"{name}: {word}" for word in words)]
+        for one, value in zip(self.events, self._verdicts):
+            words = one.accepts if value == (0 if one.hazard else 2) else ()
+            of_inputs = accepted([self.inputs[k] for k in one.needs], self._source)
+            found[one.id] = [*of_inputs, *(f"{one.id}: {word}" for word in words)]
         return found
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
@@ -177,88 +195,57 @@ class EventMonitor:
             not_known: inputs that count as not known whatever they hold.
         """
         unknown = set(not_known)
-        unknown.update(
-            spec.id
-            for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
-            if raw is None or _is_nan(raw) or fault(one, raw)
-        )
         found: Dict[str, Tuple[str, ...]] = {}
-        for spec in self.inputs:
+        for k, (spec, kind, raw) in enumerate(zip(self.inputs, self.types, self.raw)):
             events = tuple(
-                name
-                for (name, _), value in zip(self._outputs, self._verdicts)
-                if value == 1 and spec in self._needs[name]
+                one.id
+                for one, value in zip(self.events, self._verdicts)
+                if value == 1 and k in one.needs
             )
-            if spec.id in unknown and events:
+            if events and (spec.id in unknown or _is_unknown(raw) or fault(kind, raw)):
                 found[spec.id] = events
         return found
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
-        unusable = (
-            (spec.id, fault(one, raw))
-            for spec, one, raw in zip(self._sources, self._sampling.inputs, self._raw)
-        )
-        reduced = (
-            (self._sources[used[0]].id, reason)
-            for used, reason in zip(self._sampling.uses, self._sampling.reasons)
-            if self._raw[used[0]] is not None
-        )
-        return {name: reason for name, reason in (*reduced, *unusable) if reason}
-
-    def _stamps(self, eddi_input: object, t: int) -> List[Optional[int]]:
-        """Return when each variable was sampled."""
-        return [_stamp(eddi_input, self._sources[used[0]].id, t) for used in self._sampling.uses]
+        found = {
+            self.inputs[k].id: reason
+            for k, reason in zip(self.reductions, self._reasons)
+            if self.raw[k] is not None and reason
+        }
+        unusable = (fault(kind, raw) for kind, raw in zip(self.types, self.raw))
+        found.update((spec.id, one) for spec, one in zip(self.inputs, unusable) if one)
+        return found
 
     def reset(self) -> None:
         """Forget everything of former steps."""
-        self.engine.reset()
-        self._forget()
-
-    def _forget(self) -> None:
+        self.restart()
+        self._unknown = (1,) * len(self.events)
         self._verdicts = self._unknown
-        self._raw = [None] * len(self._sources)
+        self._reasons = [""] * len(self.reductions)
+        self.raw = (None,) * len(self.inputs)
         self._source = None
 
 
-def _accepts(model_file: ModelFile) -> Dict[str, Tuple[str, ...]]:
-    """Return event -> the words by which its text accepts silence."""
-    given = model_file.model.get("accepts", {})
-    if not isinstance(given, dict):
-        raise ModelError("", "'accepts' of the model is no object")
-    return {name: texts(words, f"'accepts' of {name!r}") for name, words in given.items()}
+def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
+    """Return what is wrong with a raw value of a type, empty when it is fine or simply missing."""
+    if raw is None or kind == "":
+        return ""
+    value = known_value(raw)
+    if kind == "list":
+        fine = hasattr(type(raw), "__len__") and not issubclass(type(raw), str)
+    elif isinstance(value, bool):
+        fine = kind == "bool"
+    elif isinstance(value, str):
+        fine = kind == "text" or (isinstance(kind, tuple) and value in kind)
+    else:
+        fine = value is not None and (kind == "number" or value != value)  # noqa: PLR0124 - NaN
+    if fine:
+        return ""
+    wanted = _WANTED[kind] if isinstance(kind, str) else ", ".join(kind)
+    return f"expected {wanted}, got {show(raw)}"
 
 
-def _sources(sampling: Sampling, inputs: Tuple[InputSpec, ...]) -> List[InputSpec]:
-    """Return the input of the model for each that the form asks for."""
-    by_id = {spec.id: spec for spec in inputs}
-    missing = [one.name for one in sampling.inputs if one.name not in by_id]
-    if missing:
-        raise ModelError("", f"there is no input for the variable {missing[0]!r}")
-    return [by_id[one.name] for one in sampling.inputs]
-
-
-def _is_nan(raw: Any) -> bool:
-    return isinstance(raw, float) and math.isnan(raw)
-
-
-def _read(eddi_input: object, spec: InputSpec) -> Any:
-    """Return a raw value in the unit of the variable, None when it cannot be read."""
-    try:
-        raw = getattr(eddi_input, spec.attribute, None)
-        if spec.factor is None:
-            return raw
-        value = plain(raw)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            return value * spec.factor[0] / spec.factor[1]
-    except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, it is no evidence
-        return None
-    return raw
-
-
-def _stamp(eddi_input: Any, input_id: str, t: int) -> Optional[int]:
-    """Return when the input's sample was received, None when that is not known."""
-    try:
-        return stamp_at(t, eddi_input.states[input_id].age)
-    except Exception:  # noqa: BLE001 - any object may be given as input
-        return None
+def _is_unknown(raw: object) -> bool:
+    value = known_value(raw)
+    return raw is None or (type(value) is float and value != value)  # noqa: PLR0124 - NaN

@@ -6,81 +6,50 @@ The window state lives here, so that a regenerated package and a hand-written re
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 from ..access import Step, follow, gather
-from ..documents import ModelError, take
 from ..plain_values import one_line
-from .engine import Engine, build_engine, stamp_at
-from .form import BOOL
-from .sampling import Sampling
+from .conditions import Conditions, Value
+from .lists import reduced
 
-TYPES = ("bool", "float", "int", "state")
-
-
-class Source(NamedTuple):
-    """Where a variable comes from.
-
-    Attributes:
-        id: of the SimulatorOutput, or of another input.
-        path: into its message (``access.follow``); empty: the value itself.
-        checks: when it is a measurement: ``within`` with the paths of two limits, ``unless`` with
-            a path and the value that marks that it is none.
-    """
-
-    id: str
-    path: Tuple[Step, ...]
-    checks: Tuple[Any, ...] = ()
+Path = Sequence[Step]
+Check = Sequence[Any]
+"""``within`` with the paths of two limits, or ``unless`` with a path and the value that marks that
+a value is no measurement."""
 
 
-class InputExpression:
-    """One input's expression. Not thread-safe.
+class Expression(Conditions):
+    """Represents one input's expression; compiled classes inherit it. Not thread-safe.
 
     Attributes:
         type: ``bool``, ``float``, ``int`` or ``state``.
-        sources: what it reads; one tuple for each form.
-        requires: the ids of all sources, in order and once each.
+        hazard: a ``bool`` that is UNKNOWN is True.
+        states: of a ``state``, each with a condition of its own.
+        names: first word of a variable -> ``message`` or ``input``, and its id.
         reason: why a value could not be read in the last step, empty when all could be.
     """
 
-    def __init__(self, document: Mapping[str, Any]) -> None:
-        """Compile what ``eddi_scaffold.language.input_expressions`` made.
+    type: str
+    hazard = False
+    states: Tuple[str, ...] = ()
+    names: Mapping[str, Tuple[str, str]]
+    reason: str
 
-        Raises:
-            ModelError: the document is damaged.
-        """
-        where = "an expression"
-        self.type: str = take(document, "type", str, where)
-        if self.type not in TYPES:
-            raise ModelError("", f"{where} has the unknown type {self.type!r}")
-        self._hazard = document.get("polarity") == "HAZARD"
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything of former steps."""
         self.reason = ""
-        paths: Mapping[str, Any] = document.get("paths", {})
-        checks: Mapping[str, Any] = document.get("checks", {})
-        self._names: List[str] = []
-        self._engines: List[Engine] = []
-        self._samplings: List[Sampling] = []
-        self._reduced: Dict[Tuple[int, int], Tuple[Any, Any]] = {}
-        self.sources: List[Tuple[Source, ...]] = []
-        for part in take(document, "parts", list, where):
-            self._names.append(take(part, "state", str, where) if self.type == "state" else "")
-            engine = build_engine(take(part, "form", dict, where))
-            self._engines.append(engine)
-            sampling = Sampling(engine.form)
-            self._samplings.append(sampling)
-            self.sources.append(
-                tuple(
-                    _source(one.name, paths)._replace(checks=tuple(checks.get(one.name, ())))
-                    for one in sampling.inputs
-                )
-            )
-            kind = engine.form.nodes[engine.form.outputs[0].node].type
-            if (kind == BOOL) != (self.type in ("bool", "state")):
-                raise ModelError("", f"{where} of type {self.type} gives a {kind}")
-        if not self._engines or (self.type != "state" and len(self._engines) != 1):
-            raise ModelError("", f"{where} has {len(self._engines)} parts")
-        ids = (source.id for sources in self.sources for source in sources)
-        self.requires = tuple(dict.fromkeys(ids))
+        self._reduced: Dict[int, Tuple[Any, Any]] = {}
+        self.restart()
+
+    def step(
+        self, t: int, messages: Mapping[str, Any], ages: Mapping[str, float]
+    ) -> Tuple[Value, ...]:
+        """Evaluate once and return the value of each condition; compiled classes have it."""
+        raise NotImplementedError
 
     def value(
         self,
@@ -95,15 +64,16 @@ class InputExpression:
 
         Args:
             t: time in nanoseconds.
-            messages: id -> latest message or value; absent: none yet.
-            ages: id -> seconds since it was received; absent: fresh.
+            messages: first word of a variable -> latest message or value; absent: none yet.
+            ages: the same -> seconds since it was received; absent: fresh.
         """
         self.reason = ""
-        found = [self._step(part, t, messages, ages) for part in range(len(self._engines))]
+        found = self.step(t, messages, {} if ages is None else ages)
         if self.type == "state":
-            return self._state(found)
+            one = found.count(2) == 1 and found.count(0) == len(found) - 1
+            return self.states[found.index(2)] if one else None
         if self.type == "bool":
-            unknown = True if self._hazard else None
+            unknown = True if self.hazard else None
             return unknown if found[0] == 1 else found[0] == 2
         if math.isnan(found[0]):
             return None
@@ -111,74 +81,51 @@ class InputExpression:
             return float(found[0])
         return round(found[0]) if math.isfinite(found[0]) else None
 
-    def reset(self) -> None:
-        """Forget everything of former steps."""
-        self._reduced = {}
-        for engine in self._engines:
-            engine.reset()
-
-    def _step(
-        self,
-        part: int,
-        t: int,
-        messages: Mapping[str, Any],
-        ages: Optional[Mapping[str, float]],
-    ) -> Union[float, int]:
-        """Return the value of one form."""
-        engine, sampling, sources = self._engines[part], self._samplings[part], self.sources[part]
-        raws, stamps = [], []
-        for k, variable in enumerate(engine.form.variables):
-            used = [sources[one] for one in sampling.uses[k]]
-            message = messages.get(used[0].id)
-            if variable.reduction is None:
-                raws.append(self._read(message, used[0]))
-            else:
-                raws.append(self._reduction(part, k, message, used))
-            stamps.append(None if ages is None else stamp_at(t, ages.get(used[0].id)))
-        return engine.step(t, raws, None if ages is None else stamps)[0]
-
-    def _reduction(self, part: int, k: int, message: Any, used: Sequence[Source]) -> Any:
-        """Return a reduction of a message; that of the same message as before is not done anew."""
-        before = self._reduced.get((part, k))
-        if before is not None and before[0] is message and message is not None:
-            return before[1]
-        sampling = self._samplings[part]
-        value = sampling.raw(k, [self._read(message, source) for source in used])
-        if message is not None:
-            self.reason = self.reason or sampling.reasons[k]
-        self._reduced[part, k] = (message, value)
-        return value
-
-    def _read(self, message: Any, source: Source) -> Any:
-        """Return a value, None when it cannot be read; the first reason is kept."""
+    def field(self, messages: Mapping[str, Any], word: str, path: Path, *checks: Check) -> Any:
+        """Return a value of a message, None when it cannot be read; the first reason is kept."""
+        message = messages.get(word)
         if message is None:
             return None
         try:
-            return _measured(message, source)
+            value = read_path(message, path)
+            for check in checks:
+                if not _is_measurement(message, value, check):
+                    field = ".".join(str(step) for step in check[1])
+                    raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
         except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
             self.reason = self.reason or one_line(problem)
             return None
+        return value
 
-    def _state(self, truths: Sequence[Union[float, int]]) -> Optional[str]:
-        if truths.count(2) == 1 and truths.count(0) == len(truths) - 1:
-            return self._names[truths.index(2)]
-        return None
+    def reduce(
+        self,
+        number: int,
+        function: Callable[..., Any],
+        messages: Mapping[str, Any],
+        word: str,
+        *fields: Sequence[Any],
+    ) -> Any:
+        """Return a reduction of a message; that of the same message as before is not done anew.
+
+        Args:
+            number: of the reduction.
+            function: the compiled reduction.
+            messages: by name.
+            word: name of the message.
+            fields: for each argument its path, and its checks.
+        """
+        message = messages.get(word)
+        before, value = self._reduced.get(number, (None, None))
+        if message is None or message is not before:
+            raws = [self.field(messages, word, *one) for one in fields]
+            value, reason = reduced(function, raws)
+            if message is not None:
+                self.reason = self.reason or reason
+            self._reduced[number] = (message, value)
+        return value
 
 
-def source_of(name: str) -> Source:
-    """Split the name of a variable: ``temps.data[1]`` -> id ``temps``, path ``data``, 1."""
-    pieces = name.replace("[", ".[").split(".")
-    parts = [int(one[1:-1]) if one.startswith("[") else one for one in pieces]
-    return Source(str(parts[0]), tuple(parts[1:]))
-
-
-def _source(name: str, paths: Mapping[str, Any]) -> Source:
-    """Return where a variable comes from; names with keys are in the document."""
-    head = source_of(name.partition(".")[0].partition("[")[0]).id
-    return Source(head, tuple(paths[name])) if name in paths else source_of(name)
-
-
-def read_path(message: Any, path: Sequence[Step]) -> Any:
+def read_path(message: Any, path: Path) -> Any:
     """Return a field of a message; a time or duration of ROS is its seconds.
 
     Raises:
@@ -191,21 +138,7 @@ def read_path(message: Any, path: Sequence[Step]) -> Any:
     return value if to_sec is None else to_sec()
 
 
-def _measured(message: Any, source: Source) -> Any:
-    """Return a value of a message.
-
-    Raises:
-        LookupError: it is missing, or the message marks it as not measured.
-    """
-    value = read_path(message, source.path)
-    for check in source.checks:
-        if not _is_measurement(message, value, check):
-            field = ".".join(str(step) for step in check[1])
-            raise LookupError(f"no measurement, by {field} of {source.id}")
-    return value
-
-
-def _is_measurement(message: Any, value: Any, check: Sequence[Any]) -> bool:
+def _is_measurement(message: Any, value: Any, check: Check) -> bool:
     """Return whether a message marks a value of it as measured."""
     if check[0] == "unless":
         return bool(follow(message, check[1]) != check[2])

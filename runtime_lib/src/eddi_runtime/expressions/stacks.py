@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import List, Tuple
 
-from .windows import NEVER, Window, nan
+from .windows import NAN, NEVER, Window
 
 
 class Stacks(Window):
@@ -97,7 +97,7 @@ class Sum(Stacks):
             else:
                 rest = (self._high - total) + high
             total += rest + (low + self._low)
-        return total if total - total == 0.0 else nan
+        return total if total - total == 0.0 else NAN
 
 
 class Average(Sum):
@@ -130,7 +130,7 @@ class Deviation(Stacks):
         """Return the value over the samples."""
         old, new = len(self._front), len(self._back)
         if old + new < 2:
-            return nan
+            return NAN
         squares = self._squares
         if old:
             _, mean, front = self._front[-1]
@@ -139,4 +139,4 @@ class Deviation(Stacks):
                 away = self._mean - mean
                 squares += away * away * (float(old) * float(new) / float(old + new))
         value = squares / float(old + new - 1)
-        return math.sqrt(value) if value - value == 0.0 else nan
+        return math.sqrt(value) if value - value == 0.0 else NAN

@@ -12,12 +12,12 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, insort
 from collections import deque
-from typing import Deque, List, Tuple, Union
+from typing import Deque, List, Tuple
 
 NEVER = -(1 << 64)
 """Before any time that fits into 64 bits."""
 
-nan = math.nan
+NAN = math.nan
 """A number that is UNKNOWN."""
 
 
@@ -62,7 +62,7 @@ class Window:
         else:
             self.bad = t
         if age < self.need or self.bad > start:
-            return nan
+            return NAN
         return self.value()
 
     def expire(self, start: int) -> None:
@@ -123,8 +123,8 @@ class Covered:
             self._known += 1
             window.add(t, x)
         if age < window.need or self.bad > start or window.bad > start:
-            return nan
-        return window.value() if self._known / len(samples) >= self._coverage else nan
+            return NAN
+        return window.value() if self._known / len(samples) >= self._coverage else NAN
 
 
 class Queue(Window):
@@ -193,9 +193,9 @@ class Rate(Queue):
         """Return the value over the samples."""
         first, last = self._samples[0], self._samples[-1]
         if first[0] == last[0]:
-            return nan
+            return NAN
         value = (last[1] - first[1]) / ((last[0] - first[0]) / 1e9)
-        return value if value - value == 0.0 else nan
+        return value if value - value == 0.0 else NAN
 
 
 class Count(Queue):
@@ -244,7 +244,7 @@ class Median(Queue):
         if low == high:
             return high
         value = 0.5 * low + 0.5 * high
-        return value if value - value == 0.0 else nan
+        return value if value - value == 0.0 else NAN
 
 
 class Hold:
@@ -278,6 +278,3 @@ class Hold:
         if age < self.need or self._unknown > start:
             return 1
         return 2 - dominant
-
-
-AnyWindow = Union[Window, Covered, Hold]

@@ -9,7 +9,8 @@ The classes are copied into generated modules unchanged (``inspect.getsource``).
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Optional
+from collections.abc import Callable
+from typing import Any
 
 
 class BoolVal:
@@ -17,7 +18,7 @@ class BoolVal:
 
     __slots__ = ("_truth",)
 
-    def __init__(self, value: Optional[bool] = None) -> None:
+    def __init__(self, value: bool | None = None) -> None:
         truth = 1 if value is None else 2 if value else 0
         object.__setattr__(self, "_truth", truth)
 
@@ -108,7 +109,7 @@ class NumVal:
 
     __slots__ = ("_number",)
 
-    def __init__(self, value: Optional[float] = None, unknown: bool = False) -> None:
+    def __init__(self, value: float | None = None, unknown: bool = False) -> None:
         try:
             number = math.nan if value is None or unknown else float(value)
         except OverflowError:  # a whole number beyond any double

@@ -7,10 +7,11 @@ one node. No name takes part in the evaluation: variables are numbered.
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-from ..documents import ModelError, take
-from .reduction import Reduction
+from eddi_scaffold.compiling.document import ModelError, take
+from eddi_scaffold.compiling.expressions.reduction import Reduction, read_reduction
 
 VERSION = 1
 NUMBER, BOOL, ENUM = "number", "bool", "enum"
@@ -23,7 +24,7 @@ MAX_NS = 1 << 62
 NUMBERS = (NUMBER, NUMBER)
 TRUTHS = (BOOL, BOOL)
 LEAVES = ("variable", "number", "truth", "literal")
-SIGNATURES: Mapping[str, Tuple[Tuple[str, ...], str]] = {
+SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = {
     "neg": ((NUMBER,), NUMBER),
     "abs": ((NUMBER,), NUMBER),
     "sqrt": ((NUMBER,), NUMBER),
@@ -94,13 +95,13 @@ class Variable(NamedTuple):
 
     name: str
     type: str
-    range: Optional[Tuple[float, float]]
-    timeout: Optional[int]
+    range: tuple[float, float] | None
+    timeout: int | None
     infinite: bool
-    literals: Tuple[str, ...]
+    literals: tuple[str, ...]
     stamped: bool
     text: bool = False
-    reduction: Optional[Reduction] = None
+    reduction: Reduction | None = None
 
 
 class Node(NamedTuple):
@@ -119,13 +120,13 @@ class Node(NamedTuple):
     """
 
     op: str
-    args: Tuple[int, ...]
+    args: tuple[int, ...]
     type: str
     value: Any
     window: int
     capacity: int
-    coverage: Optional[float]
-    at: Tuple[int, int]
+    coverage: float | None
+    at: tuple[int, int]
     infinite: bool
 
 
@@ -154,9 +155,9 @@ class Form(NamedTuple):
     """
 
     period: int
-    variables: Tuple[Variable, ...]
-    nodes: Tuple[Node, ...]
-    outputs: Tuple[Output, ...]
+    variables: tuple[Variable, ...]
+    nodes: tuple[Node, ...]
+    outputs: tuple[Output, ...]
 
 
 def read_form(document: Mapping[str, Any]) -> Form:
@@ -175,7 +176,7 @@ def read_form(document: Mapping[str, Any]) -> Form:
         _variable(item, f"variable {k}", aged=k in aged)
         for k, item in enumerate(take(document, "variables", list, where))
     )
-    nodes: List[Node] = []
+    nodes: list[Node] = []
     for row in rows:
         nodes.append(_node(row, f"node {len(nodes)}", variables, nodes, period))
     outputs = tuple(
@@ -187,9 +188,9 @@ def read_form(document: Mapping[str, Any]) -> Form:
     return Form(period, variables, tuple(nodes), outputs)
 
 
-def used_variables(form: Form) -> List[List[int]]:
+def used_variables(form: Form) -> list[list[int]]:
     """Return for each output the numbers of the variables that it depends on, in order."""
-    masks: List[int] = []  # of each node, whose operands are before it
+    masks: list[int] = []  # of each node, whose operands are before it
     for node in form.nodes:
         mask = 1 << int(node.value) if node.op in ("variable", "age") else 0
         for k in node.args:
@@ -226,6 +227,7 @@ def _variable(item: Any, where: str, *, aged: bool) -> Variable:
     literals = item.get("literals", [])
     if not isinstance(literals, list) or not all(isinstance(one, str) for one in literals):
         raise ModelError("", f"'literals' of {where} is not a list of texts")
+    reduction = item.get("reduction")
     return Variable(
         name=take(item, "name", str, where),
         type=kind,
@@ -235,17 +237,8 @@ def _variable(item: Any, where: str, *, aged: bool) -> Variable:
         literals=tuple(literals),
         stamped=aged or timeout is not None,
         text=item.get("text") is True,
-        reduction=_reduction(item.get("reduction"), where),
+        reduction=None if reduction is None else read_reduction(reduction, where),
     )
-
-
-def _reduction(row: Any, where: str) -> Optional[Reduction]:
-    if row is None:
-        return None
-    try:
-        return Reduction(row)
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as problem:
-        raise ModelError("", f"the reduction of {where} is damaged: {problem}") from None
 
 
 def _node(
@@ -258,7 +251,7 @@ def _node(
     at = row.get("at", [0, 0])
     if not isinstance(at, list) or len(at) != 2 or not all(type(k) is int for k in at):
         raise ModelError("", f"'at' of {where} is not a pair of numbers")
-    more: Dict[str, Any] = {"window": 0, "capacity": 0, "coverage": None, "infinite": False}
+    more: dict[str, Any] = {"window": 0, "capacity": 0, "coverage": None, "infinite": False}
     if op in LEAVES:
         kind, value = _leaf(op, row, where, variables)
         more["infinite"] = op == "variable" and variables[value].infinite
@@ -275,7 +268,7 @@ def _node(
     return Node(op=op, args=args, type=kind, value=value, at=(at[0], at[1]), **more)
 
 
-def _leaf(op: str, row: Any, where: str, variables: Sequence[Variable]) -> Tuple[str, Any]:
+def _leaf(op: str, row: Any, where: str, variables: Sequence[Variable]) -> tuple[str, Any]:
     if op == "variable":
         k = _index(row, where, len(variables))
         return variables[k].type, k
@@ -294,9 +287,9 @@ def _index(row: Any, where: str, end: int) -> int:
     return k
 
 
-def _window(op: str, row: Any, where: str, period: int) -> Dict[str, Any]:
+def _window(op: str, row: Any, where: str, period: int) -> dict[str, Any]:
     length = _check_bounds(take(row, "window", int, where), "window", max(1, period))
-    found: Dict[str, Any] = {"window": length}
+    found: dict[str, Any] = {"window": length}
     if period == 0:
         raise ModelError("", f"{where} has a window, but there is no period")
     if op in BUFFERED:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 
 import pytest
-from eddi_runtime.documents import ModelError
-from eddi_runtime.expressions.engine import build_engine
-from eddi_runtime.expressions.form import read_form, used_variables
-from eddi_runtime.expressions.source import class_lines
 
-from .event_documents import SECOND, form
+from eddi_scaffold.compiling.document import ModelError
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form, used_variables
+from runtime_lib.tests.event.event_documents import SECOND, form
 
 
 def damaged(**changes):
@@ -59,14 +58,15 @@ def test_what_is_damaged_is_refused(changes):
         read_form(damaged(**changes))
 
 
-def test_the_text_of_a_form_is_numbers_only():
+def test_no_word_of_a_form_becomes_code():
     evil = '"); import os; os.abort() #'
-    found = form(("gt", "x", 5), x={"name": evil})
+    found = form(("gt", "x", 5), ("eq_enum", "m", ("literal", 0)), variables=("x", "m"))
+    found["variables"][0]["name"] = evil
+    found["variables"][1]["literals"] = [evil]
     found["outputs"][0]["id"] = evil
-    found["variables"][0]["literals"] = [evil]
-    text = "\n".join(class_lines(read_form(found)))
-    assert "abort" not in text
-    assert build_engine(found).step(0, [6.0, None, None, None]) == (2,)
+    engine = build_engine(found)
+    assert engine.step(0, [6.0, evil]) == (2, 2)
+    assert engine.step(1, [4.0, "else"]) == (0, 1)
 
 
 def test_a_form_survives_json():

@@ -1,0 +1,1 @@
+"""Events as straight-line Python: read the inputs, then a line for each operation."""

@@ -1,0 +1,152 @@
+"""The class of each input that an expression gives: it reads messages and holds the windows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.compiling.document import InputData, ModelError, take
+from eddi_scaffold.compiling.expressions.form import BOOL, Form, Node, Variable, read_form
+from eddi_scaffold.compiling.expressions.sampling import Sampling
+from eddi_scaffold.compiling.expressions.source import Source, names_of, stamp_name
+from eddi_scaffold.compiling.text import (
+    Part,
+    assignment,
+    call,
+    literal,
+    text_literal,
+    tuple_of,
+    variables,
+)
+
+FORMAT = 1
+TYPES = ("bool", "float", "int", "state")
+
+
+def expression_classes(inputs: Sequence[InputData]) -> dict[str, str]:
+    """Return input id -> name of the class that computes it, for inputs with an expression."""
+    found = [one for one in inputs if one.expression is not None]
+    names = variables([f"Expression_{one.attribute}" for one in found], ())
+    return {one.id: name for one, name in zip(found, names, strict=True)}
+
+
+def expression_lines(inputs: Sequence[InputData]) -> list[str]:
+    """Return the lines of the classes of all expressions.
+
+    Raises:
+        ModelError: an expression is damaged.
+    """
+    classes = expression_classes(inputs)
+    lines: list[str] = []
+    for one in inputs:
+        if one.expression is not None:
+            lines += [*class_of(classes[one.id], one.expression), "", ""]
+    return lines
+
+
+def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
+    """Return the lines of one class.
+
+    Args:
+        name: of the class.
+        document: what ``eddi_scaffold.language.inputs`` made.
+
+    Raises:
+        ModelError: it is damaged.
+    """
+    where = "an expression"
+    kind = take(document, "type", str, where)
+    if kind not in TYPES:
+        raise ModelError("", f"{where} has the unknown type {kind!r}")
+    parts = take(document, "parts", list, where)
+    if not parts or (kind != "state" and len(parts) != 1):
+        raise ModelError("", f"{where} has {len(parts)} parts")
+    form = _joined([read_form(take(part, "form", dict, where)) for part in parts])
+    for output in form.outputs:
+        found = form.nodes[output.node].type
+        if (found == BOOL) != (kind in ("bool", "state")):
+            raise ModelError("", f"{where} of type {kind} gives a {found}")
+    sampling = Sampling(form)
+    sources = _Sources(document)
+    words = dict.fromkeys(sources.split(one.name)[0] for one in sampling.inputs)
+    names = document.get("names") or {word: ["message", word] for word in words}
+    lines = [f"class {name}(expressions.Expression):", f'    type = "{kind}"']
+    lines += ["    hazard = True"] if document.get("polarity") == "HAZARD" else []
+    if kind == "state":
+        states = tuple(take(part, "state", str, where) for part in parts)
+        lines += assignment("states", literal(states), 4)
+    lines += assignment("names", literal({word: tuple(one) for word, one in names.items()}), 4)
+    return [*lines, *_methods(form, sampling, sources)]
+
+
+class _Sources:
+    """Where the variables of an expression come from."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self._paths: Mapping[str, Any] = document.get("paths", {})
+        self._checks: Mapping[str, Any] = document.get("checks", {})
+
+    def split(self, name: str) -> tuple[str, tuple[Any, ...]]:
+        """Return the first word of a name and the path behind it; those with keys are given."""
+        if name not in self._paths:
+            return split_name(name)
+        word = name.partition(".")[0].partition("[")[0]
+        return word, _tuple(self._paths[name])
+
+    def field(self, name: str) -> list[Part]:
+        """Return the path of a variable, and the checks of whether it is a measurement."""
+        checks = self._checks.get(name, ())
+        return [literal(_tuple(one)) for one in (self.split(name)[1], *checks)]
+
+
+def split_name(name: str) -> tuple[str, tuple[str | int, ...]]:
+    """Split the name of a variable: ``temps.data[1]`` -> ``temps``, and the path ``data``, 1."""
+    pieces = name.replace("[", ".[").split(".")
+    parts = [int(one[1:-1]) if one.startswith("[") else one for one in pieces]
+    return str(parts[0]), tuple(parts[1:])
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(map(_tuple, value)) if isinstance(value, (list, tuple)) else value
+
+
+def _methods(form: Form, sampling: Sampling, sources: _Sources) -> list[str]:
+    _, names = names_of(form, sampling)
+    source = Source(form, names)
+    lines = [*source.members(), "", "    def step(self, t, messages, ages):"]
+    for k, (variable, used) in enumerate(zip(form.variables, sampling.uses, strict=True)):
+        word = text_literal(sources.split(sampling.inputs[used[0]].name)[0])
+        fields = [sources.field(sampling.inputs[one].name) for one in used]
+        if variable.reduction is None:
+            value = call("self.field", ["messages", word, *fields[0]])
+        else:
+            reduce = [str(k), f"self.reduce_{k}", "messages", word]
+            value = call("self.reduce", [*reduce, *map(tuple_of, fields)])
+        lines += assignment(names[k], value, 8)
+        if variable.stamped:
+            stamp = f"expressions.stamp(t, ages.get({word}))"
+            lines += [f"        {stamp_name(names[k])} = {stamp}"]
+    return [*lines, *source.evaluation(raw=True)]
+
+
+def _joined(forms: Sequence[Form]) -> Form:
+    """Return one form with the outputs of several, in which equal variables are one.
+
+    Raises:
+        ModelError: they are for different rates.
+    """
+    if len({form.period for form in forms}) > 1:
+        raise ModelError("", "the parts of an expression have different rates")
+    found: dict[Variable, int] = {}
+    nodes: list[Node] = []
+    outputs = []
+    for form in forms:
+        numbers = [found.setdefault(variable, len(found)) for variable in form.variables]
+        first = len(nodes)
+        for node in form.nodes:
+            is_variable = node.op in ("variable", "age")
+            value = numbers[node.value] if is_variable else node.value
+            args = tuple(first + k for k in node.args)
+            nodes.append(node._replace(args=args, value=value))
+        outputs += [output._replace(node=first + output.node) for output in form.outputs[:1]]
+    return Form(forms[0].period, tuple(found), tuple(nodes), tuple(outputs))

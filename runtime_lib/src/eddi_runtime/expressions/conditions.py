@@ -1,0 +1,94 @@
+"""What compiled conditions call and inherit: raw values as numbers, and when windows begin anew.
+
+Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene); values of an ENUM
+are the numbers of its literals, -1 is UNKNOWN.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Optional, Sequence, Tuple, Union
+
+from ..plain_values import plain
+
+Value = Union[float, int]
+_FAR_NS = 2**64
+"""Farther in the future than any sample whose clock is a little ahead."""
+
+
+class Conditions:
+    """Represents conditions over time; a compiled class adds ``step`` and what it remembers.
+
+    Attributes:
+        windows: of all functions.
+        last: time of the last step, None before the first. The same time again: the step is
+            ignored. An earlier one: the clock went back, all is forgotten first.
+        since: time of the first sample that the windows may hold.
+        outputs: of the last step.
+    """
+
+    windows: Tuple[Any, ...] = ()
+    last: Optional[int]
+    since: int
+    outputs: Tuple[Any, ...]
+
+    def __init__(self) -> None:
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything of former steps."""
+        self.last, self.since = None, 0
+        for window in self.windows:
+            window.reset()
+
+
+def known_value(raw: object) -> Union[bool, float, str, None]:
+    """Return a raw value as a plain one, None for what is none; never raises."""
+    try:
+        return plain(raw)
+    except Exception:  # noqa: BLE001 - a hostile object
+        return None
+
+
+def number(raw: object) -> float:
+    """Return a raw value as a number, NaN for UNKNOWN; never raises."""
+    value = known_value(raw)
+    try:
+        return float(value) if type(value) in (float, int) else math.nan  # type: ignore[arg-type]
+    except OverflowError:  # a whole number beyond any double
+        return math.nan
+
+
+def truth(raw: object) -> int:
+    """Return a raw value as 0, 1 or 2; never raises."""
+    if raw is True:
+        return 2
+    value = known_value(raw)
+    return (2 if value else 0) if isinstance(value, bool) else 1
+
+
+def literal(raw: object, literals: Sequence[str]) -> int:
+    """Return the number of a literal, -1 for UNKNOWN; never raises."""
+    value = known_value(raw)
+    return literals.index(value) if isinstance(value, str) and value in literals else -1
+
+
+def scaled(raw: object, num: int, den: int) -> object:
+    """Return a number in another unit, None where no double holds it; what is none as it is."""
+    value = known_value(raw)
+    if type(value) not in (float, int):
+        return raw
+    try:
+        return value * num / den  # type: ignore[operator]  # a number, by the line above
+    except OverflowError:
+        return None
+
+
+def stamp(t: int, age: Optional[float]) -> int:
+    """Return when a sample of an age was made; one whose age is not known counts as new.
+
+    One that can be of any age lies in the future: behind no limit, and nothing is asked of it.
+    """
+    if age is None:
+        return t
+    return t - round(age * 1e9) if math.isfinite(age) else t + _FAR_NS
