@@ -100,7 +100,7 @@ def number(value: float) -> str:
         return "NAN"
     if math.isinf(value):
         return "INF" if value > 0 else "-INF"
-    return float.__repr__(value)
+    return float.__repr__(value).replace("e+", "e")
 
 
 def comment(text: str) -> str:
@@ -151,7 +151,8 @@ def unpacked(names: Sequence[str], value: str) -> list[str]:
     """Return the lines that take a tuple apart, in a method; none for no names."""
     if not names:
         return []
-    line = f"        {', '.join(names)}{',' if len(names) == 1 else ''} = {value}"
+    target = ", ".join(names) if len(names) > 1 else f"({names[0]},)"
+    line = f"        {target} = {value}"
     if len(line) <= WIDTH:
         return [line]
     return ["        (", *(f"            {name}," for name in names), f"        ) = {value}"]

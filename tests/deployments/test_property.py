@@ -12,9 +12,9 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from eddi_runtime.expressions import engine
 from hypothesis import settings
 
+from eddi_scaffold.compiling import execution
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.problems import EddiError, has_errors
 from tests.deployments.cases import deployment_of as deployment_of_case
@@ -41,7 +41,7 @@ PATIENCE = 60
 def _compile_once() -> Iterator[None]:
     """Compile equal expressions once: a process that begins anew compiles its own again."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "compile", cache(compile), raising=False)
+        patch.setattr(execution, "compile", cache(compile), raising=False)
         yield
 
 

@@ -10,6 +10,7 @@ import pytest
 from eddi_runtime import EDDIInputBase
 
 from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
@@ -51,7 +52,7 @@ EDDIOutputs:
 
 def bound(monitor: BoundMonitor) -> EDDIInputBase:
     eddi_input = EDDIInputBase()
-    specs = parse_model(monitor.model_json, "model").inputs
+    specs = build(parse_model(monitor.model_json, "model")).inputs
     eddi_input.bind(specs)
     eddi_input.requires = {spec.id: spec.requires for spec in specs}
     return eddi_input

@@ -25,6 +25,7 @@ from eddi_scaffold.compiling.expressions.words import words_of
 from eddi_scaffold.compiling.text import (
     WIDTH,
     Item,
+    Part,
     assignment,
     call,
     number,
@@ -163,15 +164,15 @@ class Source:
         lines += ["self.last = t"]
         return _indented([*lines, "age = t - self.since"] if self._windows else lines)
 
-    def _new(self, k: int) -> str:
+    def _new(self, k: int) -> Part:
         node = self._form.nodes[k]
-        need = node.window - self._form.period
         # AND is decided by a false sample, OR by a true one.
         last = node.capacity if node.op in BUFFERED else 0 if node.op == "time" else 2
-        made = f"{self._called(CLASSES[node.op])}({node.window}, {need}, {last})"
+        numbers = (node.window, node.window - self._form.period, last)
+        made = call(self._called(CLASSES[node.op]), map(str, numbers))
         if node.coverage is None:
             return made
-        return f"{self._called('windows.Covered')}({made}, {node.coverage!r})"
+        return call(self._called("windows.Covered"), [made, number(node.coverage)])
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""
@@ -188,8 +189,8 @@ class Source:
             return [f"{name} = {self._called('truth')}({name})"]
         if variable.text:
             return [f"{name} = {self._called('lists.number_in')}({name})"]
-        number = f"{name} = {self._called('number')}({name})"
-        return [f"if type({name}) is not float:", f"    {number}"]
+        converted = f"{name} = {self._called('number')}({name})"
+        return [f"if type({name}) is not float:", f"    {converted}"]
 
     def _variable(self, k: int, variable: Variable) -> list[str]:
         name, unknown = self._names[k], _UNKNOWN[variable.type]
@@ -212,7 +213,7 @@ class Source:
     def _bounded(self, name: str, variable: Variable) -> list[str]:
         limits = variable.range
         finite = f"{name} - {name} == 0.0"
-        inside = f"{limits[0]!r} <= {name} <= {limits[1]!r}" if limits else ""
+        inside = f"{number(limits[0])} <= {name} <= {number(limits[1])}" if limits else ""
         if variable.infinite:
             lines = [f"if {finite} and not {inside}:", f"    {name} = NAN"] if inside else []
         else:

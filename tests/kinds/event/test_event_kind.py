@@ -10,10 +10,9 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.documents import ModelError
-from eddi_runtime.model_file import check_document, digest_of, parse_model
-from eddi_runtime.monitor import build
 
+from eddi_scaffold.compiling.document import ModelError, check_document, digest_of, parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import ROOT, run
 

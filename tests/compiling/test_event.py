@@ -1,0 +1,180 @@
+"""Compiled events and expressions: the text, and what of a hostile model is in it."""
+
+from __future__ import annotations
+
+import ast
+import random
+import subprocess
+from types import SimpleNamespace
+
+import pytest
+
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import check_document, digest_of
+from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.language import analyse
+from runtime_lib.tests import documents
+from runtime_lib.tests.event.event_documents import SECOND, document, form
+from tests.compiling.test_consert import HOSTILE
+from tests.language import test_lists
+from tests.language.formulas import DECLARATIONS, RATE, Formulas
+
+LONG = "a_name_of_more_than_twenty_four_characters"
+
+
+def events_of(text, **names):
+    """Return a document with the events of a text; names of variables can be others."""
+    analysis = analyse(text, rate=RATE)
+    assert analysis.form is not None, analysis.problems
+    rows = [row for one in analysis.form["variables"] for row in one.get("reduction", one)]
+    assert rows
+    made = document(("gt", "x", 5))
+    made["model"]["form"] = analysis.form
+    made["inputs"] = [
+        {"id": one.name, "attribute": f"in_{k}", "requires": [], "factor": [9, 5] if k else None}
+        for k, one in enumerate(analysis.inputs)
+    ]
+    return dict(made, sha256=digest_of(made))
+
+
+def many():
+    """Every operation, in events that are made at random."""
+    formulas = Formulas(random.Random(3), False)
+    events = [f"EVENT e{k} (HAZARD) := {formulas.boolean(3)}" for k in range(60)]
+    return events_of(DECLARATIONS + "\n".join(events))
+
+
+def lists():
+    rng = random.Random(4)
+    made = [test_lists.formula(rng) for _ in range(40)]
+    bools = [one if one.startswith("A") and one[1] in "NL" else f"{one} > 1" for one in made]
+    events = [f"EVENT e{k} (HAZARD) := {one}" for k, one in enumerate(bools)]
+    return events_of(test_lists.DECLARATIONS + "\n".join(events))
+
+
+def long_names():
+    variables = (LONG, "y" * 24, "z" * 24, "r1", "y" * 24 + "_stamp", "self", "expressions")
+    x, y, z, *others = variables
+    bounds = {"range": [-1.7976931348623157e308, 1.7976931348623157e308], "infinite": True}
+    conditions = [
+        ("hysteresis", y, z, x),
+        ("gt", ("least", y, z), -1.7976931348623157e308),
+        ("gt", ("max", ("div", y, ("age", z)), 3, 0.5), ("sqrt", ("sub", x, z))),
+        *(("gt", one, 5) for one in others),
+    ]
+    made = form(*conditions, variables=variables, **{y: bounds})
+    return with_form(made, [{"id": one, "attribute": one} for one in variables])
+
+
+def with_form(found, inputs):
+    made = document(("gt", "x", 5))
+    made["model"]["form"] = found
+    made["inputs"] = [{"requires": [], **one} for one in inputs]
+    return dict(made, sha256=digest_of(made))
+
+
+def expression():
+    """A ConSert whose inputs are computed: of a message, and a state of two conditions."""
+    name = f"x.{LONG}.value"
+    bound = form(("time", ("gt", "x", 5), 3), variables=("x",), x={"name": name, "timeout": 9})
+    states = [
+        {"state": one, "form": form((op, "x", 5), variables=("x",))}
+        for one, op in (("low", "lt"), ("high", "gt"))
+    ]
+    specs = {
+        "a": {"expression": {"type": "bool", "parts": [{"form": bound}], "polarity": "HAZARD"}},
+        "b": {"expression": {"type": "state", "parts": states}, "attribute": "3 b"},
+    }
+    checks = {name: [["unless", ["x" * 40], "y" * 40]]}
+    specs["a"]["expression"] |= {"names": {"x": ["message", "m"]}, "checks": checks}
+    specs["b"]["expression"] |= {"names": {"x": ["input", "a"]}}
+    evidence = ["a", ("b", documents.categorical("high"))]
+    return documents.document(evidence, guarantees=["G"], edges=["a>G", "b>G"], specs=specs)
+
+
+ALL = {"many": many, "lists": lists, "long_names": long_names, "expression": expression}
+
+
+@pytest.mark.parametrize("made", ALL.values(), ids=ALL)
+def test_the_formatter_changes_nothing(tmp_path, made):
+    path = tmp_path / "compiled.py"
+    path.write_text(compile_model(check_document(made())))
+    command = ["ruff", "format", "--diff", "--isolated", "--line-length", "100", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("", 0), done.stderr
+    command = ["ruff", "check", "--isolated", "--select", "F,E9", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("made", ALL.values(), ids=ALL)
+def test_the_text_is_for_python_3_8(made):
+    ast.parse(compile_model(check_document(made())), feature_version=(3, 8))
+
+
+def test_names_with_another_meaning_are_variables_of_their_own():
+    names = ("self", "expressions", "r1", "t", "last", "t_stamp", "NAN", LONG)
+    found = form(*(("gt", one, 5) for one in names), variables=names)
+    made = with_form(found, [{"id": one, "attribute": one} for one in names])
+    monitor = build(check_document(made))
+    given = SimpleNamespace(**{one: float(k) for k, one in enumerate(names)})
+    rows = monitor.execute_step(given, 0)
+    assert [row["verdict"] for row in rows] == [k > 5 for k in range(len(names))]
+
+
+def test_nothing_of_a_hostile_model_becomes_code():
+    names = [*HOSTILE, "m"]
+    found = form(
+        *(("gt", one, 5) for one in HOSTILE),
+        ("eq_enum", "m", ("literal", 0)),
+        variables=names,
+        m={"literals": HOSTILE},
+    )
+    inputs = [{"id": one, "attribute": f"value {k}"} for k, one in enumerate(names)]
+    made = with_form(found, inputs)
+    made["model"]["accepts"] = {"e0": HOSTILE}
+    for k, output in enumerate(found["outputs"][:-1]):
+        output["id"] = HOSTILE[-k]
+    made = dict(made, sha256=digest_of(made))
+    text = compile_model(check_document(made))
+    assert text.isascii()
+    used = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    assert "__import__" not in used
+    values = {f"value {k}": 6.0 for k in range(len(HOSTILE))}
+    rows = build(check_document(made)).execute_step(
+        SimpleNamespace(**values, **{f"value {len(HOSTILE)}": HOSTILE[0]}), 0
+    )
+    assert all(row["verdict"] for row in rows)
+
+
+def test_a_reviewer_finds_the_words_of_the_condition():
+    text = (
+        "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) :=\n  AVERAGE(temp, 2s) > 80 AND temp < 9"
+    )
+    made = compile_model(check_document(events_of(text)))
+    assert "# 3:3 AVERAGE(temp, 2 s)\n" in made
+    assert "# 3:21 AVERAGE(temp, 2 s) > 80\n" in made
+    assert "# 3:26 (AVERAGE(temp, 2 s) > 80) AND (temp < 9)\n" in made
+
+
+def test_two_monitors_of_one_text_are_independent():
+    made = type(build(check_document(document(("time", "a", 2), ("rise", "a")))))
+    one, other = made(), made()
+    for k in range(3):
+        rows = one.execute_step(SimpleNamespace(a=True), k * SECOND)
+    fresh = other.execute_step(SimpleNamespace(a=True), 0)
+    assert [row["verdict"] for row in rows] == [True, False]
+    assert [row["verdict"] for row in fresh] == [None, None]
+
+
+def test_an_expression_is_a_class_of_the_package():
+    monitor = build(check_document(expression()))
+    first, second = (spec.expression for spec in monitor.inputs)
+    assert (first.__name__, first().names) == ("Expression_a", {"x": ("message", "m")})
+    assert first().value(0, {}) is True  # a HAZARD
+    assert [second().value(0, {"x": x}) for x in (4.0, 6.0, 5.0, None)] == [
+        "low",
+        "high",
+        None,
+        None,
+    ]
