@@ -22,12 +22,10 @@ from tests.language.formulas import DECLARATIONS, RATE, Formulas
 LONG = "a_name_of_more_than_twenty_four_characters"
 
 
-def events_of(text, **names):
-    """Return a document with the events of a text; names of variables can be others."""
+def events_of(text):
+    """Return a document with the events of a text."""
     analysis = analyse(text, rate=RATE)
     assert analysis.form is not None, analysis.problems
-    rows = [row for one in analysis.form["variables"] for row in one.get("reduction", one)]
-    assert rows
     made = document(("gt", "x", 5))
     made["model"]["form"] = analysis.form
     made["inputs"] = [

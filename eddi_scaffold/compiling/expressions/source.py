@@ -279,8 +279,8 @@ class Source:
             return [f"{r} = {p} = max({a}, min({p}, 2 - {b}))"]
         if op == "hysteresis":
             known = " and ".join(f"{x} == {x}" for x in (a, b, c))
-            rest = f"2 if {a} >= {c} else 0 if {a} <= {b} else {p}"
-            return [f"{r} = {p} = ({rest}) if {known} else 1"]
+            held = f"2 if {a} >= {c} else 0 if {a} <= {b} else {p}"
+            return [f"if {known}:", f"    {r} = {held}", "else:", f"    {r} = 1", f"{p} = {r}"]
         if op == "elapsed":
             return [
                 f"if {a} == 1:",
