@@ -51,6 +51,7 @@ class EventMonitor(Conditions):
         events: in file order.
         reductions: for each reduction of a list the number of its first input.
         raw: values of the inputs in the last step, None where there is none.
+        step: evaluates once at a time: 0, 1 or 2 for each event; compiled monitors have it.
     """
 
     kind = "event"
@@ -61,6 +62,7 @@ class EventMonitor(Conditions):
     events: Tuple[Event, ...]
     reductions: Tuple[int, ...] = ()
     raw: Tuple[object, ...]
+    step: Callable[[object, int], Tuple[Value, ...]]
     _source: Any
     _unknown: Tuple[Value, ...]
     _verdicts: Tuple[Value, ...]
@@ -69,10 +71,6 @@ class EventMonitor(Conditions):
     def __init__(self) -> None:
         self._output_faults: Tuple[str, ...] = ()
         self.reset()
-
-    def step(self, source: object, t: int) -> Tuple[Value, ...]:
-        """Evaluate once: 0, 1 or 2 for each event; compiled monitors have it."""
-        raise NotImplementedError
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
         """Evaluate once; never raises an Exception.

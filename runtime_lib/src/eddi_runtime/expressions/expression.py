@@ -28,6 +28,7 @@ class Expression(Conditions):
         states: of a ``state``, each with a condition of its own.
         names: first word of a variable -> ``message`` or ``input``, and its id.
         reason: why a value could not be read in the last step, empty when all could be.
+        step: evaluates once and returns the value of each condition; compiled classes have it.
     """
 
     type: str
@@ -35,6 +36,7 @@ class Expression(Conditions):
     states: Tuple[str, ...] = ()
     names: Mapping[str, Tuple[str, str]]
     reason: str
+    step: Callable[[int, Mapping[str, Any], Mapping[str, float]], Tuple[Value, ...]]
 
     def __init__(self) -> None:
         self.reset()
@@ -44,12 +46,6 @@ class Expression(Conditions):
         self.reason = ""
         self._reduced: Dict[int, Tuple[Any, Any]] = {}
         self.restart()
-
-    def step(
-        self, t: int, messages: Mapping[str, Any], ages: Mapping[str, float]
-    ) -> Tuple[Value, ...]:
-        """Evaluate once and return the value of each condition; compiled classes have it."""
-        raise NotImplementedError
 
     def value(
         self,
