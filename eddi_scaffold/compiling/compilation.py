@@ -10,6 +10,7 @@ from eddi_scaffold.compiling.consert import emission as consert
 from eddi_scaffold.compiling.document import ModelError, ModelFile
 from eddi_scaffold.compiling.event import emission as event
 from eddi_scaffold.compiling.expressions import emission as expressions
+from eddi_scaffold.compiling.parts import parts_of
 from eddi_scaffold.compiling.text import comment
 
 CORE_FORMAT = 1
@@ -76,7 +77,7 @@ def whole_text(
         about += ["", f"Model: {comment(source)} {comment(path) if isinstance(path, str) else ''}"]
     lines = [*expressions.expression_lines(model_file.inputs), *lines]
     body = "\n".join(lines)
-    if _uses(body, "expressions"):
+    if "expressions" in parts_of(model_file):
         parts = {**parts, "expressions": expressions.FORMAT}
     constants = [f"{name} = {text}" for name, text in _CONSTANTS.items() if _uses(body, name)]
     below = "\n".join([*constants, "", "", *lines]) + "\n"
