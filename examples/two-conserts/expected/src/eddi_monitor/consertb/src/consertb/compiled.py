@@ -7,7 +7,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: 8bc82a833c2d0d0aa668656364a7d92655cf0a50a8bdd66fe90c34622e638297
+# sha256 of the lines below: 73b715218ca923afcb38e416f010c1db4595e8b284086c922e5c8335e01132b7
 
 
 class Monitor(consert.ConSert):
@@ -31,7 +31,7 @@ class Monitor(consert.ConSert):
         except Exception:
             raw = self.read(source)
         self.raw, self.source = raw, source
-        RtE_A_E0, = raw
+        (RtE_A_E0,) = raw
         # RtE_A_E0: //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         if RtE_A_E0 is True:
             RtE_A_E0 = 2
@@ -42,5 +42,5 @@ class Monitor(consert.ConSert):
         )
 
     def execute_step(self, source, t_ns=None):
-        System_A_G0_c2, = self.step(source)
+        (System_A_G0_c2,) = self.step(source)
         return [{"id": "System_A_G0_c2", "active": System_A_G0_c2}]
