@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import linecache
+from collections.abc import Callable
+from importlib.machinery import ModuleSpec
+from pathlib import PurePath
 from types import ModuleType
 from typing import Any
 
@@ -22,15 +25,37 @@ def build(model_file: ModelFile, hooks: Any = None) -> Any:
     Raises:
         ModelError: the model is wrong.
     """
-    made = module_of(compile_model(model_file), model_file.id).Monitor
+    made = module_of(compile_model(model_file), model_file.id, model_file.data).Monitor
     return made() if hooks is None else made(hooks)
 
 
-def module_of(text: str, model_id: str) -> ModuleType:
-    """Return the module of a compiled text; tracebacks and debuggers show its lines."""
+class _Files:
+    """Gives a module in memory its data files, as loaders of files do (PEP 302)."""
+
+    def __init__(self, data: Callable[[str], bytes]) -> None:
+        self._data = data
+
+    def get_data(self, path: str) -> bytes:
+        """Return the bytes of a file beside the module."""
+        return self._data(PurePath(path).name)
+
+
+def _no_data(name: str) -> bytes:
+    raise FileNotFoundError(name)
+
+
+def module_of(text: str, model_id: str, data: Callable[[str], bytes] = _no_data) -> ModuleType:
+    """Return the module of a compiled text; tracebacks and debuggers show its lines.
+
+    Args:
+        text: of ``compiled.py``.
+        model_id: id of its model.
+        data: name -> bytes of a bulk file beside it.
+    """
     name = f"<{model_id}>/compiled.py"
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     module = ModuleType(_NAME)
     module.__file__ = name
+    module.__spec__ = ModuleSpec(_NAME, _Files(data), origin=name)  # type: ignore[arg-type]
     exec(compile(text, name, "exec"), vars(module))  # noqa: S102 - our own text, in the generator
     return module

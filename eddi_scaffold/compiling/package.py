@@ -36,7 +36,7 @@ def write_compiled(root: Path) -> str | None:
 
     try:
         document = model.read_text("utf-8")
-        found = parse_model(document, names[_MODEL], files_in(model.parent))
+        found = parse_model(document, names[_MODEL], files_in(target.parent))
         text = compile_model(found, "." if vendored else "")
     except (ModelError, UnicodeDecodeError) as refused:
         problem = str(refused)

@@ -323,7 +323,7 @@ class Functions(Generic[M]):
             ``runtime_model`` and all below.
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
-        data_files: bulk data next to ``model.json``, which holds their digests.
+        data_files: bulk data next to ``compiled.py``, which holds their digests.
         cross_check: compares the compiled model (text of ``model.json``) with an independent
             tool before a package is written.
         readme: lines of Markdown for the package's README; what comes of a model is escaped.

@@ -98,8 +98,8 @@ def write_packages(
 
     Raises:
         EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
-            or the destination (F002) or the place of the templates (T002) cannot be written;
-            nothing was written.
+            a model cannot be compiled (K028), or the destination (F002) or the place of the
+            templates (T002) cannot be written; nothing was written.
     """
     work = _Work()
     if not dry_run:
@@ -119,7 +119,9 @@ def write_packages(
             for name, data in package.files.items():
                 (rendered / name).parent.mkdir(parents=True, exist_ok=True)
                 (rendered / name).write_bytes(data)
-            write_compiled(rendered)
+            problem = write_compiled(rendered)
+            if problem is not None:
+                raise EddiError(error("K028", problem, Place(str(root / package.folder))))
             if source.notes:
                 (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
             _merge_package(root, package, rendered, notes, work)

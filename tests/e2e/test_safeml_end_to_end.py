@@ -6,9 +6,9 @@ import random
 from pathlib import Path
 from types import SimpleNamespace
 
-import eddi_runtime
 import pytest
 
+from eddi_scaffold.replay.packaged import load
 from tests.e2e.robot import Run
 from tests.e2e.workspace import Workspace
 from tests.ros1.world import PYTHON, until
@@ -51,9 +51,9 @@ def spoilt(frames, chance):
     return frames
 
 
-def offline(model, frames):
+def offline(package, frames):
     """Return (accepted, rejected) -> the result after each frame, without ROS."""
-    monitor = eddi_runtime.load(model)
+    monitor = load(package).new()[0].monitor
     found = {}
     for frame in frames:
         result = monitor.execute_step(SimpleNamespace(frame=frame), 0)
@@ -65,7 +65,7 @@ def test_from_the_camera_to_the_guarantee(generator, built, roscore, tmp_path):
     usual, fog = recorded(generator)
     frames = [*spoilt(usual, random.Random(4)), *fog]
     (tmp_path / "frames.json").write_text(json.dumps(frames))
-    expected = offline(built.packages / "camera_scope" / "config" / "model.json", frames)
+    expected = offline(built.packages / "camera_scope", frames)
     with ScopeRun(roscore, built.devel_env(), tmp_path / "run") as run:
         run._start(PYTHON, str(STREAM), str(tmp_path / "frames.json"))
         until(lambda: run.messages(OUTPUT), 30.0, "the first word")

@@ -59,7 +59,9 @@ def compare(packages: Path, golden: Path, request: pytest.FixtureRequest) -> Non
         hint = f"{package}: look at the change, then run pytest with --update-golden"
         assert sorted(files) == sorted(expected), hint
         for name, (executable, data) in files.items():
-            assert data.decode() == expected[name][1].decode(), f"{name}: {hint}"
+            got_text, wanted = (one.decode("utf-8", "replace") for one in (data, expected[name][1]))
+            assert got_text == wanted, f"{name}: {hint}"
+            assert data == expected[name][1], f"{name}: {hint}"
             assert executable == expected[name][0], f"{name} executable: {hint}"
 
 

@@ -19,9 +19,9 @@ WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_moni
 PACKAGES = sorted([*WORKSPACE.iterdir(), *(HERE / "tests" / "golden" / "plain").iterdir()])
 PLATFORM = {"rospy", "rostest", "catkin_pkg", "setuptools", "eddi_messages", "std_msgs"}
 NO_COMMENT = {"eddi_monitor/CMakeLists.txt"}
-"""catkin compares it with a fixed text; a model is JSON, which has no comments."""
-BULK = {"camera_scope": {"reference.csv", "safeml_config.yml"}}
-"""Data files beside a model, which holds their digests: `generate` writes them, not Copier."""
+"""catkin compares it with a fixed text."""
+NO_TEXT = ("model.json", ".bin")
+"""JSON has no comments, and tables no text at all."""
 packages = pytest.mark.parametrize("package", PACKAGES, ids=lambda path: path.name)
 
 
@@ -42,7 +42,7 @@ def pristine(package: Path) -> set[str]:
 @packages
 def test_says_where_it_comes_from(package: Path) -> None:
     for name in generated(package):
-        if f"{package.name}/{name}" in NO_COMMENT or name.endswith("model.json"):
+        if f"{package.name}/{name}" in NO_COMMENT or name.endswith(NO_TEXT):
             continue
         start = "".join((package / name).read_text("utf-8").splitlines(keepends=True)[:6])
         said = start.lower()
@@ -54,8 +54,7 @@ def test_says_where_it_comes_from(package: Path) -> None:
 def test_every_file_is_editable_or_generated(package: Path) -> None:
     """Nothing may be overwritten that neither is merged nor says that it will be."""
     own = {name for name in files(package) if not name.startswith(".eddi/")}
-    records = {".copier-answers.yml", *BULK.get(package.name, ())}
-    assert own == generated(package) | pristine(package) | records
+    assert own == generated(package) | pristine(package) | {".copier-answers.yml"}
     assert not generated(package) & pristine(package)
 
 

@@ -13,7 +13,8 @@ from fractions import Fraction
 import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.kinds.safeml.model import Calibration, Metric, Rows
+from eddi_scaffold.kinds.safeml.design import Rows
+from eddi_scaffold.kinds.safeml.model import Calibration, Metric
 
 _LARGEST = 1e300
 _AT_ONCE = 2_000_000

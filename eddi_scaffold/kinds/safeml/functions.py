@@ -114,8 +114,8 @@ def settings(model: SafeMLModel) -> dict[str, Any]:
 
 
 def data_files(model: SafeMLModel) -> Mapping[str, bytes]:
-    """Return the reference and the configuration."""
-    return runtime_model.data_files(model.data, model.source)
+    """Return the tables that are too large for ``config/model.json``."""
+    return runtime_model.data_files(_connection(model).plan)
 
 
 def export(model: SafeMLModel) -> Mapping[str, str]:

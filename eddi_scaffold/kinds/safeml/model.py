@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
-import numpy.typing as npt
-from eddi_runtime.safeml.design import DesignSpec
-
 from eddi_scaffold.kinds import TypedModel
+from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows
 from eddi_scaffold.problems import Place, Problem
 from eddi_scaffold.source import Source
 
-Rows = npt.NDArray[np.float64]
 Metric = Literal["ks", "cvm", "ad"]
 
 METRICS: Mapping[str, Metric] = {
@@ -117,7 +113,7 @@ class Plan:
 
     Attributes:
         spec: what is tested, as the runtime needs it.
-        labels: name of each test.
+        design: the tests, and the reference in their form.
         n: size of the reference sample.
         level: significance level of one test.
         theoretical: threshold for independent samples.
@@ -130,7 +126,7 @@ class Plan:
 
     settings: SafeMLSettings
     spec: DesignSpec
-    labels: tuple[str, ...]
+    design: Design
     n: int
     level: float
     theoretical: float
@@ -139,6 +135,11 @@ class Plan:
     method: str
     autocorrelation: tuple[float, int]
     constant: tuple[int, ...]
+
+    @property
+    def labels(self) -> Sequence[str]:
+        """Name of each test."""
+        return self.design.labels
 
     @property
     def tests(self) -> int:

@@ -7,18 +7,18 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 import numpy as np
+from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
-from eddi_runtime.safeml.design import Design, DesignSpec, principal_axes, rounded, split
-from eddi_runtime.safeml.limits import limit_quantile
 
+from eddi_scaffold.compiling.safeml.limits import limit_quantile
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate, effective
+from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows, principal_axes, split
 from eddi_scaffold.kinds.safeml.model import (
     METRIC_NAMES,
     Calibration,
     Plan,
     Planned,
     ReferenceSample,
-    Rows,
     SafeMLSettings,
 )
 from eddi_scaffold.kinds.safeml.thresholds import (
@@ -109,8 +109,8 @@ class _Planner:
             problems.append(error("L007", text, where, hint))
             return None
         made = Plan(
-            settings, spec, tuple(design.labels), comparison.n, level, critical, calibration,
-            threshold, method, autocorrelation(design.series(self.rows)), constant,
+            settings, spec, design, comparison.n, level, critical, calibration, threshold, method,
+            autocorrelation(design.series(self.rows)), constant,
         )  # fmt: skip
         problems += self._remarks(made)
         return made

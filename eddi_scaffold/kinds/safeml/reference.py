@@ -9,9 +9,9 @@ import re
 from dataclasses import replace
 
 import numpy as np
-from eddi_runtime.safeml.reference import BLANKS, filled_lines
 
-from eddi_scaffold.kinds.safeml.model import ReferenceSample, Rows
+from eddi_scaffold.kinds.safeml.design import Rows
+from eddi_scaffold.kinds.safeml.model import ReferenceSample
 from eddi_scaffold.problems import Place, Problem, error, has_errors
 from eddi_scaffold.source import Source
 
@@ -19,6 +19,10 @@ MAX_BYTES = 512 * 1024 * 1024
 MAX_PROBLEMS = 20
 """Problems that are listed of one file; a wrong column would else be reported for every row."""
 
+_BLANKS = " \t\v\f"
+"""Characters allowed around a number, as in ``float`` for ASCII."""
+
+_LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[-+]?(nan|inf|infinity)", re.ASCII | re.IGNORECASE)
 _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
@@ -36,7 +40,7 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
         text = source.data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return None, [error("L004", "the reference is not UTF-8 text", Place(source.name))]
-    lines = filled_lines(text)
+    lines = _filled_lines(text)
     if not lines:
         return None, [error("L004", "the reference is empty", Place(source.name), _WRITTEN)]
     reader = _Reader(source.name, lines)
@@ -49,6 +53,12 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
         place = Place(source.name, lines[0][0])
         problems.append(error("L004", "the reference has one row only: no distribution", place))
     return (None if problems else ReferenceSample(source, values)), problems
+
+
+def _filled_lines(text: str) -> list[tuple[int, str]]:
+    """Return number (from 1) and text of each line that is neither empty nor a comment (``#``)."""
+    lines = ((k, line.strip(_BLANKS)) for k, line in enumerate(_LINE_END.split(text), 1))
+    return [(number, line) for number, line in lines if line and not line.startswith("#")]
 
 
 class _Reader:
@@ -123,7 +133,7 @@ def _cells(count: int) -> str:
 
 
 def _is_number(cell: str) -> bool:
-    text = cell.strip(BLANKS)
+    text = cell.strip(_BLANKS)
     return bool(_NUMBER.fullmatch(text) or _NOT_FINITE.fullmatch(text))
 
 

@@ -10,6 +10,7 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.escaping import markdown_text
 from eddi_scaffold.kinds.safeml.model import METRIC_NAMES, Plan, SafeMLFile
+from eddi_scaffold.kinds.safeml.windows import of_windows
 
 _LARGEST_SHIFT = 100.0
 
@@ -85,7 +86,7 @@ def detectable_shift(plan: Plan) -> float | None:
 
     def reaches(shift: float) -> bool:
         moved = (window + shift)[None, None, :]
-        return bool(comparison.of_windows(moved)[0, 0] >= plan.threshold)
+        return bool(of_windows(comparison, moved)[0, 0] >= plan.threshold)
 
     if not reaches(_LARGEST_SHIFT):
         return None

@@ -1,10 +1,10 @@
-"""SafeML -> ``config/model.json`` and the reference next to it."""
+"""SafeML -> ``config/model.json`` and the tables next to the code."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
+from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.kinds.safeml.model import (
     METRIC_NAMES,
     Plan,
@@ -13,24 +13,31 @@ from eddi_scaffold.kinds.safeml.model import (
     SafeMLOptions,
 )
 from eddi_scaffold.kinds.safeml.plan import upwards
-from eddi_scaffold.source import Source
+from eddi_scaffold.kinds.safeml.tables import Table
 
 REFERENCE_FILE = "reference.csv"
-"""Name of the reference next to ``model.json``, whatever it was called before."""
-
-CONFIG_FILE = "safeml_config.yml"
-"""Name of the configuration next to it, for people."""
+"""Name of an exported reference."""
 
 
-def runtime_model(file: SafeMLFile, plan: Plan) -> dict[str, Any]:
-    """Return the ``model`` part: axes and sorted values are made of the reference on the robot.
+def _sample(plan: Plan) -> Table:
+    return Table("reference.bin", plan.design.sample)
 
-    Their last bits differ between machines, and a package must not.
-    """
-    settings, reference = file.settings, file.reference
+
+def _axes(plan: Plan) -> Table | None:
+    return None if plan.design.table is None else Table("axes.bin", plan.design.table)
+
+
+def runtime_model(file: SafeMLFile, plan: Plan) -> dict[str, JsonValue]:
+    """Return the ``model`` part."""
+    settings, axes = file.settings, _axes(plan)
     value, test = plan.autocorrelation
+    found: JsonValue = None
+    if axes is not None:
+        found = {"table": axes.as_json(), "residual_floor": plan.design.floor}
     return {
-        "reference": _reference(reference),
+        "reference": _reference(file.reference),
+        "sample": _sample(plan).as_json(),
+        "axes": found,
         "metric": METRIC_NAMES[settings.metric],
         "window_size": settings.window_size,
         "stride": settings.stride,
@@ -51,7 +58,7 @@ def runtime_model(file: SafeMLFile, plan: Plan) -> dict[str, Any]:
     }
 
 
-def settings(connection: SafeMLOptions) -> dict[str, Any]:
+def settings(connection: SafeMLOptions) -> dict[str, JsonValue]:
     """Return the ``settings`` part."""
     own = connection.plan.settings
     return {
@@ -61,9 +68,10 @@ def settings(connection: SafeMLOptions) -> dict[str, Any]:
     }
 
 
-def data_files(file: SafeMLFile, config: Source) -> Mapping[str, bytes]:
-    """Return the reference and the configuration as they were given."""
-    return {REFERENCE_FILE: file.reference.source.data, CONFIG_FILE: config.data}
+def data_files(plan: Plan) -> Mapping[str, bytes]:
+    """Return the tables that are too large for the model."""
+    axes = _axes(plan)
+    return {**_sample(plan).files, **(axes.files if axes is not None else {})}
 
 
 def export(file: SafeMLFile, name: str) -> Mapping[str, str]:
@@ -95,10 +103,9 @@ def _yaml(value: float | None) -> str:
     return "null" if value is None else str(value).lower()
 
 
-def _reference(reference: ReferenceSample) -> dict[str, Any]:
+def _reference(reference: ReferenceSample) -> dict[str, JsonValue]:
     rows, features = reference.rows.shape
     return {
-        "file": REFERENCE_FILE,
         "name": reference.source.file_name,
         "sha256": reference.source.sha256,
         "rows": int(rows),
@@ -106,10 +113,10 @@ def _reference(reference: ReferenceSample) -> dict[str, Any]:
     }
 
 
-def _thresholds(plan: Plan) -> dict[str, Any]:
+def _thresholds(plan: Plan) -> dict[str, JsonValue]:
     """Return thresholds as people know them, and those of Kolmogorov-Smirnov as n m D."""
     quantile = plan.calibration.quantile if plan.calibration else None
-    found: dict[str, Any] = {
+    found: dict[str, JsonValue] = {
         "threshold": upwards(plan.scale(plan.threshold)),
         "threshold_theoretical": upwards(plan.scale(plan.theoretical)),
         "calibration_quantile": None if quantile is None else upwards(plan.scale(quantile)),

@@ -7,8 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from eddi_runtime.safeml.arrays import NAMES as BACKENDS
-
+from eddi_scaffold.compiling.safeml.model import BACKENDS
 from eddi_scaffold.kinds.safeml.model import METRICS, SafeMLSettings
 from eddi_scaffold.positioned_yaml.nodes import (
     Map,

@@ -7,9 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
-from eddi_runtime.safeml.limits import critical_value
 
+from eddi_scaffold.compiling.safeml.limits import critical_value
 from eddi_scaffold.kinds.safeml.model import Metric
+from eddi_scaffold.kinds.safeml.windows import of_windows
 
 MOST_EXACT = 20_000_000
 """Product of sample sizes up to which Kolmogorov-Smirnov is computed exactly."""
@@ -105,7 +106,7 @@ def largest_possible(metric: Metric, n: int, m: int) -> float:
     """Return the statistic of a window that is wholly beyond the reference."""
     reference = np.arange(n, dtype=np.float64)[None, :]
     beyond = n + np.arange(m, dtype=np.float64)[None, None, :]
-    return float(Comparison(metric, reference, m).of_windows(beyond)[0, 0])
+    return float(of_windows(Comparison(metric, reference, m), beyond)[0, 0])
 
 
 def smallest_window(metric: Metric, n: int, level: float, most: int = 2000) -> int | None:

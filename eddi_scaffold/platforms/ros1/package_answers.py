@@ -58,7 +58,8 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
         for publication in published
     ]
     files = {
-        f"config/{n}": data for n, data in monitor.kind.functions.data_files(monitor.model).items()
+        f"src/{monitor.package}/{n}": data
+        for n, data in monitor.kind.functions.data_files(monitor.model).items()
     }
     problems += _check(monitor, monitor.config, published)
     return PackageAnswers(monitor.package, answers, files), problems

@@ -1,10 +1,12 @@
 """SafeML monitors for tests, made of rows and a threshold."""
 
-import hashlib
 from types import SimpleNamespace
 
-from eddi_runtime.model_file import check_document, digest_of
-from eddi_runtime.monitor import build
+import numpy as np
+
+from eddi_scaffold.compiling.document import check_document, digest_of
+from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.kinds.safeml.design import Design, DesignSpec
 
 NAMES = {
     "ks": "KolmogorovSmirnovDistance",
@@ -13,15 +15,23 @@ NAMES = {
 }
 
 
-def document(rows, *, metric="ks", settings=(), csv=None, **model):
-    """Return a model document and its CSV."""
-    csv = "\n".join(",".join(map(repr, row)) for row in rows).encode() if csv is None else csv
+def document(rows, *, metric="ks", settings=(), **model):
+    """Return a model document; its tables are in it."""
+    spec = DesignSpec(
+        components=model.get("components"),
+        standardize=model.get("standardize", False),
+        residual=model.get("residual_test", False),
+        halves=model.get("halves", False),
+        single=model.get("input_dtype") == "float32",
+    )
+    design = Design(np.array(rows), spec)
+    axes = None
+    if design.table is not None:
+        axes = {"table": design.table.tolist(), "residual_floor": design.floor}
     own = {
-        "reference": {
-            "file": "reference.csv",
-            "sha256": hashlib.sha256(csv).hexdigest(),
-            "features": len(rows[0]),
-        },
+        "reference": {"name": "reference.csv", "rows": len(rows), "features": len(rows[0])},
+        "sample": design.sample.tolist(),
+        "axes": axes,
         "metric": NAMES[metric],
         "components": None,
         "standardize": False,
@@ -51,12 +61,11 @@ def document(rows, *, metric="ks", settings=(), csv=None, **model):
             **dict(settings),
         },
     }
-    return {**made, "sha256": digest_of(made)}, {"reference.csv": csv}
+    return {**made, "sha256": digest_of(made)}
 
 
 def monitor(rows, **more):
-    made, files = document(rows, **more)
-    return build(check_document(made, "model.json", files))
+    return build(check_document(document(rows, **more), "model.json"))
 
 
 def give(value):

@@ -3,9 +3,10 @@
 import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml import arrays  # noqa: E402 - numpy comes first
+from eddi_runtime.safeml import accelerators, arrays  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
 
+from eddi_scaffold.kinds.safeml.windows import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 
 
@@ -13,7 +14,7 @@ from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 def test_an_absent_library_is_said_and_numpy_used(name, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, name, None)
     with pytest.warns(RuntimeWarning, match=f"numpy is used, because {name} cannot be"):
-        assert arrays.backend(name).name == "numpy"
+        assert accelerators.backend(name).name == "numpy"
 
 
 def cases():
@@ -29,11 +30,11 @@ def cases():
 @pytest.mark.parametrize("name", ["torch", "cupy"])
 def test_same_decisions(name, metric):
     pytest.importorskip(name, reason=f"{name} is not installed")
-    backend = arrays.backend(name)
+    backend = accelerators.backend(name)
     for reference, windows in cases():
-        expected = Comparison(metric, reference, 12).of_windows(windows)
+        expected = of_windows(Comparison(metric, reference, 12), windows)
         there = Comparison(metric, reference, 12, backend)
-        found = backend.numpy(there.of_windows(backend.array(windows)))
+        found = backend.numpy(of_windows(there, backend.array(windows)))
         np.testing.assert_allclose(found, expected, rtol=1e-12 if metric == "ad" else 0.0)
 
 
@@ -51,7 +52,7 @@ def test_a_monitor_on_another_library(name, metric):
         assert mine.omission or mine.statistic == pytest.approx(its.statistic, rel=1e-12)
 
 
-class Renamed(arrays.NumpyLike):
+class Renamed(arrays.Backend):
     """Stands for an array library of another name: nothing may go by lists or numpy's own ways."""
 
     def __init__(self):
@@ -70,6 +71,6 @@ def test_the_way_of_other_libraries(metric):
         window = Window(there)
         for sample in windows[0].T:
             window.push(np.ascontiguousarray(sample))
-        expected = Comparison(metric, reference, 12).of_windows(windows)
+        expected = of_windows(Comparison(metric, reference, 12), windows)
         np.testing.assert_array_equal(window.statistics(), expected[0])
-        np.testing.assert_array_equal(there.of_windows(windows), expected)
+        np.testing.assert_array_equal(of_windows(there, windows), expected)

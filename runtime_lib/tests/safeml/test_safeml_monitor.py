@@ -6,11 +6,9 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime import EDDIInputBase  # noqa: E402 - numpy comes first
-from eddi_runtime.documents import ModelError  # noqa: E402
 from eddi_runtime.inputs import Messages  # noqa: E402
-from eddi_runtime.safeml.design import Design, DesignSpec  # noqa: E402
 
-from runtime_lib.tests.safeml.monitors import document, give, monitor, step  # noqa: E402
+from runtime_lib.tests.safeml.monitors import give, monitor, step  # noqa: E402
 
 ROWS = [[k / 10] for k in range(10)]
 NAN = float("nan")
@@ -267,54 +265,6 @@ def test_a_property_that_raises_is_unknown():
 
 def test_without_a_time():
     assert monitor(ROWS).execute_step(give([0.1])).accepted == 1
-
-
-def test_a_sample_equal_to_a_row_has_equal_values():
-    """Else rounding noise makes quantised samples differ from their own reference."""
-    chance = np.random.RandomState(6)
-    rows = np.round(chance.normal(size=(80, 12)), 1)
-    design = Design(rows, DesignSpec(components=5, residual=True, halves=True))
-    for k, row in enumerate(rows[:40]):
-        values = design.values(row)
-        for test, value in enumerate(values):
-            assert value in design.reference[test], (k, test)
-
-
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        ({"metric": "Wasserstein"}, "the metric 'Wasserstein' is not known"),
-        ({"window_size": 0}, "'window_size' of the model is below 1"),
-        ({"stride": True}, "'stride' of the model has the wrong type bool"),
-        ({"threshold_scaled": 0.5}, "'threshold_scaled' of the model has the wrong type float"),
-        ({"settings": {"max_age": -1}}, "'max_age' is not a number of seconds above 0"),
-        ({"settings": {"on_omission": "x"}}, "'on_omission' is 'x', not one of hold, clear"),
-        ({"reference": {"file": "reference.csv", "sha256": "0", "features": 1}}, "changed since"),
-        ({"csv": b"1\n2,3"}, "the rows differ in length"),
-        ({"csv": b"1\nx"}, "could not convert"),
-        ({"csv": b"1,2\n3,4"}, "has 2 features, the model other ones"),
-    ],
-)
-def test_damaged_models_are_refused(change, reason):
-    from eddi_runtime.model_file import check_document, digest_of
-    from eddi_runtime.monitor import build
-
-    made, files = document(ROWS, **{k: v for k, v in change.items() if k in {"settings", "csv"}})
-    made["model"].update({k: v for k, v in change.items() if k not in {"settings", "csv"}})
-    made["sha256"] = digest_of(made)
-    with pytest.raises(ModelError, match=reason):
-        build(check_document(made, "model.json", files))
-
-
-def test_two_inputs_are_refused():
-    from eddi_runtime.model_file import check_document, digest_of
-    from eddi_runtime.monitor import build
-
-    made, files = document(ROWS)
-    made["inputs"].append({"id": "b", "attribute": "b", "requires": []})
-    made["sha256"] = digest_of(made)
-    with pytest.raises(ModelError, match="one input is expected, not 2"):
-        build(check_document(made, "model.json", files))
 
 
 def test_the_scope_says_what_it_lacks():

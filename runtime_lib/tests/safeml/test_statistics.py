@@ -9,6 +9,7 @@ from eddi_runtime.safeml.comparison import Comparison  # noqa: E402 - numpy come
 from eddi_runtime.safeml.statistics import CramerVonMises  # noqa: E402
 from eddi_runtime.safeml.window import Window  # noqa: E402
 
+from eddi_scaffold.kinds.safeml.windows import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
 
 METRICS = tuple(LITERAL)
@@ -23,7 +24,7 @@ SAMPLES = st.lists(VALUES, min_size=1, max_size=40)
 
 def one(metric, reference, window):
     found = Comparison(metric, np.sort(np.array([reference], dtype=float)), len(window))
-    return float(found.of_windows(np.array([[window]], dtype=float))[0, 0])
+    return float(of_windows(found, np.array([[window]], dtype=float))[0, 0])
 
 
 @pytest.mark.parametrize("metric", METRICS)
@@ -72,13 +73,13 @@ def test_sums_that_do_not_fit_into_64_bits():
     chance = np.random.RandomState(1)
     reference = np.sort(chance.normal(size=(1, 3000)), axis=1)
     window = chance.normal(0.2, size=(1, 1, 200))
-    exact = Comparison("cvm", reference, 200).of_windows(window)
+    exact = of_windows(Comparison("cvm", reference, 200), window)
     comparison = Comparison("cvm", reference, 200)
     made = pytest.MonkeyPatch()
     made.setattr("eddi_runtime.safeml.statistics._EXACT", 1)
     comparison.of_ranks = CramerVonMises(comparison.backend, reference, 200)
     made.undo()
-    np.testing.assert_allclose(comparison.of_windows(window), exact, rtol=1e-10)
+    np.testing.assert_allclose(of_windows(comparison, window), exact, rtol=1e-10)
 
 
 @pytest.mark.parametrize("metric", METRICS)
@@ -106,8 +107,21 @@ def test_the_window_equals_its_last_values(metric, levels, listed, monkeypatch):
         last = [*last, sample][-m:]
         assert window.is_full == (len(last) == m)
         if window.is_full and count % 5 == 0:
-            expected = comparison.of_windows(np.array(last).T[None])[0]
+            expected = of_windows(comparison, np.array(last).T[None])[0]
             np.testing.assert_allclose(window.statistics(), expected, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("listed", [True, False])
+def test_infinity_is_beyond_every_reference(listed, monkeypatch):
+    """It is what a component becomes of numbers that are too large to multiply."""
+    if not listed:
+        monkeypatch.setattr("eddi_runtime.safeml.window._MOST_LISTED", 0)
+    comparison = Comparison("ad", np.arange(100.0)[None], 2)
+    window = Window(comparison)
+    for value in (np.inf, -np.inf):
+        window.push(np.array([value]))
+    expected = of_windows(comparison, np.array([[[1e9, -1e9]]]))[0]
+    np.testing.assert_array_equal(window.statistics(), expected)
 
 
 @pytest.mark.parametrize("metric", METRICS)

@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 import yaml
 from eddi_runtime.safeml.comparison import Comparison
-from eddi_runtime.safeml.limits import critical_value, limit_quantile
 
+from eddi_scaffold.compiling.safeml.limits import critical_value, limit_quantile
 from eddi_scaffold.kinds.safeml.model import Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.thresholds import ks_asymptotic, ks_tail, theoretical
+from eddi_scaffold.kinds.safeml.windows import of_windows
 from eddi_scaffold.source import Source
 from tests.kinds.safeml.monitors import LONG_NAMES, running
 from tests.shared_data import shared
@@ -53,7 +54,7 @@ def test_statistics() -> None:
         n, m = case["n"], case["m"]
         assert (len(reference), len(window)) == (n, m)
         found = {
-            metric: Comparison(metric, np.sort(reference)[None], m).of_windows(window[None, None])
+            metric: of_windows(Comparison(metric, np.sort(reference)[None], m), window[None, None])
             for metric in LONG_NAMES
         }
         ks, cvm, ad = (found[metric][0, 0] for metric in ("ks", "cvm", "ad"))
@@ -159,5 +160,5 @@ def test_false_violations_as_simulated() -> None:
         reference = np.sort(chance.normal(size=(10, 1000)), axis=1)
         threshold, _ = theoretical(metric, 1000, 100, 0.01)
         windows = chance.normal(size=(1000, 10, 100))
-        found = Comparison(metric, reference, 100).of_windows(windows).max(axis=1)
+        found = of_windows(Comparison(metric, reference, 100), windows).max(axis=1)
         assert low - 0.03 < (found >= threshold).mean() < high + 0.03, metric

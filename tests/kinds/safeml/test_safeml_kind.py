@@ -37,15 +37,40 @@ def model_of(folder: Path, **keys: object) -> dict[str, object]:
 def test_the_reference_travels_with_its_digest(tmp_path: Path) -> None:
     monitor, problems = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
     assert problems == []
-    files = FUNCTIONS.data_files(monitor.model)
-    assert files["reference.csv"] == (tmp_path / "reference.csv").read_bytes()
-    assert files["safeml_config.yml"] == (tmp_path / "safeml_config.yml").read_bytes()
     document = json.loads(monitor.model_json)
-    digest = hashlib.sha256(files["reference.csv"]).hexdigest()
+    digest = hashlib.sha256((tmp_path / "reference.csv").read_bytes()).hexdigest()
     assert document["model"]["reference"]["sha256"] == digest
+    rows = np.array(ROWS[:150], dtype=np.float32)  # calibration takes the others
+    assert document["model"]["sample"] == np.sort(rows.T, axis=1).tolist()
+    assert FUNCTIONS.data_files(monitor.model) == {}
     assert document["id"] == "scope"
     assert document["settings"] == {"array_backend": "numpy", "max_age": 1.0, "on_omission": "hold"}
     assert document["model"]["input_dtype"] == "float32"
+
+
+def test_a_large_reference_travels_in_a_file(tmp_path: Path) -> None:
+    rows = [*ROWS, *ROWS, *ROWS, *ROWS]
+    monitor, _ = joined(tmp_path, rows, **FIGURE, calibration="iid")
+    (data,) = FUNCTIONS.data_files(monitor.model).values()
+    sample = json.loads(monitor.model_json)["model"]["sample"]
+    digest = hashlib.sha256(data).hexdigest()
+    assert sample == {"file": "reference.bin", "sha256": digest, "shape": [2, 1200]}
+    table = np.frombuffer(data, "<f8").reshape(2, 1200)
+    np.testing.assert_array_equal(table, np.sort(np.array(rows).T, axis=1))
+
+
+def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
+    chance = np.random.default_rng(7)
+    rows = chance.normal(size=(100, 45)).tolist()
+    keys = {**FIGURE, "n_components": 44, "significance_level": 0.5}
+    monitor, _ = joined(tmp_path, rows, **keys)
+    files = FUNCTIONS.data_files(monitor.model)
+    assert list(files) == ["reference.bin", "axes.bin"]
+    one = compiled(monitor)
+    for row in rows[:20]:
+        result = one.execute_step(SimpleNamespace(sample=row), 0)
+    assert not result.omission
+    assert len(one.labels) == 45
 
 
 def test_whole_multi_arrays_fill_the_input(tmp_path: Path) -> None:

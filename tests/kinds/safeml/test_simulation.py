@@ -11,6 +11,7 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.kinds.safeml.model import Metric
 from eddi_scaffold.kinds.safeml.thresholds import theoretical
+from eddi_scaffold.kinds.safeml.windows import of_windows
 from tests.kinds.safeml.simulation import WINDOW, Rows, planned, power, process, rate
 
 pytestmark = pytest.mark.slow
@@ -34,7 +35,7 @@ def test_ten_independent_tests(metric: Metric, is_long: bool) -> None:
         reference = np.sort(chance.normal(size=(10, 1000)), axis=1)
         comparison = Comparison(metric, reference, WINDOW)
         for _ in range(windows // 250):
-            found = comparison.of_windows(chance.normal(size=(250, 10, WINDOW)))
+            found = of_windows(comparison, chance.normal(size=(250, 10, WINDOW)))
             rates.append((found.max(axis=1) >= threshold).mean())
     low, high = (0.08, 0.105) if is_long else (0.065, 0.125)
     assert low < float(np.mean(rates)) < high

@@ -8,8 +8,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 from eddi_runtime.safeml.comparison import Comparison
-from eddi_runtime.safeml.limits import critical_value
 
+from eddi_scaffold.compiling.safeml.limits import critical_value, moments
 from eddi_scaffold.kinds.safeml.plan import upwards
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,
@@ -18,6 +18,7 @@ from eddi_scaffold.kinds.safeml.thresholds import (
     smallest_window,
     theoretical,
 )
+from eddi_scaffold.kinds.safeml.windows import of_windows
 
 
 @pytest.mark.parametrize(("n", "m"), [(1, 1), (5, 3), (4, 4), (6, 4), (7, 2)])
@@ -26,7 +27,7 @@ def test_exact_probabilities_by_counting_every_order(n: int, m: int) -> None:
     for places in combinations(range(n + m), m):
         reference = np.array([[k for k in range(n + m) if k not in places]], dtype=float)
         window = np.array([[places]], dtype=float)
-        distances.append(int(Comparison("ks", reference, m).of_windows(window)[0, 0]))
+        distances.append(int(of_windows(Comparison("ks", reference, m), window)[0, 0]))
     for scaled in range(n * m + 2):
         expected = sum(distance >= scaled for distance in distances) / len(distances)
         assert ks_tail(n, m, scaled) == pytest.approx(expected, abs=1e-14)
@@ -55,7 +56,7 @@ def test_agrees_with_scipy(n: int, m: int) -> None:
     for shift in (0.0, 0.4, 1.0):
         reference, window = chance.normal(size=n), chance.normal(shift, size=m)
         comparison = {
-            metric: Comparison(metric, np.sort(reference)[None], m).of_windows(window[None, None])
+            metric: of_windows(Comparison(metric, np.sort(reference)[None], m), window[None, None])
             for metric in ("ks", "cvm", "ad")
         }
         ks = stats.ks_2samp(reference, window, method="exact")
@@ -70,7 +71,6 @@ def anderson(reference: np.ndarray, window: np.ndarray) -> float:
     """Return A2 by scipy, which gives it normalised."""
     import warnings
 
-    from eddi_runtime.safeml.limits import moments
     from scipy import stats
 
     with warnings.catch_warnings():
@@ -83,7 +83,7 @@ def test_scipy_differs_with_ties_as_the_documentation_says() -> None:
     stats = pytest.importorskip("scipy.stats", reason="scipy is not installed")
     same = [2.0] * 6
     assert stats.cramervonmises_2samp(same, same[:4]).statistic == pytest.approx(0.1375)
-    found = Comparison("cvm", np.array([same]), 4).of_windows(np.array([[same[:4]]]))
+    found = of_windows(Comparison("cvm", np.array([same]), 4), np.array([[same[:4]]]))
     assert float(found[0, 0]) == 0.0
 
 
@@ -95,7 +95,7 @@ def test_a_window_that_can_fire_and_one_that_cannot(metric: str) -> None:
     assert least == 1 or not can_fire(metric, 1000, least - 1, 0.01)
     threshold, _ = theoretical(metric, 1000, least, 0.01)
     beyond = np.arange(1000.0, 1000.0 + least)[None, None]
-    assert Comparison(metric, np.arange(1000.0)[None], least).of_windows(beyond)[0, 0] >= threshold
+    assert of_windows(Comparison(metric, np.arange(1000.0)[None], least), beyond)[0, 0] >= threshold
 
 
 @pytest.mark.parametrize("metric", ["cvm", "ad"])

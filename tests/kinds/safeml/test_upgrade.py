@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import random
+from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.compiling.document import digest_of
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError
+from eddi_scaffold.replay.packaged import load
 from tests.kinds.safeml.monitors import CONNECTED, lay
 
 _CHANCE = random.Random(1)
 ROWS = [[_CHANCE.gauss(0, 1)] for _ in range(100)]
+LARGE = [[_CHANCE.gauss(0, 1)] for _ in range(4010)]
 KEYS = {
     "window_size": 10,
     "significance_level": 0.1,
@@ -25,10 +31,12 @@ KEYS = {
 }
 
 
-def generated(inputs: Path, packages: Path, name: str) -> Path:
+def generated(
+    inputs: Path, packages: Path, name: str, rows: Sequence[Sequence[float]] = ROWS
+) -> Path:
     """Generate the package of this name and return its configuration."""
-    inputs.mkdir()
-    lay(inputs, ROWS, **KEYS)
+    inputs.mkdir(exist_ok=True)
+    lay(inputs, rows, **KEYS)
     config = inputs / "eddi_config.yml"
     config.write_text(CONNECTED.replace("id: scope", f"id: {name}"))
     monitors, problems = monitors_of(None, [config])
@@ -51,8 +59,36 @@ def test_a_newer_file_reaches_its_package(tmp_path: Path) -> None:
     assert levels(tmp_path / "out", model, config) == {"scope": 0.2}
     (group,) = groups(tmp_path / "out", [])
     write_packages(group.root, targets(group, model, [])[0], own_template())
-    written = (tmp_path / "out" / "scope" / "reference.csv").read_bytes()
-    assert written == (tmp_path / "in" / "reference.csv").read_bytes()
+    written = json.loads((tmp_path / "out" / "scope" / "model.json").read_bytes())
+    digest = hashlib.sha256((tmp_path / "in" / "reference.csv").read_bytes()).hexdigest()
+    assert written["model"]["reference"]["sha256"] == digest
+    (sample,) = written["model"]["sample"]
+    assert sample == pytest.approx(sorted(row[0] for row in ROWS[:90]), rel=1e-6)
+    text = (tmp_path / "out" / "scope" / "compiled.py").read_text("utf-8")
+    assert text.count(written["sha256"]) == 1
+
+
+def test_a_large_reference_comes_and_goes(tmp_path: Path) -> None:
+    folder = tmp_path / "out" / "scope"
+    for rows, names in ((ROWS, []), (LARGE, ["reference.bin"]), (ROWS, [])):
+        generated(tmp_path / "in", tmp_path / "out", "scope", rows)
+        assert [path.name for path in folder.glob("*.bin")] == names
+        monitor = load(folder).new()[0].monitor
+        assert monitor.execute_step(SimpleNamespace(sample=[0.5]), 0).accepted == 1
+
+
+def test_a_package_that_cannot_be_compiled_is_not_written(tmp_path: Path) -> None:
+    """Such as one whose model has no axes, because an older version made it."""
+    generated(tmp_path / "in", tmp_path / "out", "scope")
+    (group,) = groups(tmp_path / "out", [])
+    document = json.loads(group.present["scope"]["model_json"])
+    del document["model"]["axes"]
+    document["sha256"] = digest_of(document)
+    group.present["scope"]["model_json"] = json.dumps(document)
+    before = (tmp_path / "out" / "scope" / "compiled.py").read_bytes()
+    with pytest.raises(EddiError, match=r"no 'axes', an older .* `eddi-scaffold generate` again"):
+        write_packages(group.root, targets(group, None, [])[0], own_template())
+    assert (tmp_path / "out" / "scope" / "compiled.py").read_bytes() == before
 
 
 def test_of_two_packages_the_configuration_says_which(tmp_path: Path) -> None:

@@ -1,7 +1,20 @@
 """SafeML: does the running window of inputs still look like its reference? (SESAME D7.2 3.4)."""
 
-from .comparison import Comparison
-from .monitor import SafeMLMonitor, build
+from .axes import Axes
+from .monitor import SafeML
 from .result import OneTest, SafeMLResult
+from .table import Table
+from .tails import Interpolated, Kolmogorov
 
-__all__ = ["Comparison", "OneTest", "SafeMLMonitor", "SafeMLResult", "build"]
+FORMATS = (1,)
+
+__all__ = [
+    "FORMATS",
+    "Axes",
+    "Interpolated",
+    "Kolmogorov",
+    "OneTest",
+    "SafeML",
+    "SafeMLResult",
+    "Table",
+]

@@ -38,6 +38,7 @@ class AndersonDarling:
         self._total = self._n + m
         harmonic = np.concatenate([[0.0], np.cumsum(1.0 / np.arange(1, self._total + 1))])
         self._harmonic = backend.array(harmonic)
+        self._one = backend.array(np.int64(1))
         self._before = float(harmonic[self._total - 1])
         self._all = float(harmonic[self._total])
         self._b = backend.array(np.arange(1, m + 1, dtype=np.int64))
@@ -59,7 +60,7 @@ class AndersonDarling:
 
     def _h(self, index: Array) -> Array:
         """Return harmonic numbers; H of -1 may be anything, it is multiplied by 0."""
-        return self._backend.take(self._harmonic, index)
+        return self._harmonic[index]
 
     def _without_ties(self, low: Array) -> Array:
         """Return n m A2 as Pettitt (1976) writes it."""
@@ -89,7 +90,7 @@ class AndersonDarling:
 
     def _summand(self, passed: Array, u: Array) -> Array:
         m, total, doubles = self._m, self._total, self._backend.doubles
-        left = self._backend.at_least(total - passed, 1)  # 0 only behind the last, where u = m
+        left = self._backend.larger(total - passed, self._one)  # 0 where u = m
         ahead = doubles(total * (m - u) * (m - u)) / doubles(left)
         return ahead + doubles(total * u * u) / doubles(passed) - m * m
 
@@ -100,7 +101,7 @@ class AndersonDarling:
         between = u == self._at_most(high, start)  # else it equals a window value: a point
         start = start + u
         end = start + groups.size
-        left, size = self._backend.at_least(total - end, 1), doubles(groups.size)
+        left, size = self._backend.larger(total - end, self._one), doubles(groups.size)
         behind = self._h(total - 1 - start) - self._h(total - 1 - end)
         ahead = self._h(end) - self._h(start)
         more = (size / doubles(left) - behind) * (total * (m - u) * (m - u))

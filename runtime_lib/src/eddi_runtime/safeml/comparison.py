@@ -41,19 +41,6 @@ class Comparison:
         self.reference = backend.array(reference)
         self.of_ranks = _STATISTICS[metric](backend, reference, m)
 
-    def of_windows(self, windows: Array) -> Array:
-        """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
-        count = int(windows.shape[0])
-        values = windows.swapaxes(0, 1).reshape(self.tests, count * self.m)
-
-        def ranks(*, equal: bool) -> Array:
-            found = self.backend.ranks(self.reference, values, equal=equal)
-            return found.reshape(self.tests, count, self.m).swapaxes(0, 1)
-
-        lower, upper = ranks(equal=False), ranks(equal=True)
-        some = bool((lower != upper).any())
-        return self.of_ranks(lower, upper if some else None, self.counts(windows))
-
     def counts(self, windows: Array) -> Optional[Array]:
         """Return how many values of a window are <= each one, ascending; None if all differ."""
         if self.metric == "ks":

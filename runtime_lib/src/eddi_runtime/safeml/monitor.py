@@ -2,75 +2,92 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
+import numpy as np
+
 from ..clock import NO_TIME, step_time
-from ..documents import ModelError
 from ..inputs import InputSpec, Messages, accepted
-from ..model_file import ModelFile
 from ..monitor import Standing, Tree
-from . import limits, result
-from .arrays import Array, backend
+from ..reading import Absent, read
+from .arrays import NUMPY, Array
+from .axes import Axes
 from .comparison import Comparison
-from .design import Design
-from .model import SafeMLModel, read_safeml
 from .result import FILLING, OMITTED, STALE, OneTest, SafeMLResult
 from .samples import Taken, take
+from .table import Numbers, array_of
+from .tails import Tail
 from .window import Window
 
 _NAN = float("nan")
+_SPOILT = "the output has no Booleans omission and odd_violation; it is an omission"
 
 
-def build(
-    model_file: ModelFile,
-    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
-) -> SafeMLMonitor:
-    """Make the monitor: axes and sorted references are found anew from the reference file.
-
-    Args:
-        model_file: the model.
-        hooks: not used: all hand-written code is in EDDIInput.
-
-    Raises:
-        ModelError: the model is wrong, or the reference is not the one of the thresholds.
-    """
-    return SafeMLMonitor(model_file)
-
-
-class SafeMLMonitor:
-    """Compares the last samples with a reference. Not thread-safe.
+class SafeML:
+    """What the class ``Monitor`` of a compiled SafeML monitor inherits. Not thread-safe.
 
     Attributes:
         model_id: id of the model.
         digest: SHA-256 of the model file's content.
         kind: ``safeml``.
         inputs: the one input, which takes every message.
+        metric: ``ks``, ``cvm`` or ``ad``.
+        metric_name: its name in the configuration.
+        window_size: samples in a window.
+        stride: only every so manieth sample enters the window.
+        significance_level: per step, over all tests.
+        threshold: of every test; n m D for ``ks``.
+        threshold_theoretical: the same for independent samples.
+        tail: statistic of one test -> probability of at least this.
+        hold: the last verdict is kept while there is none; else it becomes false.
+        max_age: seconds without a sample after which the window is emptied; ``None``: never.
+        single: samples come as float32.
+        axes: ``None`` when the features themselves are tested.
+        reference: without axes the features, each ascending; with axes the rows of the sample.
+        array_backend: library of the arrays that the configuration asks for.
+        backend: name of the one that is used.
         labels: name of each test for people.
-        backend: name of the library of the arrays.
     """
 
     kind = "safeml"
+    model_id: str
+    digest: str
+    inputs: Tuple[InputSpec, ...]
+    metric: str
+    metric_name: str
+    window_size: int
+    stride: int
+    significance_level: float
+    threshold: Union[int, float]
+    threshold_theoretical: Union[int, float]
+    tail: Tail
+    hold: bool
+    max_age: Optional[float]
+    single: bool
+    axes: Optional[Axes] = None
+    reference: Numbers
+    array_backend = "numpy"
 
-    def __init__(self, model_file: ModelFile) -> None:
-        self.model_id = model_file.id
-        self.digest = model_file.digest
-        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
-        if len(self.inputs) != 1:
-            raise ModelError("", f"one input is expected, not {len(self.inputs)}")
-        self._model: SafeMLModel = read_safeml(model_file)
-        arrays = backend(self._model.array_backend)
-        self._design = Design(self._model.rows, self._model.spec)
-        self._model = self._model._replace(rows=None)  # the sorted reference is enough from here
-        self.labels = self._design.labels
+    def __init__(self) -> None:
+        arrays = NUMPY
+        if self.array_backend != "numpy":
+            from .accelerators import backend  # noqa: PLC0415 - few monitors ask for one
+
+            arrays = backend(self.array_backend)
         self.backend = arrays.name
-        model = self._model
-        self._comparison = Comparison(
-            model.metric, self._design.reference, model.window_size, arrays
-        )
+        reference = array_of(self.reference)
+        if self.axes is None:
+            self._features = len(reference)
+            self.labels = tuple(f"feature {k}" for k in range(self._features))
+        else:
+            self._features = len(self.axes.centre)
+            self.labels = self.axes.labels
+            reference = np.sort(self.axes.series(reference), axis=1)
+        self._comparison = Comparison(self.metric, reference, self.window_size, arrays)
         self._window = Window(self._comparison)
-        self._threshold = self._comparison.value(model.threshold)
-        self._theoretical = self._comparison.value(model.threshold_theoretical)
-        self._tail = limits.tail(model.metric, self._comparison.n, model.window_size)
+        self._value = self._comparison.value(self.threshold)
+        self._theoretical = self._comparison.value(self.threshold_theoretical)
         self._output_faults: Tuple[str, ...] = ()
         self.reset()
 
@@ -78,10 +95,10 @@ class SafeMLMonitor:
         """Forget all samples and verdicts."""
         self._window.clear()
         self._phase = 0
+        self._statistics: Optional[Array] = None
         self._accepted = self._rejected = 0
         self._accepted_ns: Optional[int] = None
         self._violation = self._judged = False
-        self._statistics: Optional[Array] = None
         self._fault, self._timeless = "", False
         self._source: object = None
         self._last = self._omitted(FILLING)
@@ -98,24 +115,20 @@ class SafeMLMonitor:
         """
         self._source = eddi_input
         time = step_time(t_ns)
-        self._timeless = time is None and self._model.max_age is not None
+        self._timeless = time is None and self.max_age is not None
         if self._timeless:
             self._last = self._omitted(STALE)
             return self._last
         now = time or 0
-        try:
-            value = getattr(eddi_input, self.inputs[0].attribute, None)
-        except Exception:  # noqa: BLE001 - a property may raise anything
-            value = None
+        value: Any = read(eddi_input, self.inputs[0].attribute, self.inputs[0].id)
         if self._too_old(now):
             self._clear()
             self._last = self._omitted(STALE)
-        if value is None:
+        if value is None or isinstance(value, Absent):
             self._fault = ""
             self._last = self._omitted(FILLING if self._accepted_ns is None else STALE)
         elif not (isinstance(value, Messages) and not value):
-            taken = take(value, self._design.features, single=self._model.spec.single)
-            self._last = self._judge(taken, now)
+            self._last = self._judge(take(value, self._features, single=self.single), now)
         return self._last
 
     def _judge(self, taken: Taken, now: int) -> SafeMLResult:
@@ -130,11 +143,10 @@ class SafeMLMonitor:
         return self._omitted(taken.bad[0] if taken.bad else FILLING)
 
     def _push(self, rows: List[Array]) -> None:
-        stride = self._model.stride
-        entering = rows[-self._phase % stride :: stride]
-        self._phase = (self._phase + len(rows)) % stride
-        for row in entering[-self._model.window_size :]:
-            self._window.push(self._design.values(row))
+        entering = rows[-self._phase % self.stride :: self.stride]
+        self._phase = (self._phase + len(rows)) % self.stride
+        for row in entering[-self.window_size :]:
+            self._window.push(row if self.axes is None else self.axes.values(row))
         if entering:
             self._statistics = None  # of another window
 
@@ -144,43 +156,29 @@ class SafeMLMonitor:
         test = int(self._statistics.argmax())
         largest = self._statistics[test]
         self._judged = True
-        self._violation = bool(largest >= self._model.threshold)
+        self._violation = bool(largest >= self.threshold)
         value = self._comparison.value(largest)
-        return SafeMLResult(
-            omission=False,
-            odd_violation=self._violation,
-            significance_level=self._model.significance_level,
-            statistic=value,
-            threshold=self._threshold,
-            threshold_theoretical=self._theoretical,
-            component=test,
-            p_value_bound=min(1.0, self._comparison.tests * self._tail(value)),
-            accepted=self._accepted,
-            rejected=self._rejected,
-        )
+        p_value_bound = min(1.0, self._comparison.tests * self.tail(value))
+        return self._result("", self._violation, value, test, p_value_bound)
 
     def _omitted(self, reason: str) -> SafeMLResult:
+        return self._result(reason, self._violation and self.hold, _NAN, OMITTED, _NAN)
+
+    def _result(
+        self, reason: str, violation: bool, statistic: float, test: int, p_value_bound: float
+    ) -> SafeMLResult:
         return SafeMLResult(
-            omission=True,
-            odd_violation=self._violation and self._model.hold,
-            significance_level=self._model.significance_level,
-            statistic=_NAN,
-            threshold=self._threshold,
-            threshold_theoretical=self._theoretical,
-            component=OMITTED,
-            p_value_bound=_NAN,
-            accepted=self._accepted,
-            rejected=self._rejected,
-            reason=reason,
-        )
+            reason != "", violation, self.significance_level, statistic, self._value,
+            self._theoretical, test, p_value_bound, self._accepted, self._rejected, reason,
+        )  # fmt: skip
 
     def _too_old(self, now: int) -> bool:
         """Return whether the window is too old; a clock that jumped back begins the age anew."""
-        if self._accepted_ns is None or self._model.max_age is None:
+        if self._accepted_ns is None or self.max_age is None:
             return False
         self._accepted_ns = min(self._accepted_ns, now)
         age = (now - self._accepted_ns) / 1e9
-        return age > self._model.max_age * (1 + 1e-9) and self._window.filled > 0
+        return age > self.max_age * (1 + 1e-9) and self._window.filled > 0
 
     def _clear(self) -> None:
         self._window.clear()
@@ -192,12 +190,12 @@ class SafeMLMonitor:
 
         Both are empty when there is one.
         """
-        reason, model = self._last.reason, self._model
+        reason = self._last.reason
         words = self._fault
         if reason == FILLING:
-            words = f"the window has {self._window.filled} of {model.window_size} samples"
+            words = f"the window has {self._window.filled} of {self.window_size} samples"
         elif reason == STALE:
-            limit = "its limit" if model.max_age is None else f"{model.max_age:g} s"
+            limit = "its limit" if self.max_age is None else f"{self.max_age:g} s"
             words = NO_TIME if self._timeless else f"the last sample is older than {limit}"
         return reason, words if reason else ""
 
@@ -208,29 +206,32 @@ class SafeMLMonitor:
         """
         if self._last.omission or self._statistics is None:
             return ()
-        outcomes = [self._outcome(test) for test in range(self._comparison.tests)]
+        outcomes = (self._outcome(test, one) for test, one in enumerate(self._statistics))
         return tuple(sorted(outcomes, key=lambda one: -one.statistic))
 
-    def _outcome(self, test: int) -> OneTest:
-        assert self._statistics is not None
-        value = self._comparison.value(self._statistics[test])
+    def _outcome(self, test: int, statistic: float) -> OneTest:
+        value = self._comparison.value(statistic)
         return OneTest(
             test,
             self.labels[test],
             value,
-            self._threshold,
-            violated=bool(self._statistics[test] >= self._model.threshold),
-            p_value=self._tail(value),
-            weights=tuple(self._design.weights(test)),
+            self._value,
+            violated=bool(statistic >= self.threshold),
+            p_value=self.tail(value),
+            weights=() if self.axes is None else tuple(self.axes.weights(test)),
         )
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, Union[bool, int, float, str, None]]:
         """Return a result with its names; NaN becomes None."""
-        return result.as_json(output)
+        return {
+            name: None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in output._asdict().items()
+        }
 
     def series(self, output: SafeMLResult) -> Mapping[str, Union[bool, float, str, None]]:
         """Return statistic, threshold, verdict and omission."""
-        return result.series(output)
+        known = self.as_json(output)
+        return {name: known[name] for name in ("statistic", "threshold", *self.decided(output))}
 
     def decided(self, output: SafeMLResult) -> Mapping[str, Union[bool, float, str, None]]:
         """Return verdict and omission."""
@@ -241,9 +242,18 @@ class SafeMLMonitor:
 
         What hand-written code has spoilt is published as an omission; ``output_faults`` reports it.
         """
-        tree, faults = result.output_message(output, self._model.significance_level)
-        self._output_faults = tuple(faults)
-        return tree
+        omission = getattr(output, "omission", None)
+        violation = getattr(output, "odd_violation", None)
+        self._output_faults = ()
+        if not isinstance(omission, bool) or not isinstance(violation, bool):
+            self._output_faults = (_SPOILT,)
+            omission, violation = True, violation is True
+        fields = {
+            "omission": omission,
+            "odd_violation": violation,
+            "significance_level": self.significance_level,
+        }
+        return "SafeMLOutput", fields
 
     def output_faults(self) -> Tuple[str, ...]:
         """Return what was wrong with the output that ``message`` was given last."""
@@ -251,14 +261,18 @@ class SafeMLMonitor:
 
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``SafeMLStatus`` tree without header."""
-        return result.status_message(
-            self._last,
-            self._model.metric_name,
-            self._window.filled,
-            self._model.window_size,
-            held=self._last.omission and self._model.hold and self._judged,
-            acceptances=self.accepted(),
-        )
+        last = self._last
+        fields: Dict[str, Any] = {
+            **last._asdict(),
+            "held": last.omission and self.hold and self._judged,
+            "metric": self.metric_name,
+            "filled": self._window.filled,
+            "window_size": self.window_size,
+            "in_scope": not last.omission and not last.odd_violation,
+            "acceptances": list(self.accepted()),
+        }
+        del fields["significance_level"]
+        return "SafeMLStatus", fields
 
     def standings(self) -> List[Standing]:
         """Return whether the window is in scope after the last step."""

@@ -1,11 +1,8 @@
-"""What a step of a SafeML monitor gives, and its messages."""
+"""What a step of a SafeML monitor gives."""
 
 from __future__ import annotations
 
-import math
-from typing import Any, Dict, List, NamedTuple, Sequence, Tuple, Union
-
-from ..monitor import Tree
+from typing import NamedTuple, Tuple
 
 FILLING = "filling"
 STALE = "stale"
@@ -75,77 +72,3 @@ class OneTest(NamedTuple):
             f"{self.label}: distance {self.statistic:.4g} {relation} threshold "
             f"{self.threshold:.4g}, p {self.p_value:.2g}{mostly}"
         )
-
-
-def as_json(result: SafeMLResult) -> Dict[str, Union[bool, int, float, str, None]]:
-    """Return a result as ``json`` can write it; NaN becomes None."""
-    return {
-        name: None if isinstance(value, float) and not math.isfinite(value) else value
-        for name, value in result._asdict().items()
-    }
-
-
-def series(result: SafeMLResult) -> Dict[str, Union[bool, float, str, None]]:
-    """Return the values that a plot shows."""
-    known = as_json(result)
-    names = ("statistic", "threshold", "odd_violation", "omission")
-    return {name: known[name] for name in names}
-
-
-def output_message(result: Any, significance_level: float) -> Tuple[Tree, List[str]]:
-    """Return the ``SafeMLOutput`` tree and what was wrong with a result; never raises.
-
-    What is no result is published as an omission.
-    """
-    omission = getattr(result, "omission", None)
-    violation = getattr(result, "odd_violation", None)
-    faults = []
-    if not isinstance(omission, bool) or not isinstance(violation, bool):
-        faults.append("the output has no Booleans omission and odd_violation; it is an omission")
-        omission, violation = True, violation is True
-    fields = {
-        "omission": omission,
-        "odd_violation": violation,
-        "significance_level": significance_level,
-    }
-    return ("SafeMLOutput", fields), faults
-
-
-def status_message(
-    result: SafeMLResult,
-    metric: str,
-    filled: int,
-    window_size: int,
-    *,
-    held: bool,
-    acceptances: Sequence[str],
-) -> Tree:
-    """Return the facts behind a result as a ``SafeMLStatus`` tree without header.
-
-    Args:
-        result: of the last step.
-        metric: its name in the configuration.
-        filled: samples in the window.
-        window_size: samples in a full one.
-        held: ``odd_violation`` is the verdict of a former step.
-        acceptances: in use, as ``input: key``.
-    """
-    fields = {
-        "omission": result.omission,
-        "odd_violation": result.odd_violation,
-        "held": held,
-        "metric": metric,
-        "statistic": result.statistic,
-        "threshold": result.threshold,
-        "threshold_theoretical": result.threshold_theoretical,
-        "component": result.component,
-        "p_value_bound": result.p_value_bound,
-        "accepted": result.accepted,
-        "rejected": result.rejected,
-        "filled": filled,
-        "window_size": window_size,
-        "reason": result.reason,
-        "in_scope": not result.omission and not result.odd_violation,
-        "acceptances": list(acceptances),
-    }
-    return "SafeMLStatus", fields

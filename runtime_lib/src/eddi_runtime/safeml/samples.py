@@ -7,8 +7,7 @@ from typing import Any, List, NamedTuple, Set
 import numpy as np
 
 from ..inputs import Messages
-from .arrays import Array
-from .design import rounded
+from .arrays import Array, rounded
 
 EMPTY = "empty"
 NOT_FINITE = "not_finite"

@@ -76,7 +76,7 @@ class CramerVonMises:
         low = self._backend.sort(lower)
         high = low if upper is None else self._backend.sort(upper)
         gaps = self._number(m * high - n * (self._b if counts is None else counts))
-        passed = self._backend.take(self._sums, low + self._rows)
+        passed = self._sums[low + self._rows]
         scaled = (
             (gaps * gaps).sum(-1)
             + 2 * n * m * passed.sum(-1)

@@ -122,11 +122,11 @@ def _in_lists(rows: List[List[float]]) -> Callable[[Array], _Ranks]:
 
 
 def _in_table(rows: Array) -> Callable[[Array], _Ranks]:
-    """Bisect in all rows at once; rows of a power of two, filled up with infinity."""
+    """Bisect in all rows at once; rows of a power of two, filled up with what equals nothing."""
     tests, n = rows.shape
     steps = [1 << k for k in range(n.bit_length() - 1, -1, -1)]
     width = 2 * steps[0]
-    table = np.full((tests, width), np.inf)
+    table = np.full((tests, width), np.nan)
     table[:, :n] = rows
     flat = table.ravel()
     begin = np.arange(tests) * width

@@ -2,23 +2,30 @@
 
 import math
 
+import numpy as np
 import pytest
+from eddi_runtime.safeml import Interpolated, Kolmogorov
+from eddi_runtime.safeml.comparison import Comparison
 
-np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml import limits  # noqa: E402 - numpy comes first
+from eddi_scaffold.compiling.safeml import limits
+from eddi_scaffold.kinds.safeml.windows import of_windows
+
+
+def tail(metric, n, m):
+    return Interpolated(*limits.critical_values(metric, n, m))
 
 
 @pytest.mark.parametrize("metric", ["cvm", "ad"])
 def test_tail_is_the_inverse_of_the_quantile(metric):
     for level in (0.5, 0.1, 0.07, 0.01, 1e-3, 3e-6, 1e-6, 1e-9):
-        value = limits.limit_quantile(metric, level)
-        assert limits.limit_tail(metric, value) == pytest.approx(level, rel=1e-9)
+        value = limits.critical_value(metric, level, 1000, 70)
+        assert tail(metric, 1000, 70)(value) == pytest.approx(level, rel=1e-9)
 
 
 @pytest.mark.parametrize("metric", ["cvm", "ad"])
 def test_above_one_half_the_quantile_stays(metric):
     assert limits.limit_quantile(metric, 0.9) == limits.limit_quantile(metric, 0.5)
-    assert limits.limit_tail(metric, 0.0) == 1.0
+    assert tail(metric, 1000, 70)(0.0) == 1.0
 
 
 def test_known_quantiles():
@@ -32,7 +39,7 @@ def test_beyond_the_table_the_quantile_is_on_the_safe_side():
 
 
 def test_kolmogorov():
-    tail = limits.tail("ks", 10_000, 10_000)
+    tail = Kolmogorov(10_000, 10_000)
     scale = math.sqrt(10_000 / 2)
     assert tail(1.3581 / scale) == pytest.approx(0.05, abs=1e-4)
     assert tail(0.0) == tail(0.1 / scale) == 1.0
@@ -40,20 +47,18 @@ def test_kolmogorov():
 
 
 def test_samples_too_small_for_a_variance():
-    assert limits.tail("ad", 1, 1)(1.0) == 1.0
+    assert tail("ad", 1, 1)(1.0) == 1.0
 
 
 @pytest.mark.parametrize(("metric", "mean"), [("cvm", 1 / 6 * (1 + 1 / 30)), ("ad", 1.0)])
 def test_moments_by_simulation(metric, mean):
-    from eddi_runtime.safeml.comparison import Comparison
-
     chance = np.random.RandomState(8)
     found = []
     for _ in range(300):
         reference = np.sort(chance.normal(size=(1, 20)), axis=1)
-        found += (
-            Comparison(metric, reference, 10).of_windows(chance.normal(size=(10, 1, 10))).tolist()
-        )
+        found += of_windows(
+            Comparison(metric, reference, 10), chance.normal(size=(10, 1, 10))
+        ).tolist()
     expected = limits.moments(metric, 20, 10)
     assert expected[0] == pytest.approx(mean)
     assert np.mean(found) == pytest.approx(expected[0], rel=0.1)

@@ -9,9 +9,7 @@ Anderson-Darling).
 from __future__ import annotations
 
 import math
-from typing import Callable, Tuple
-
-import numpy as np
+from itertools import accumulate
 
 METRICS = ("ks", "cvm", "ad")
 """Kolmogorov-Smirnov, Cramer-von Mises, Anderson-Darling."""
@@ -61,19 +59,7 @@ def limit_quantile(metric: str, level: float) -> float:
     return table[k - 1] + share * (table[k] - table[k - 1])
 
 
-def limit_tail(metric: str, value: float) -> float:
-    """Return the level whose quantile is ``value``; 1 where the table does not reach."""
-    table = _QUANTILES[metric]
-    if value < table[0]:
-        return 1.0
-    if value >= table[-1]:
-        return _LEVELS[-1] * math.exp(-(value - table[-1]) / _SLOPES[metric])
-    k = next(k for k in range(1, len(table)) if value < table[k])
-    share = (value - table[k - 1]) / (table[k] - table[k - 1])
-    return _LEVELS[k - 1] * math.exp(-share * math.log(_LEVELS[k - 1] / _LEVELS[k]))
-
-
-def moments(metric: str, n: int, m: int) -> Tuple[float, float]:
+def moments(metric: str, n: int, m: int) -> tuple[float, float]:
     """Return mean and variance of ``cvm`` or ``ad`` for samples of n and m, without ties."""
     total = n + m
     if metric == "cvm":
@@ -90,29 +76,18 @@ def critical_value(metric: str, level: float, n: int, m: int) -> float:
     return mean + excess * math.sqrt(variance / _LIMIT_VARIANCE[metric])
 
 
-def tail(metric: str, n: int, m: int) -> Callable[[float], float]:
-    """Return the function statistic -> asymptotic probability of at least this, at most 1."""
-    if metric == "ks":
-        scale = math.sqrt(n * m / (n + m))
-        return lambda value: _kolmogorov_tail(value * scale)
-    mean, variance = moments(metric, n, m)
+def critical_values(metric: str, n: int, m: int) -> tuple[list[tuple[float, float]], float]:
+    """Return the law of ``cvm`` or ``ad`` for samples of n and m.
+
+    Returns:
+        (critical value, level), ascending values; and the growth of the value per unit of
+        -ln(level) beyond them. Both are empty where the statistic has no variance.
+    """
+    _, variance = moments(metric, n, m)
     if variance <= 0.0:
-        return lambda _: 1.0
-    scale = math.sqrt(_LIMIT_VARIANCE[metric] / variance)
-    return lambda value: limit_tail(metric, _LIMIT_MEAN[metric] + (value - mean) * scale)
-
-
-def _kolmogorov_tail(x: float) -> float:
-    if x < 0.2:
-        return 1.0  # the series converges slowly there, and is 1 to 12 digits
-    series, sign = 0.0, 1.0
-    for j in range(1, 101):
-        term = math.exp(-2.0 * (j * x) ** 2)
-        series += sign * term
-        sign = -sign
-        if term < 1e-17:
-            break
-    return min(1.0, max(0.0, 2.0 * series))
+        return [], 0.0
+    points = [(critical_value(metric, level, n, m), level) for level in _LEVELS]
+    return points, _SLOPES[metric] * math.sqrt(variance / _LIMIT_VARIANCE[metric])
 
 
 def _anderson_darling_variance(n: int, m: int) -> float:
@@ -120,11 +95,9 @@ def _anderson_darling_variance(n: int, m: int) -> float:
     total = n + m
     if total < 4:
         return 0.0
-    inverse = 1.0 / np.arange(1, total)
-    harmonic = np.cumsum(inverse)
-    h = float(harmonic[-1])
-    i = np.arange(1, total - 1)
-    g = float(np.sum((h - harmonic[i - 1]) / (total - i)))
+    harmonic = list(accumulate(1.0 / i for i in range(1, total)))
+    h = harmonic[-1]
+    g = math.fsum((h - harmonic[i - 1]) / (total - i) for i in range(1, total - 1))
     ratio = 1.0 / n + 1.0 / m
     a = (4 * g - 6) + (10 - 6 * g) * ratio
     b = 4 * (2 * g - 4) + 16 * h + (2 * g - 14 * h - 4) * ratio - 8 * h + 4 * g - 6

@@ -1,0 +1,1 @@
+"""SafeML monitors: only constants are compiled."""

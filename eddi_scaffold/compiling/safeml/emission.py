@@ -1,0 +1,82 @@
+"""The class ``Monitor`` of a perception scope: nothing but constants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from eddi_scaffold.compiling.document import ModelFile
+from eddi_scaffold.compiling.inputs import input_lines
+from eddi_scaffold.compiling.safeml.limits import critical_values
+from eddi_scaffold.compiling.safeml.model import Axes, SafeMLData, Table, read_safeml
+from eddi_scaffold.compiling.text import (
+    Item,
+    Part,
+    assignment,
+    call,
+    comment,
+    literal,
+    number,
+    text_literal,
+    tuple_of,
+)
+
+FORMAT = 1
+
+
+def lines_of(model_file: ModelFile) -> list[str]:
+    """Return the lines of the class.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    data = read_safeml(model_file)
+    lines = [
+        "class Monitor(safeml.SafeML):",
+        f"    model_id = {text_literal(model_file.id)}",
+        f'    digest = "{model_file.digest}"',
+        *input_lines(model_file.inputs, {}),
+        f'    metric = "{data.metric}"',
+        f'    metric_name = "{data.metric_name}"',
+    ]
+    for name in ("window_size", "stride", "significance_level"):
+        lines += assignment(name, literal(getattr(data, name)), 4)
+    lines += _thresholds(data)
+    for name in ("hold", "max_age", "single"):
+        lines += assignment(name, literal(getattr(data, name)), 4)
+    if data.array_backend != "numpy":
+        lines += [f'    array_backend = "{data.array_backend}"']
+    if data.axes is not None:
+        lines += assignment("axes", _axes(data.axes), 4)
+    what = "Features, each ascending" if data.axes is None else "Rows"
+    lines += [f"    # {what}: {comment(data.about)}"]
+    return [*lines, *assignment("reference", _table(data.sample), 4)]
+
+
+def _thresholds(data: SafeMLData) -> list[str]:
+    sizes = f"of {data.size} reference values and {data.window_size} of the window"
+    scaled = f": {data.size * data.window_size} D" if data.metric == "ks" else ""
+    lines = [f"    # Distance {sizes}{scaled}"]
+    for name in ("threshold", "threshold_theoretical"):
+        lines += assignment(name, literal(getattr(data, name)), 4)
+    if data.metric == "ks":
+        return [*lines, f"    tail = safeml.Kolmogorov({data.size}, {data.window_size})"]
+    points, slope = critical_values(data.metric, data.size, data.window_size)
+    lines += ["    # Critical values with their levels, and the slope beyond"]
+    law = call("safeml.Interpolated", [literal(tuple(points)), number(slope)])
+    return [*lines, *assignment("tail", law, 4)]
+
+
+def _axes(axes: Axes) -> Part:
+    names = ["means", "divisors", *(f"component {k}" for k in range(axes.table.rows - 2))]
+    floor = {} if axes.floor is None else {"floor": number(axes.floor)}
+    return call("safeml.Axes", [_table(axes.table, names)], **floor)
+
+
+def _table(table: Table, names: Sequence[str] = ()) -> Part:
+    if table.numbers is None:
+        shape = literal((table.rows, table.columns))
+        texts = (text_literal(table.file), text_literal(table.sha256))
+        return call("safeml.Table", ["__spec__", *texts, shape])
+    above = names or [""] * table.rows
+    rows = (tuple_of(map(number, row)) for row in table.numbers)
+    return tuple_of(Item(row, above=name) for row, name in zip(rows, above, strict=True))
