@@ -11,7 +11,6 @@ library runs in Python (written here anew from its description). Measured in tur
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import statistics
 import sys
@@ -28,8 +27,11 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_runtime import Monitor  # noqa: E402 - a benchmark runs from the checkout
-from eddi_runtime.model_file import check_document, digest_of  # noqa: E402
-from eddi_runtime.monitor import build  # noqa: E402
+
+from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
+from eddi_scaffold.compiling.execution import build  # noqa: E402
+from eddi_scaffold.kinds.safeml.design import Design, DesignSpec  # noqa: E402
+from eddi_scaffold.kinds.safeml.tables import Table  # noqa: E402
 
 WINDOW = 100
 SIZES = [(1000, 10), (1000, 100), (10_000, 10), (10_000, 100)]
@@ -131,10 +133,20 @@ def peer_seconds(distances: Distances, reference: Array, window: Array) -> float
 
 
 def monitor_of(reference: Array, metric: str, **more: Any) -> Monitor:
-    csv = "\n".join(",".join(map(repr, row)) for row in reference.tolist()).encode()
-    digest = hashlib.sha256(csv).hexdigest()
+    spec = DesignSpec(
+        components=more.get("components"),
+        residual=more.get("residual_test", False),
+        halves=more.get("halves", False),
+    )
+    design = Design(reference, spec)
+    sample, axes = Table("reference.bin", design.sample), None
+    if design.table is not None:
+        axes = {"table": design.table.tolist(), "residual_floor": design.floor}
+    rows, features = reference.shape
     model = {
-        "reference": {"file": "r.csv", "sha256": digest, "features": reference.shape[1]},
+        "reference": {"name": "r.csv", "rows": rows, "features": features},
+        "sample": sample.as_json(),
+        "axes": axes,
         "metric": NAMES[metric],
         "components": None,
         "standardize": False,
@@ -161,7 +173,8 @@ def monitor_of(reference: Array, metric: str, **more: Any) -> Monitor:
         "settings": {"on_omission": "hold", "max_age": None, "array_backend": "numpy"},
     }
     document["sha256"] = digest_of(document)
-    return build(check_document(document, "benchmark", {"r.csv": csv}))
+    monitor: Monitor = build(check_document(document, "benchmark", sample.files))
+    return monitor
 
 
 def scipy_peers() -> list[tuple[str, dict[str, Distances], str | None]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,39 +15,22 @@ class Torch(Backend):
     """PyTorch, on the first CUDA device where there is one."""
 
     def __init__(self, module: Any) -> None:
-        super().__init__(module, "torch")
-        self._torch = module
-        self._device = module.device("cuda" if module.cuda.is_available() else "cpu")
-
-    def array(self, values: Any) -> Array:
-        return self._torch.as_tensor(np.ascontiguousarray(values), device=self._device)
-
-    def numpy(self, values: Array) -> Array:
-        return values.cpu().numpy()
-
-    def sort(self, values: Array) -> Array:
-        return self._torch.sort(values, dim=-1)[0]
-
-    def highest(self, values: Array) -> Array:
-        return values.amax(dim=-1)
-
-    def lowest(self, values: Array) -> Array:
-        return values.amin(dim=-1)
-
-    def larger(self, one: Array, other: Array) -> Array:
-        return self._torch.maximum(one, other)
-
-    def doubles(self, values: Array) -> Array:
-        return values.to(self._torch.float64)
-
-    def positions(self, flat: Array, keys: Array) -> Array:
-        return self._torch.searchsorted(flat, keys.contiguous(), right=True)
-
-    def count(self, truths: Array) -> int:
-        return int(self._torch.count_nonzero(truths))
+        device = module.device("cuda" if module.cuda.is_available() else "cpu")
+        self.name = "torch"
+        self.array = lambda values: module.as_tensor(np.ascontiguousarray(values), device=device)
+        self.numpy = lambda values: values.cpu().numpy()
+        self.sort = lambda values: module.sort(values, dim=-1)[0]
+        self.highest = partial(module.amax, dim=-1)
+        self.lowest = partial(module.amin, dim=-1)
+        self.larger = module.maximum
+        self.doubles = lambda values: values.to(module.float64)
+        self.count = lambda truths: int(module.count_nonzero(truths))
+        self.positions = lambda flat, keys: self.ranks(flat, keys, equal=True)
+        self._module = module
 
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
-        return self._torch.searchsorted(rows.contiguous(), values.contiguous(), right=equal)
+        """Count in each sorted row what is below each value of the same row."""
+        return self._module.searchsorted(rows.contiguous(), values.contiguous(), right=equal)
 
 
 def backend(name: str) -> Backend:

@@ -9,23 +9,11 @@ difference of harmonic numbers, and a step need not walk over the reference.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
 from .arrays import Array, Backend
-
-
-class _Groups(NamedTuple):
-    """The values that occur in the reference more than once; each array is (K, Q).
-
-    Attributes:
-        below: reference values below the group.
-        size: how often the value is there; 1 fills up the rows.
-    """
-
-    below: Array
-    size: Array
 
 
 class AndersonDarling:
@@ -33,8 +21,7 @@ class AndersonDarling:
 
     def __init__(self, backend: Backend, reference: Array, m: int) -> None:
         self._backend = backend
-        self._tests, self._n = (int(size) for size in reference.shape)
-        self._m = m
+        self._n, self._m = int(reference.shape[1]), m
         self._total = self._n + m
         harmonic = np.concatenate([[0.0], np.cumsum(1.0 / np.arange(1, self._total + 1))])
         self._harmonic = backend.array(harmonic)
@@ -44,7 +31,9 @@ class AndersonDarling:
         self._b = backend.array(np.arange(1, m + 1, dtype=np.int64))
         self._ahead = backend.array(2.0 * np.arange(1, m + 1) - 1.0)
         self._behind = backend.array(2.0 * np.arange(m, 0, -1) - 1.0)
-        self._groups = _tied_groups(backend, reference)
+        below, size = _tied_groups(reference)
+        self._ties = size.size > 0
+        self._below, self._size = backend.array(below), backend.array(size)
 
     def __call__(self, lower: Array, upper: Optional[Array], counts: Optional[Array]) -> Array:
         """Return A2 (..., K) in float64."""
@@ -54,8 +43,8 @@ class AndersonDarling:
             scaled = self._without_ties(low)
         else:
             scaled = self._with_ties(low, high, self._b if counts is None else counts)
-        if self._groups is not None:
-            scaled = scaled + self._corrections(low, high, self._groups)
+        if self._ties:
+            scaled = scaled + self._corrections(low, high)
         return scaled / float(self._n * self._m)
 
     def _h(self, index: Array) -> Array:
@@ -94,14 +83,14 @@ class AndersonDarling:
         ahead = doubles(total * (m - u) * (m - u)) / doubles(left)
         return ahead + doubles(total * u * u) / doubles(passed) - m * m
 
-    def _corrections(self, low: Array, high: Array, groups: _Groups) -> Array:
+    def _corrections(self, low: Array, high: Array) -> Array:
         """Return what tied reference values add to n m A2 beyond as many untied ones."""
-        m, total, doubles, start = self._m, self._total, self._backend.doubles, groups.below
+        m, total, doubles, start = self._m, self._total, self._backend.doubles, self._below
         u = self._at_most(low, start)
         between = u == self._at_most(high, start)  # else it equals a window value: a point
         start = start + u
-        end = start + groups.size
-        left, size = self._backend.larger(total - end, self._one), doubles(groups.size)
+        end = start + self._size
+        left, size = self._backend.larger(total - end, self._one), doubles(self._size)
         behind = self._h(total - 1 - start) - self._h(total - 1 - end)
         ahead = self._h(end) - self._h(start)
         more = (size / doubles(left) - behind) * (total * (m - u) * (m - u))
@@ -119,19 +108,20 @@ class AndersonDarling:
         return found - rows * self._m
 
 
-def _tied_groups(backend: Backend, reference: Array) -> Optional[_Groups]:
-    n = reference.shape[1]
+def _tied_groups(reference: Array) -> Tuple[Array, Array]:
+    """Return what is below each value that a row holds more than once, and how often: (K, Q).
+
+    Rows are filled up with groups of one value, which correct nothing.
+    """
     found = []
     for row in reference:
-        bounds = np.concatenate([[0], np.flatnonzero(row[1:] != row[:-1]) + 1, [n]])
+        bounds = np.flatnonzero(np.concatenate([[True], row[1:] != row[:-1], [True]]))
         sizes = np.diff(bounds)
         found.append((bounds[:-1][sizes > 1], sizes[sizes > 1]))
     longest = max(len(sizes) for _, sizes in found)
-    if longest == 0:
-        return None
     below = np.zeros((len(found), longest), dtype=np.int64)
-    size = np.ones((len(found), longest), dtype=np.int64)  # a group of 1 corrects nothing
+    size = np.ones((len(found), longest), dtype=np.int64)
     for k, (starts, sizes) in enumerate(found):
         below[k, : len(starts)] = starts
         size[k, : len(sizes)] = sizes
-    return _Groups(backend.array(below), backend.array(size))
+    return below, size

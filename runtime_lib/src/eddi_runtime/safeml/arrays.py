@@ -1,63 +1,48 @@
-"""The few array functions that the statistics need, by numpy or CuPy."""
+"""Arrays: where they come from, and the few functions that the statistics need of a library."""
 
 from __future__ import annotations
 
-from typing import Any
+import hashlib
+import os
+from functools import partial
+from typing import Any, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
+
+from ..documents import ModelError
 
 Array = Any
 """An array of the backend: ``numpy.ndarray``, ``cupy.ndarray`` or ``torch.Tensor``."""
 
 
 class Backend:
-    """Array functions under one name: numpy itself, or CuPy, which has its names.
-
-    "Last" is the last axis of an array.
+    """Array functions under one name. "Last" is the last axis of an array.
 
     Attributes:
         name: ``numpy``, ``torch`` or ``cupy``.
+        array: numpy values -> an array of this backend.
+        numpy: an array -> one of numpy.
+        sort: -> a copy that is sorted along the last axis.
+        highest: -> the maximum along the last axis.
+        lowest: -> the minimum along the last axis.
+        larger: -> the larger one of each two elements.
+        doubles: -> the values as float64.
+        count: -> how many elements are true.
+        positions: sorted flat array, keys -> for each key how many elements are <= it.
     """
 
-    def __init__(self, module: Any, name: str = "numpy") -> None:
+    def __init__(self, module: Any = np, name: str = "numpy") -> None:
         self.name = name
-        self._xp = module
-
-    def array(self, values: Any) -> Array:
-        """Return numpy values as an array of this backend."""
-        return self._xp.asarray(values)
-
-    def numpy(self, values: Array) -> Array:
-        """Return an array as one of numpy."""
-        return values if self.name == "numpy" else self._xp.asnumpy(values)
-
-    def sort(self, values: Array) -> Array:
-        """Return a copy that is sorted along the last axis."""
-        return self._xp.sort(values, axis=-1)
-
-    def highest(self, values: Array) -> Array:
-        """Return the maximum along the last axis."""
-        return values.max(axis=-1)
-
-    def lowest(self, values: Array) -> Array:
-        """Return the minimum along the last axis."""
-        return values.min(axis=-1)
-
-    def larger(self, one: Array, other: Array) -> Array:
-        """Return the larger one of each two elements."""
-        return self._xp.maximum(one, other)
-
-    def doubles(self, values: Array) -> Array:
-        """Return the values as float64."""
-        return values.astype(self._xp.float64)
-
-    def positions(self, flat: Array, keys: Array) -> Array:
-        """Return for each key how many elements of a sorted flat array are <= it."""
-        return self._xp.searchsorted(flat, keys, side="right")
-
-    def count(self, truths: Array) -> int:
-        """Return how many elements are true."""
-        return int(self._xp.count_nonzero(truths))
+        self.array: Any = module.asarray
+        self.numpy: Any = getattr(module, "asnumpy", module.asarray)
+        self.sort: Any = partial(module.sort, axis=-1)
+        self.highest: Any = lambda values: values.max(-1)
+        self.lowest: Any = lambda values: values.min(-1)
+        self.larger: Any = module.maximum
+        self.doubles: Any = partial(module.asarray, dtype=module.float64)
+        self.count: Any = lambda truths: int(module.count_nonzero(truths))
+        self.positions: Any = partial(module.searchsorted, side="right")
+        self._module = module
 
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
         """Count in each sorted row what is below each value of the same row.
@@ -71,14 +56,11 @@ class Backend:
             Whole numbers (K, q).
         """
         side = "right" if equal else "left"
-        found = [
-            self._xp.searchsorted(row, one, side=side)  # (q,)
-            for row, one in zip(rows, values)
-        ]
-        return self._xp.stack(found).astype(self._xp.int64)
+        found = [self._module.searchsorted(row, one, side=side) for row, one in zip(rows, values)]
+        return self._module.stack(found).astype(self._module.int64)
 
 
-NUMPY = Backend(np)
+NUMPY = Backend()
 """The backend that is always there."""
 
 
@@ -88,3 +70,44 @@ def rounded(values: Array, *, single: bool) -> Array:
         return values
     with np.errstate(over="ignore"):  # what becomes infinite is refused as such
         return values.astype(np.float32).astype(np.float64)
+
+
+class Table(NamedTuple):
+    """A file of doubles, least significant byte first, one row after the other.
+
+    Attributes:
+        spec: ``__spec__`` of the compiled monitor, beside which the file lies: whatever has
+            loaded the monitor also loads the file, from the source tree as from an archive.
+        file: its name.
+        sha256: of its bytes.
+        shape: numbers of rows and columns.
+    """
+
+    spec: Any
+    file: str
+    sha256: str
+    shape: Tuple[int, int]
+
+
+Numbers = Union[Table, Sequence[Sequence[float]]]
+
+
+def array_of(numbers: Numbers) -> Array:
+    """Return numbers as a writable array of float64.
+
+    Raises:
+        ModelError: the file cannot be read, or it is not the one of the thresholds.
+    """
+    if not isinstance(numbers, Table):
+        return np.array(numbers, dtype=np.float64)
+    folder = os.path.dirname(numbers.spec.origin)  # noqa: PTH120 - pathlib is slow to import
+    path = os.path.join(folder, numbers.file)  # noqa: PTH118
+    try:
+        data = numbers.spec.loader.get_data(path)
+    except OSError as problem:
+        reason = f"cannot read the file: {problem.strerror or problem}"
+        raise ModelError(path, f"{reason}: run `eddi-scaffold generate` again") from None
+    if hashlib.sha256(data).hexdigest() != numbers.sha256:
+        reason = "the file changed since generation: run `eddi-scaffold generate` again"
+        raise ModelError(path, reason)
+    return np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(numbers.shape)

@@ -11,8 +11,7 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from .arrays import Array
-from .table import Numbers, array_of
+from .arrays import Array, Numbers, array_of
 
 
 class Axes:

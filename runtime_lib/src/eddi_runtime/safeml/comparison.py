@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping, Optional
+from typing import Any, Callable, Mapping, Optional
 
 from .anderson_darling import AndersonDarling
 from .arrays import NUMPY, Array, Backend
-from .statistics import CramerVonMises, KolmogorovSmirnov, Statistic
+from .statistics import CramerVonMises, KolmogorovSmirnov
 
-_STATISTICS: Mapping[str, Any] = {
+_Statistic = Callable[[Array, Optional[Array], Optional[Array]], Array]
+_STATISTICS: Mapping[str, Callable[[Backend, Array, int], _Statistic]] = {
     "ks": KolmogorovSmirnov,
     "cvm": CramerVonMises,
     "ad": AndersonDarling,
@@ -25,21 +26,17 @@ class Comparison:
         backend: of all arrays.
 
     Attributes:
-        of_ranks: see :class:`Statistic`.
+        of_ranks: (lower, upper, counts) -> the statistics (..., K); see ``statistics``.
         tests: K.
         n: reference values of each test.
         m: values of a window.
     """
 
-    of_ranks: Statistic
-
     def __init__(self, metric: str, reference: Array, m: int, backend: Backend = NUMPY) -> None:
-        self.metric = metric
-        self.backend = backend
+        self.metric, self.backend, self.m = metric, backend, m
         self.tests, self.n = (int(size) for size in reference.shape)
-        self.m = m
         self.reference = backend.array(reference)
-        self.of_ranks = _STATISTICS[metric](backend, reference, m)
+        self.of_ranks: _Statistic = _STATISTICS[metric](backend, reference, m)
 
     def counts(self, windows: Array) -> Optional[Array]:
         """Return how many values of a window are <= each one, ascending; None if all differ."""

@@ -11,16 +11,14 @@ from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec, Messages, accepted
 from ..monitor import Standing, Tree
 from ..reading import Absent, read
-from .arrays import NUMPY, Array
+from .arrays import NUMPY, Array, Numbers, array_of
 from .axes import Axes
 from .comparison import Comparison
 from .result import FILLING, OMITTED, STALE, OneTest, SafeMLResult
 from .samples import Taken, take
-from .table import Numbers, array_of
 from .tails import Tail
 from .window import Window
 
-_NAN = float("nan")
 _SPOILT = "the output has no Booleans omission and odd_violation; it is an omission"
 
 
@@ -68,6 +66,8 @@ class SafeML:
     axes: Optional[Axes] = None
     reference: Numbers
     array_backend = "numpy"
+    _phase: int
+    _statistics: Optional[Array]
 
     def __init__(self) -> None:
         arrays = NUMPY
@@ -93,15 +93,13 @@ class SafeML:
 
     def reset(self) -> None:
         """Forget all samples and verdicts."""
-        self._window.clear()
-        self._phase = 0
-        self._statistics: Optional[Array] = None
+        self._clear()
         self._accepted = self._rejected = 0
         self._accepted_ns: Optional[int] = None
         self._violation = self._judged = False
         self._fault, self._timeless = "", False
         self._source: object = None
-        self._last = self._omitted(FILLING)
+        self._last = self._result(FILLING)
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> SafeMLResult:
         """Take over new samples and compare once; never raises an Exception.
@@ -117,16 +115,16 @@ class SafeML:
         time = step_time(t_ns)
         self._timeless = time is None and self.max_age is not None
         if self._timeless:
-            self._last = self._omitted(STALE)
+            self._last = self._result(STALE)
             return self._last
         now = time or 0
         value: Any = read(eddi_input, self.inputs[0].attribute, self.inputs[0].id)
         if self._too_old(now):
             self._clear()
-            self._last = self._omitted(STALE)
+            self._last = self._result(STALE)
         if value is None or isinstance(value, Absent):
             self._fault = ""
-            self._last = self._omitted(FILLING if self._accepted_ns is None else STALE)
+            self._last = self._result(FILLING if self._accepted_ns is None else STALE)
         elif not (isinstance(value, Messages) and not value):
             self._last = self._judge(take(value, self._features, single=self.single), now)
         return self._last
@@ -140,7 +138,7 @@ class SafeML:
             self._accepted_ns = now
         if not taken.bad and self._window.is_full:
             return self._verdict()
-        return self._omitted(taken.bad[0] if taken.bad else FILLING)
+        return self._result(taken.bad[0] if taken.bad else FILLING)
 
     def _push(self, rows: List[Array]) -> None:
         entering = rows[-self._phase % self.stride :: self.stride]
@@ -158,18 +156,15 @@ class SafeML:
         self._judged = True
         self._violation = bool(largest >= self.threshold)
         value = self._comparison.value(largest)
-        p_value_bound = min(1.0, self._comparison.tests * self.tail(value))
-        return self._result("", self._violation, value, test, p_value_bound)
-
-    def _omitted(self, reason: str) -> SafeMLResult:
-        return self._result(reason, self._violation and self.hold, _NAN, OMITTED, _NAN)
+        return self._result("", value, test, min(1.0, self._comparison.tests * self.tail(value)))
 
     def _result(
-        self, reason: str, violation: bool, statistic: float, test: int, p_value_bound: float
+        self, reason: str, value: float = math.nan, test: int = OMITTED, bound: float = math.nan
     ) -> SafeMLResult:
+        violation = self._violation and (self.hold or not reason)
         return SafeMLResult(
-            reason != "", violation, self.significance_level, statistic, self._value,
-            self._theoretical, test, p_value_bound, self._accepted, self._rejected, reason,
+            reason != "", violation, self.significance_level, value, self._value,
+            self._theoretical, test, bound, self._accepted, self._rejected, reason,
         )  # fmt: skip
 
     def _too_old(self, now: int) -> bool:
@@ -190,8 +185,7 @@ class SafeML:
 
         Both are empty when there is one.
         """
-        reason = self._last.reason
-        words = self._fault
+        reason, words = self._last.reason, self._fault
         if reason == FILLING:
             words = f"the window has {self._window.filled} of {self.window_size} samples"
         elif reason == STALE:
@@ -211,15 +205,9 @@ class SafeML:
 
     def _outcome(self, test: int, statistic: float) -> OneTest:
         value = self._comparison.value(statistic)
-        return OneTest(
-            test,
-            self.labels[test],
-            value,
-            self._value,
-            violated=bool(statistic >= self.threshold),
-            p_value=self.tail(value),
-            weights=() if self.axes is None else tuple(self.axes.weights(test)),
-        )
+        violated, p_value = bool(statistic >= self.threshold), self.tail(value)
+        weights = () if self.axes is None else tuple(self.axes.weights(test))
+        return OneTest(test, self.labels[test], value, self._value, violated, p_value, weights)
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, Union[bool, int, float, str, None]]:
         """Return a result with its names; NaN becomes None."""
@@ -244,13 +232,11 @@ class SafeML:
         """
         omission = getattr(output, "omission", None)
         violation = getattr(output, "odd_violation", None)
-        self._output_faults = ()
-        if not isinstance(omission, bool) or not isinstance(violation, bool):
-            self._output_faults = (_SPOILT,)
-            omission, violation = True, violation is True
+        sound = isinstance(omission, bool) and isinstance(violation, bool)
+        self._output_faults = () if sound else (_SPOILT,)
         fields = {
-            "omission": omission,
-            "odd_violation": violation,
+            "omission": omission if sound else True,
+            "odd_violation": violation is True,
             "significance_level": self.significance_level,
         }
         return "SafeMLOutput", fields

@@ -43,16 +43,13 @@ def take(value: Any, features: int, *, single: bool) -> Taken:
     for message in _messages(value):
         try:
             found = _array(message)
-        except _NoNumbersError as problem:
-            found = None
-            faults.append(f"numbers are expected, not {problem}")
-        except Exception as problem:  # noqa: BLE001 - any object may be given
-            found = None
-            faults.append(f"it is no array: {type(problem).__name__}")
-        if found is None:
+        except Exception as problem:  # noqa: BLE001, PERF203 - any object may come
+            known = isinstance(problem, _NoNumbersError)
+            name = str(problem) if known else type(problem).__name__
+            faults.append(f"{'numbers are expected, not' if known else 'it is no array:'} {name}")
             taken.bad.append(WRONG_LENGTH)
-            continue
-        _sort_out(rounded(found, single=single), features, taken, faults)
+        else:
+            _sort_out(rounded(found, single=single), features, taken, faults)
     return taken._replace(fault=faults[0] if faults else "")
 
 

@@ -4,12 +4,17 @@ F (reference, n values) and G (window, m values) count what is <= a point. This 
 too, so that equal samples have distance 0, also where sensors give few different values. For each
 value of a window, *lower* is how many reference values are below it and *upper* how many are not
 above it. Nothing here looks at the reference itself: a step costs the same for a long one.
-Notation: K tests, N = n + m, b = 1..m.
+Notation: K tests, N = n + m, b = 1..m. Each statistic is a function of
+
+- lower: whole numbers (..., K, m), in any order along m;
+- upper: the same shape; ``None`` when no window value is in the reference;
+- counts: (..., K, m), ascending: how many window values are not above each one; ``None`` when all
+  values of a window differ.
 """
 
 from __future__ import annotations
 
-from typing import Optional, Protocol
+from typing import Optional
 
 import numpy as np
 
@@ -17,20 +22,6 @@ from .arrays import Array, Backend
 
 _EXACT = 2**61
 """Sums below this are made of 64-bit integers, larger ones of doubles."""
-
-
-class Statistic(Protocol):
-    """Turns ranks into the statistic of each test."""
-
-    def __call__(self, lower: Array, upper: Optional[Array], counts: Optional[Array]) -> Array:
-        """Return the statistics (..., K).
-
-        Args:
-            lower: whole numbers (..., K, m), in any order along m.
-            upper: the same shape; ``None`` when no window value is in the reference.
-            counts: (..., K, m), ascending: how many window values are not above each one;
-                ``None`` when all values of a window differ.
-        """
 
 
 class KolmogorovSmirnov:

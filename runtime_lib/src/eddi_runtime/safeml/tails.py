@@ -21,8 +21,7 @@ class Kolmogorov:
         series, sign = 0.0, 1.0
         for j in range(1, 101):
             term = math.exp(-2.0 * (j * x) ** 2)
-            series += sign * term
-            sign = -sign
+            series, sign = series + sign * term, -sign
             if term < 1e-17:
                 break
         return min(1.0, max(0.0, 2.0 * series))

@@ -47,8 +47,7 @@ class Window:
         self._ties = [0] * self._comparison.m  # with the reference, per column
         self._tied = 0
         self._equal = 0  # pairs of equal values inside the window
-        if self._needs_values:
-            self._values[:] = float("nan")
+        self._values[:] = float("nan")
 
     @property
     def is_full(self) -> bool:
@@ -70,9 +69,8 @@ class Window:
 
     def _keep(self, at: int, sample: Array) -> None:
         values, count = self._values, self._comparison.backend.count
-        old = values[:, at : at + 1]
         if self.is_full:  # else the column is NaN, which equals nothing
-            self._equal -= count(values == old) - self._comparison.tests
+            self._equal -= count(values == values[:, at : at + 1]) - self._comparison.tests
         values[:, at] = self._comparison.backend.array(sample)
         self._equal += count(values == values[:, at : at + 1]) - self._comparison.tests
 
