@@ -1,4 +1,4 @@
-"""What the formatter of this project would change in a text."""
+"""What the formatter and the linter of this project have against a text."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ import subprocess
 import sys
 
 
-def reformatted(text: str) -> str:
-    """Return the difference, empty when the formatter agrees.
-
-    Raises:
-        AssertionError: the formatter cannot read the text.
-    """
-    command = [sys.executable, "-m", "ruff", "format", "--diff", "--isolated", "-"]
-    command += ["--line-length", "100", "--stdin-filename", "made.py"]
-    done = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
-    assert done.returncode in (0, 1), done.stderr
-    return done.stdout
+def objections(text: str) -> str:
+    """Return what they print, empty when both agree."""
+    found = ""
+    for words in (("format", "--diff", "--line-length", "100"), ("check", "--select", "F,E9")):
+        command = [sys.executable, "-m", "ruff", *words, "--isolated", "--quiet"]
+        command += ["--stdin-filename", "compiled.py", "-"]
+        done = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+        assert done.returncode in (0, 1), done.stderr
+        found += done.stdout
+    return found

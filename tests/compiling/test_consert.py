@@ -11,7 +11,7 @@ from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.compiling.execution import build
 from runtime_lib.tests.documents import categorical, document, give, numeric, signed
-from tests.compiling.formatting import reformatted
+from tests.compiling.formatting import objections
 
 HOSTILE = [
     '"""',
@@ -56,7 +56,7 @@ def hostile():
 
 @pytest.mark.parametrize("made", [large(), large(filter={"kind": "debounce", "regain_after": 3})])
 def test_the_formatter_changes_nothing(made):
-    assert reformatted(compile_model(check_document(made))) == ""
+    assert objections(compile_model(check_document(made))) == ""
 
 
 def test_the_text_is_for_python_3_8():

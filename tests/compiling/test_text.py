@@ -20,7 +20,7 @@ from eddi_scaffold.compiling.text import (
     tuple_of,
     variables,
 )
-from tests.compiling.formatting import reformatted
+from tests.compiling.formatting import objections
 
 anything = st.text(st.characters())
 
@@ -80,4 +80,4 @@ def test_brackets_are_as_the_formatter_lays_them():
         *assignment("e", tuple_of([]), 0),
         *assignment("f", literal('it\'s "quoted"'), 0),
     ]
-    assert reformatted("\n".join(lines) + "\n") == ""
+    assert objections("\n".join(lines) + "\n") == ""
