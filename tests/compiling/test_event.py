@@ -14,6 +14,7 @@ from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.language import analyse
 from runtime_lib.tests import documents
 from runtime_lib.tests.event.event_documents import SECOND, document, form
+from tests.compiling.formatting import objections
 from tests.compiling.test_consert import HOSTILE
 from tests.language import test_lists
 from tests.language.formulas import DECLARATIONS, RATE, Formulas
