@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import json
+import math
 import re
 import shutil
 import subprocess
@@ -62,10 +64,60 @@ def old_pytest() -> Path:
 
 @pytest.mark.slow
 def test_runtime_tests_pass_on_python_3_8(old_pytest: Path) -> None:
+    """Of the runtime by itself; what a test compiles first, newer Pythons compile."""
     options = ["-q", "-p", "no:cacheprovider", "-c", str(HERE / "pyproject.toml")]
     command = [str(old_pytest), "-m", "pytest", *options, str(HERE / "runtime_lib" / "tests")]
     done = run(command, HERE, {"PYTHONDONTWRITEBYTECODE": "1", "PYTEST_ADDOPTS": ""})
     assert re.search(r"^\d+ passed", done.stdout, re.MULTILINE), done.stdout
+
+
+@pytest.mark.slow
+def test_packages_do_the_same_on_python_3_8(old_pytest: Path, tmp_path: Path) -> None:
+    for package in (HERE / "tests" / "golden" / "plain").iterdir():
+        shutil.copytree(package, tmp_path / package.name)
+        shutil.copytree(RUNTIME, tmp_path / package.name / "eddi_runtime")
+    script = HERE / "tests" / "rules" / "replayed.py"
+    here, there = (
+        json.loads(run([str(python), str(script), str(tmp_path)], HERE, {"PYTHONPATH": ""}).stdout)
+        for python in (sys.executable, old_pytest)
+    )
+    assert here.keys() == there.keys()
+    for package in here:
+        different = [
+            (step, one, other)
+            for step, (one, other) in enumerate(zip(here[package], there[package], strict=True))
+            if not alike(one, other)
+        ]
+        assert not different, (package, different[0])
+        assert len({json.dumps(step) for step in here[package]}) > 10, "each step is the same"
+
+
+def alike(one: object, other: object) -> bool:
+    """Return whether two outputs are equal, floats but for the last digits."""
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=1e-12) or (math.isnan(one) and math.isnan(other))
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(alike, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(alike(one[key], other[key]) for key in one)
+    return one == other
+
+
+PROGRAM_TEXT = {"exec", "eval", "compile", "__import__", "importlib", "pkgutil", "runpy"}
+"""What makes a program of data, or chooses a module by a computed name."""
+
+
+@pytest.mark.parametrize("path", ON_THE_ROBOT, ids=lambda path: str(path.relative_to(HERE)))
+def test_nothing_on_the_robot_makes_program_text(path: Path) -> None:
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Name):
+            names.add(node.id)
+        elif isinstance(node, ast.Import):
+            names.update(one.name.partition(".")[0] for one in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            names.add(str(node.module).partition(".")[0])
+    assert not names & PROGRAM_TEXT
 
 
 def test_one_version() -> None:
