@@ -7,14 +7,20 @@ from collections.abc import Iterable, Mapping
 from eddi_scaffold.compiling.document import ModelFile
 
 PARTS: Mapping[str, tuple[str, ...]] = {
-    "bayesian_network": (),
+    "bayesian_network": ("clock", "thresholds"),
+    "clock": (),
     "consert": (),
-    "event": ("expressions",),
+    "event": ("clock", "expressions"),
     "expressions": (),
-    "reliability": (),
-    "safeml": (),
+    "reliability": ("clock", "thresholds"),
+    "safeml": ("clock",),
+    "testing": (),
+    "thresholds": (),
 }
-"""Part of ``eddi_runtime`` -> other parts that it imports."""
+"""Part of ``eddi_runtime``, a folder or a module -> other parts that it imports.
+
+``testing`` is for the tests of people who have the distribution; no monitor needs it.
+"""
 
 
 def parts_of(model_file: ModelFile) -> tuple[str, ...]:

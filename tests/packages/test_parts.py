@@ -17,8 +17,9 @@ from tests.cli.command import run
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 RUNTIME = ROOT / "runtime_lib" / "src" / "eddi_runtime"
-CORE = {"node", "transports"}
-"""Folders of the runtime that belong to no kind."""
+CORE = {"access", "compatibility", "documents", "inputs", "monitor", "node", "plain_values"}
+CORE |= {"__init__", "__pycache__", "py", "reading", "ros1", "transports", "version"}
+"""What of the runtime is always there."""
 OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
 
 
@@ -30,7 +31,7 @@ def generate(place: Path, example: str, model: str, config: str) -> None:
 
 def parts(packages: Path) -> set[str]:
     runtime = packages / "eddi_runtime" / "src" / "eddi_runtime"
-    return {path.name for path in runtime.iterdir() if path.is_dir()} - CORE
+    return {path.stem for path in runtime.iterdir()} - CORE
 
 
 def messages(packages: Path) -> set[str]:
@@ -54,7 +55,7 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
     manifest.write_text(edited)
 
     generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")
-    assert parts(packages) == {"consert", "event", "expressions"}
+    assert parts(packages) == {"clock", "consert", "event", "expressions"}
     assert messages(packages) == {*OWN, "EventOutput"}
     assert "<!-- ours -->" in manifest.read_text()
 
@@ -81,16 +82,19 @@ def test_a_message_that_is_listened_to_is_there(tmp_path: Path) -> None:
 def test_the_templates_know_the_same_parts() -> None:
     text = (ROOT / "copier_templates" / "parts.jinja").read_text("utf-8")
     assert set(jinja2.Template(text).module.ALL) == set(PARTS)
-    assert {path.parent.name for path in RUNTIME.glob("*/__init__.py")} - CORE == set(PARTS)
+    assert {path.stem for path in RUNTIME.iterdir()} - CORE == set(PARTS)
 
 
 @pytest.mark.parametrize("part", sorted(PARTS))
 def test_a_part_imports_no_other_than_it_says(tmp_path: Path, part: str) -> None:
     left_out = set(PARTS) - set(with_needed([part]))
-    shutil.copytree(RUNTIME, tmp_path / "eddi_runtime", ignore=shutil.ignore_patterns(*left_out))
+    ignored = shutil.ignore_patterns("__pycache__", *left_out, *(f"{one}.py" for one in left_out))
+    shutil.copytree(RUNTIME, tmp_path / "eddi_runtime", ignore=ignored)
+    place = tmp_path / "eddi_runtime" / part
+    files = sorted(place.glob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
     modules = [
         ".".join(path.relative_to(tmp_path).with_suffix("").parts)
-        for path in sorted((tmp_path / "eddi_runtime" / part).glob("*.py"))
+        for path in files
         if path.stem != "__init__"
     ]
     code = "\n".join(f"import {module}" for module in modules)
