@@ -1,40 +1,41 @@
-"""Bayesian networks: exact posteriors from hard, virtual and missing evidence (D7.2 section 3.2).
+"""Bayesian networks: exact posteriors from hard, virtual and missing evidence (D7.2 3.2)."""
 
-A network is compiled once, when its model is loaded; a step puts evidence in and reads posteriors.
-"""
-
-from .bounds import COMBINATIONS
+from ..thresholds import Threshold
 from .claims import Claim
+from .direct import DirectReader
 from .evidence import EvidenceError, InconsistentEvidenceError
 from .explain import Explanation
-from .graph import Shape
-from .inference import Inference
 from .knowledge import Facts
-from .model import Network, read_network
-from .monitor import BayesianNetworkMonitor, build
+from .monitor import BayesianNetworkMonitor
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
-from .width import LARGE, TOO_LARGE, TooWideError, Width, width_of
+from .program import NodeSpec, Part, Program, Schedule, StateThreshold, Steps, Table, Tables
+from .readers import Declaration, Discretiser, Source
+
+FORMATS = (1,)
 
 __all__ = [
-    "COMBINATIONS",
-    "LARGE",
-    "TOO_LARGE",
+    "FORMATS",
     "BayesianNetworkMonitor",
     "BayesianNetworkOutput",
     "Claim",
+    "Declaration",
+    "DirectReader",
+    "Discretiser",
     "EvidenceError",
     "Explanation",
     "Facts",
     "InconsistentEvidenceError",
-    "Inference",
     "Monitor",
-    "Network",
     "Node",
+    "NodeSpec",
     "Outcome",
-    "Shape",
-    "TooWideError",
-    "Width",
-    "build",
-    "read_network",
-    "width_of",
+    "Part",
+    "Program",
+    "Schedule",
+    "Source",
+    "StateThreshold",
+    "Steps",
+    "Table",
+    "Tables",
+    "Threshold",
 ]

@@ -7,8 +7,7 @@ from typing import List, Mapping, NamedTuple, Optional, Sequence
 
 from ..thresholds import Evidence
 from .bounds import COMBINATIONS, Bounds, Infer, Open, Pair, combinations, pick_of
-from .engine import Posteriors
-from .thresholds import StateThreshold
+from .program import Posteriors, StateThreshold
 
 INCONSISTENT = "inconsistent"
 TOO_MANY = "too many unknown inputs"

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Dict, List, Mapping, Sequence, Tuple, Union
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from .claims import Claim
-from .engine import Engine, Posteriors
 from .knowledge import Facts
+from .program import NodeSpec, Posteriors
 
 _ALL_KNOWN = Facts(valid=True, unknown_inputs=(), undecided={}, accepted=())
 
 
-@dataclass(frozen=True)
-class Explanation:
+class Explanation(NamedTuple):
     """Explanation of the posteriors of one step.
 
     Attributes:
@@ -58,31 +56,41 @@ def _of_claim(one: Claim) -> str:
 
 
 def explain(
-    engine: Engine, states: Sequence[int], weights: Mapping[int, Sequence[float]]
+    nodes: Sequence[NodeSpec],
+    missing: Sequence[int],
+    infer: Callable[..., Optional[Posteriors]],
+    states: Sequence[int],
+    weights: Mapping[int, Sequence[float]],
 ) -> Explanation:
-    """Explain the posteriors for some evidence: one inference for each observed node."""
-    network = engine.network
-    names = [network.shape.names[node] for node in engine.observable]
+    """Explain the posteriors for some evidence: one inference for each observed node.
+
+    Args:
+        nodes: the observable ones.
+        missing: "not observed" for each of them.
+        infer: returns the posteriors for states and likelihoods; None: they are impossible.
+        states: as ``infer`` takes them.
+        weights: as ``infer`` takes them.
+    """
     evidence: Dict[str, Union[str, Tuple[float, ...]]] = {}
     observed: List[int] = []
-    for position, node in enumerate(engine.observable):
+    for position, node in enumerate(nodes):
         if position in weights:
-            evidence[names[position]] = tuple(weights[position])
-        elif states[position] != engine.missing[position]:
-            evidence[names[position]] = network.states[node][states[position]]
+            evidence[node.id] = tuple(weights[position])
+        elif states[position] != missing[position]:
+            evidence[node.id] = node.states[states[position]]
         else:
             continue
         observed.append(position)
-    all_known = engine.infer(states, weights)
+    all_known = infer(list(states), weights)
     relevance: Dict[str, float] = {}
     for position in observed if all_known is not None else ():
         fewer = list(states)
-        fewer[position] = engine.missing[position]
-        others = {one: weight for one, weight in weights.items() if one != position}
-        without = engine.infer(fewer, others)
+        fewer[position] = missing[position]
+        without = infer(fewer, {one: w for one, w in weights.items() if one != position})
         if without is not None and all_known is not None:  # never None: less is claimed
-            relevance[names[position]] = _distance(all_known, without)
-    return Explanation(evidence, tuple(one for one in names if one not in evidence), relevance)
+            relevance[nodes[position].id] = _distance(all_known, without)
+    unobserved = tuple(one.id for one in nodes if one.id not in evidence)
+    return Explanation(evidence, unobserved, relevance)
 
 
 def _distance(one: Posteriors, other: Posteriors) -> float:

@@ -8,7 +8,7 @@ from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
 from .bounds import Open
 from .engine import Engine
 from .methods import Answer
-from .sources import Source
+from .readers import Source
 
 NO_ANSWER = Answer()
 
@@ -28,7 +28,7 @@ class Step:
     __slots__ = ("answer", "inconsistent", "problem", "raw", "states", "weights")
 
     def __init__(self, missing: Sequence[int]) -> None:
-        self.raw: List[object] = []
+        self.raw: Sequence[object] = ()
         self.states = list(missing)
         self.weights: Dict[int, List[float]] = {}
         self.answer = NO_ANSWER
@@ -87,13 +87,8 @@ class Knowledge:
         self._places: List[_Place] = []
         self._missing: Tuple[int, ...] = ()
 
-    def covers(self, nodes: Iterable[int]) -> bool:
-        """Return whether nodes are known to be inputs."""
-        return self._nodes.issuperset(nodes)
-
-    def prepare(self, engine: Engine, nodes: Iterable[int] = ()) -> None:
-        """Take over a compiled engine, and further nodes that turned out to be inputs."""
-        self._nodes.update(nodes)
+    def prepare(self, engine: Engine) -> None:
+        """Take over the engine: the numbers of the nodes."""
         self._engine, self._missing = engine, engine.missing
         numbers = {one.node: k for k, one in enumerate(self._sources)}
         self._places = []
@@ -128,13 +123,13 @@ class Knowledge:
         unknown: List[str] = []
         accepted: List[str] = []
         undecided: Dict[str, Tuple[str, ...]] = {}
-        names = self._engine.network.shape.names
+        nodes = self._engine.nodes
         for place in self._places:
             if place.node in step.answer.findings:
                 continue
-            source, name = place.source, names[place.node]
+            source, node = place.source, nodes[place.node]
             if source is None or place.node in step.answer.problems:
-                unknown.append(name)
+                unknown.append(node.id)
                 continue
             raw = step.raw[place.number] if place.number < len(step.raw) else None
             known, key = _judged(source, raw, step, place.position)
@@ -143,10 +138,10 @@ class Knowledge:
             if key:
                 accepted.append(f"{source.spec.id}: {key}")
             if source.reader.possible:
-                texts = self._engine.network.states[place.node]
+                texts = node.states
                 taken = step.states[place.position]
                 others = [one for one in source.reader.possible if one != taken]
-                undecided[name] = tuple(texts[one] for one in (taken, *others))
+                undecided[node.id] = tuple(texts[one] for one in (taken, *others))
         failed = step.inconsistent or step.problem or step.answer.problems
         valid = not (unknown or undecided or failed)
         return Facts(valid, _once(unknown), undecided, _once(accepted))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import ast
-import inspect
-import textwrap
-from typing import Any, Dict, Iterator, List, Mapping, Sequence, Set, Tuple, Union
+from typing import Any, Dict, List, Mapping, NoReturn, Sequence, Set, Tuple, Union
 
 from ..plain_values import one_line
 from .evidence import EvidenceError, outcomes_finding
-from .model import Network
+from .program import NodeSpec
+
+_GENERATOR_OR_COROUTINE = 0x20 | 0x80 | 0x200
 
 
 class Answer:
@@ -70,34 +69,34 @@ class _Data:
 class Methods:
     """The methods of an object, one per node that has one.
 
+    A method that can read nothing, mostly one without hand-written code, is asked once: it says
+    the same in each step. Every other one counts as an observation of its node.
+
     Attributes:
-        observed: nodes whose method sets an outcome, as far as the source shows it.
-        doubtful: nodes whose method may set one, although its source does not show it.
-        outputs: nodes whose method sets ``is_bn_output``.
+        observed: nodes that a method observes, or may observe.
+        outputs: nodes that are flagged as outputs, as far as that is known before the first step.
     """
 
-    def __init__(self, hooks: Any, network: Network, *, virtual: bool) -> None:
+    def __init__(self, hooks: Any, nodes: Sequence[NodeSpec], *, virtual: bool) -> None:
         self._hooks = hooks
         self._virtual = virtual
         self._data = _Data()
-        self._states = network.states
-        names = [f"node_{attribute}" for attribute in network.attributes]
+        self._states = [node.states for node in nodes]
         self._names: List[Tuple[int, str]] = []
         self._constant = Answer()
-        self.observed: Set[int] = set()
-        self.doubtful: Set[int] = set()
         self.outputs: Set[int] = set()
-        for node, name in enumerate(names):
+        for node, spec in enumerate(nodes):
+            name = f"node_{spec.attribute}"
             if not hasattr(hooks, name):
                 continue
-            tree = _source(hooks, name)
-            observed, output = _assigned(tree)
-            self.observed.update([node] if observed else [])
-            self.outputs.update([node] if output else [])
-            # What cannot change is asked once: mostly methods without hand-written code.
-            if not _is_constant(tree) or self._ask_one(node, name, self._constant):
-                self._names.append((node, name))
-                self.doubtful.update([] if _returns_outcomes(tree) else [node])
+            code = _code(getattr(hooks, name))
+            # Asked without its object: a method that uses that alone may change its result, too.
+            if _reads_nothing(code) and not self._ask_one(node, name, self._constant, _NOBODY):
+                continue
+            self._names.append((node, name))
+            self.outputs.update([node] if any(one is True for one in _constants(code)) else [])
+        self.observed = {*self._constant.findings, *(node for node, _ in self._names)}
+        self.outputs |= self._constant.outputs
 
     def ask(self, eddi_input: object) -> Answer:
         """Call every method that may change its result, once.
@@ -124,10 +123,11 @@ class Methods:
                 answer.problems[node] = reason
         return answer
 
-    def _ask_one(self, node: int, name: str, answer: Answer) -> str:
+    def _ask_one(self, node: int, name: str, answer: Answer, *of: object) -> str:
         """Call one method and return what was wrong with it."""
         try:
-            is_output, outcomes = getattr(self._hooks, name)()
+            method = getattr(self._hooks, name)
+            is_output, outcomes = method.__func__(*of) if of else method()
             if is_output:
                 answer.outputs.add(node)
             found = outcomes_finding(outcomes, self._states[node], virtual=self._virtual)
@@ -142,90 +142,33 @@ class Methods:
         return ""
 
 
-def _source(hooks: Any, name: str) -> ast.Module:
-    """Return the source of a method, empty when it cannot be had."""
-    try:
-        return ast.parse(textwrap.dedent(inspect.getsource(getattr(hooks, name))))
-    except (OSError, TypeError, SyntaxError, ValueError):
-        return ast.Module([], [])
+class _Nobody:
+    """Is given to a method in place of its object; what asks it anything fails."""
+
+    def _asked(self, *_: object) -> NoReturn:
+        raise TypeError
+
+    __bool__ = __eq__ = __ne__ = __str__ = __repr__ = __format__ = __hash__ = _asked  # type: ignore[assignment]  # on purpose
 
 
-def _is_constant(tree: ast.Module) -> bool:
-    """Return whether a method returns only constants, so that each call gives the same."""
-    if len(tree.body) != 1 or not isinstance(tree.body[0], ast.FunctionDef):
-        return False
-    method = tree.body[0]
-    variables: Set[str] = set()
-    if method.decorator_list:
-        return False
-
-    def known(value: ast.expr | None) -> bool:
-        if isinstance(value, ast.Name):
-            return value.id in variables
-        return isinstance(value, ast.Constant)
-
-    for item in method.body:
-        if isinstance(item, ast.Assign) and known(item.value):
-            if not all(isinstance(target, ast.Name) for target in item.targets):
-                return False
-            variables.update(target.id for target in item.targets if isinstance(target, ast.Name))
-        elif isinstance(item, ast.Return) and isinstance(item.value, ast.Tuple):
-            flag, *others = item.value.elts
-            outcomes = others[0] if len(others) == 1 else None
-            if not isinstance(outcomes, ast.Dict) or not known(flag):
-                return False
-            return all(known(one) for one in (*outcomes.keys, *outcomes.values))
-        elif not isinstance(item, ast.Pass) and not _is_text(item):
-            return False
-    return False
+_NOBODY = _Nobody()
 
 
-def _is_text(item: ast.stmt) -> bool:
-    return isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant)
+def _code(method: object) -> Any:
+    """Return the code of a method that was written in Python, else None."""
+    return getattr(getattr(method, "__func__", None), "__code__", None)
 
 
-def _assigned(tree: ast.AST) -> Tuple[bool, bool]:
-    """Return whether a method sets an outcome and whether it sets the flag, by its source.
-
-    A wrong answer costs one slow step, when the first evidence comes. Without source: (False,
-    False).
-    """
-    observed = output = False
-    for target, value in _assignments(tree):
-        constant = value.value if isinstance(value, ast.Constant) else None
-        if target.startswith("outcome_"):
-            observed |= constant != 0.0 or not isinstance(value, ast.Constant)
-        elif target == "is_bn_output":
-            output |= constant is not False
-    return observed, output
-
-
-def _returns_outcomes(tree: ast.Module) -> bool:
-    """Return whether a method returns its variables ``outcome_*`` and nothing else."""
-    found = [item.value for item in ast.walk(tree) if isinstance(item, ast.Return)]
-    dicts = [one.elts[-1] for one in found if isinstance(one, ast.Tuple) and one.elts]
-    return bool(found) and len(dicts) == len(found) and all(map(_is_of_outcomes, dicts))
-
-
-def _is_of_outcomes(value: ast.expr) -> bool:
-    return isinstance(value, ast.Dict) and all(
-        isinstance(one, ast.Name) and one.id.startswith("outcome_") for one in value.values
+def _reads_nothing(code: Any) -> bool:
+    """Return whether a method has nothing to read from: no names, no attributes, no closure."""
+    return (
+        code is not None
+        and not (code.co_names or code.co_freevars or code.co_cellvars)
+        and (code.co_argcount, code.co_kwonlyargcount) == (1, 0)
+        and not code.co_flags & _GENERATOR_OR_COROUTINE
+        and not any(isinstance(one, type(code)) for one in code.co_consts)
     )
 
 
-def _assignments(tree: ast.AST) -> Iterator[Tuple[str, ast.expr | None]]:
-    for item in ast.walk(tree):
-        targets: List[ast.expr] = []
-        value = None
-        if isinstance(item, ast.Assign):
-            targets, value = item.targets, item.value
-        elif isinstance(item, (ast.AugAssign, ast.AnnAssign, ast.NamedExpr)):
-            targets = [item.target]
-            value = None if isinstance(item, ast.AugAssign) else item.value
-        elif isinstance(item, (ast.For, ast.withitem)):
-            wanted = item.target if isinstance(item, ast.For) else item.optional_vars
-            targets = [] if wanted is None else [wanted]
-        for target in targets:
-            for part in ast.walk(target):
-                if isinstance(part, ast.Name):
-                    yield part.id, value if part is target else None
+def _constants(code: Any) -> Tuple[object, ...]:
+    return () if code is None else tuple(code.co_consts)

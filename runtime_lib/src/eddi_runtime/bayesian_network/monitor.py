@@ -2,102 +2,110 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from dataclasses import replace
-from typing import (
-    Any,
-    Dict,
-    Iterable,
-    List,
-    Mapping,
-    Optional,
-    Set,
-    Tuple,
-    Union,
-)
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from ..clock import step_time
 from ..documents import ModelError
 from ..inputs import InputSpec, accepted
-from ..model_file import ModelFile
 from ..monitor import Standing, Tree
+from ..reading import Absent, read
 from . import outputs as out
 from .claims import ERROR, UNKNOWN, Claim, Claims
-from .engine import Posteriors
+from .engine import Engine
+from .evidence import EvidenceError, InconsistentEvidenceError, finding
 from .explain import Explanation, explain
-from .inference import Evidence, Inference
 from .knowledge import NO_ANSWER, Facts, Knowledge, Step
 from .methods import Answer, Methods
-from .model import read_model_part
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
-from .sources import make_sources
+from .program import NodeSpec, Program, Rows, StateThreshold
+from .readers import Source
 from .standings import standings
-from .width import TooWideError
 
+Evidence = Union[None, str, Sequence[float]]
+"""Of one node: nothing, the name of a state, or one likelihood per state."""
 Output = List[BayesianNetworkOutput]
 _ACTOR = 0
 _NO_TIME = math.nan  # neither before nor behind any time
-_UNKNOWN: Posteriors = []
-
-
-def build(model_file: ModelFile, hooks: Any = None) -> BayesianNetworkMonitor:
-    """Compile a Bayesian network.
-
-    Args:
-        model_file: the model.
-        hooks: instance of the package's ``BayesianNetworkConfig``; None: declarations only.
-
-    Raises:
-        ModelError: the model is wrong or too wide, or needs numpy and it is not installed.
-    """
-    return BayesianNetworkMonitor(model_file, hooks)
+_UNKNOWN: Rows = ()
 
 
 class BayesianNetworkMonitor(Monitor):
-    """One compiled Bayesian network. Not thread-safe: the thread that steps it also asks it.
+    """What the class ``Monitor`` of a compiled Bayesian network inherits.
+
+    Not thread-safe: the thread that steps it also asks it.
 
     Attributes:
         model_id: id of the model: ``bayesian_network_id`` of the output.
         digest: SHA-256 of the model file's content.
         kind: ``bayesian_network``.
         inputs: what ``execute_step`` reads, one attribute each.
-        inference: posteriors by name, without inputs and methods.
+        nodes: of the network, in the order of the file.
+        given: nodes whose posterior is always given.
+        foreseen: inference for what the model declares.
+        everything: inference for any node; None where it would be too wide.
+        thresholds: the evidence for ConSerts.
+        virtual: several non-zero outcomes are likelihoods; False: D7.2's rule.
+        on_inconsistent: the result on evidence of probability zero: ``silent``, ``prior`` or
+            ``hold``.
+        relevance: the status message has the relevance of each observed node.
         remembered: cases of states whose posteriors are kept at most.
     """
 
-    remembered = 1024
     kind = "bayesian_network"
+    model_id: str
+    digest: str
+    inputs: Tuple[InputSpec, ...]
+    nodes: Tuple[NodeSpec, ...]
+    given: Tuple[int, ...]
+    foreseen: Program
+    everything: Optional[Program] = None
+    thresholds: Tuple[StateThreshold, ...] = ()
+    virtual = True
+    on_inconsistent = "silent"
+    relevance = False
+    remembered = 1024
 
-    def __init__(self, model_file: ModelFile, hooks: Any = None) -> None:
-        self.model_id = model_file.id
-        self.digest = model_file.digest
-        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
-        self._model = model = read_model_part(model_file)
-        self._sources = make_sources(model, self.inputs)
+    def __init__(self, hooks: Any = None) -> None:
+        """Make the monitor.
+
+        Args:
+            hooks: instance of the package's ``BayesianNetworkConfig``; None: declarations only.
+
+        Raises:
+            ModelError: numpy is needed and not installed, or a method observes a node that was not
+                foreseen, and no inference is there for it.
+        """
+        self._sources = self.sources()
         self._timed = any(source.reader.timed for source in self._sources)
-        self._timed |= any(one.limits.hold_ns for one in model.thresholds)
-        self._claims = Claims(model.thresholds) if model.thresholds else None
+        self._timed |= any(one.limits.hold_ns for one in self.thresholds)
+        self._claims = Claims(self.thresholds) if self.thresholds else None
+        judged = {one.node for one in self.thresholds}
+        outputs, observed = {*self.foreseen.outputs}, {*self.foreseen.observable}
+        self._judged_only = judged.difference(self.given)
         self._methods = None
-        outputs: Set[int] = set(model.outputs)
-        observed: Set[int] = {source.node for source in self._sources}
-        observed.update(model.observed or ())
         if hooks is not None:
-            self._methods = Methods(hooks, model.network, virtual=model.virtual)
+            self._methods = Methods(hooks, self.nodes, virtual=self.virtual)
             observed |= self._methods.observed
-            observed |= self._methods.doubtful if model.thresholds else set()
             outputs |= self._methods.outputs
+            self._judged_only -= self._methods.outputs
         self._knowledge = Knowledge(self._sources, observed)
-        judged = {one.node for one in model.thresholds}
-        self._judged_only = judged - outputs
-        try:
-            self.inference = Inference(model.network, outputs | judged, observed)
-        except (TooWideError, ImportError) as problem:
-            raise ModelError(model_file.path, str(problem)) from None
-        self._good: Optional[Tuple[Posteriors, Set[int]]] = None
+        self._good: Optional[Tuple[Rows, Set[int]]] = None
         self._source: object = None
         self._output_faults: Tuple[str, ...] = ()
-        self._prepare()
+        try:
+            self._prepare(self._engine_for(outputs, observed))
+        except (ImportError, LookupError) as problem:
+            raise ModelError(self.model_id, str(problem)) from None
+
+    def sources(self) -> Tuple[Source, ...]:
+        """Return the declared ways from inputs to nodes, by node, with readers of their own."""
+        return ()
+
+    def read(self, eddi_input: object) -> Tuple[object, ...]:
+        """Return the value of each source; compiled monitors write this out."""
+        found = [read(eddi_input, one.spec.attribute, one.spec.id) for one in self._sources]
+        return tuple([None if type(value) is Absent else value for value in found])
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
         """Evaluate once; never raises an Exception.
@@ -122,8 +130,7 @@ class BayesianNetworkMonitor(Monitor):
         answer = NO_ANSWER
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)
-            self._last.answer = answer
-            if not self._foreseen(answer) and not self._grow(answer.outputs, answer.findings):
+            if not answer.outputs <= self._known and not self._grow(answer):
                 if self._claims is not None:
                     self._claims.lose(ERROR)
                 return []
@@ -132,21 +139,20 @@ class BayesianNetworkMonitor(Monitor):
         flagged = answer.outputs
         states = list(self._missing)
         weights: Dict[int, List[float]] = {}
-        raw: List[object] = []
-        for position, attribute, read, reader in self._readers:
+        last.raw = raw = self.read(eddi_input)
+        for number, (position, judge, absent) in enumerate(self._readers):
             try:
-                value = getattr(eddi_input, attribute, None)
-                found = read(value, now)
+                found = judge(raw[number], now)
             except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, no evidence
-                value, found = None, reader.absent(now)
-            raw.append(value)
+                raw = last.raw = (*raw[:number], None, *raw[number + 1 :])
+                found = absent(now)
             if type(found) is int:
                 states[position] = found
             else:
                 weights[position] = found  # type: ignore[assignment]  # a list, then
         if answer is not NO_ANSWER:
             answer.put(self._positions, self._missing, states, weights)
-        last.raw, last.states, last.weights = raw, states, weights
+        last.states, last.weights = states, weights
         rows = self._posteriors(states, weights)
         if self._claims is not None:
             opened = self._knowledge.opened(states, weights, answer)
@@ -154,33 +160,28 @@ class BayesianNetworkMonitor(Monitor):
         last.inconsistent = rows is None
         if rows is not None:
             self._good = rows, flagged
-        elif self._model.on_inconsistent == "prior":
-            rows = self.inference.engine.infer(self._missing)
-        elif self._model.on_inconsistent == "hold" and self._good is not None:
+        elif self.on_inconsistent == "prior":
+            rows = self._tried(list(self._missing), {})
+        elif self.on_inconsistent == "hold" and self._good is not None:
             rows, flagged = self._good
         return [] if rows is None else self._output(rows, flagged)
 
-    def _foreseen(self, answer: Answer) -> bool:
-        return answer.outputs <= self._known and self._knowledge.covers(answer.findings)
-
-    def _posteriors(
-        self, states: List[int], weights: Mapping[int, List[float]]
-    ) -> Optional[Posteriors]:
+    def _posteriors(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:
         """Return the posteriors: known from the start, seen in former steps, or inferred."""
         if weights:
-            return self.inference.engine.infer(states, weights)
+            return self._engine.infer(states, weights)
         key = tuple(states)
         rows = self._known_rows.get(key, _UNKNOWN)
         if rows is _UNKNOWN:
-            rows = self.inference.engine.infer(states)
+            rows = self._engine.infer(states)
             if len(self._known_rows) < self.remembered:
                 self._known_rows[key] = rows
         return rows
 
-    def _tried(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Posteriors]:
+    def _tried(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:
         """Return the posteriors of a case that is only thought of: it is not worth remembering."""
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
-        return self.inference.engine.infer(states, weights) if rows is _UNKNOWN else rows
+        return self._engine.infer(states, weights) if rows is _UNKNOWN else rows
 
     def as_json(self, output: Output) -> Optional[List[Dict[str, Any]]]:
         """Return an output as JSON; None when no posterior was given."""
@@ -248,7 +249,7 @@ class BayesianNetworkMonitor(Monitor):
 
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
-        relevance = self._explained().relevance if self._model.explain else {}
+        relevance = self._explained().relevance if self.relevance else {}
         unobserved = self._unobserved()
         return out.status_message(self.model_id, self.status(), unobserved, self.facts(), relevance)
 
@@ -277,28 +278,53 @@ class BayesianNetworkMonitor(Monitor):
         facts, last = self._knowledge.facts(self._last), self._last
         if limitless := accepted(self.inputs, self._source):
             facts = facts._replace(accepted=(*facts.accepted, *limitless))
-        if not last.inconsistent or self._model.on_inconsistent == "silent":
+        if not last.inconsistent or self.on_inconsistent == "silent":
             return facts
-        key = f"on_inconsistent: {self._model.on_inconsistent}"
+        key = f"on_inconsistent: {self.on_inconsistent}"
         return facts._replace(accepted=(*facts.accepted, key))
 
     def explain(self) -> Explanation:
         """Return what was known in the last step, and how much each observed node mattered."""
-        return replace(self._explained(), facts=self.facts(), claims=tuple(self.claims()))
+        return self._explained()._replace(facts=self.facts(), claims=tuple(self.claims()))
 
     def _explained(self) -> Explanation:
-        return explain(self.inference.engine, self._last.states, self._last.weights)
+        last, observable = self._last, [self.nodes[one] for one in self._engine.observable]
+        return explain(observable, self._missing, self._tried, last.states, last.weights)
 
     def posteriors(self, evidence: Mapping[str, Evidence]) -> Dict[str, Tuple[float, ...]]:
-        """Return the posteriors for evidence by name; see ``Inference.posteriors``.
+        """Return the posterior of each output, in the order of its states; steps are not touched.
 
-        Steps are not touched by it, unless a node was not foreseen as observable.
+        Args:
+            evidence: node -> what is known; nodes may be left out.
+
+        Raises:
+            EvidenceError: an unknown node or state, or numbers that are no likelihoods.
+            InconsistentEvidenceError: the evidence has probability zero.
+            LookupError: a node was not foreseen, and no inference is there for it.
         """
-        before = self.inference.engine
-        found = self.inference.posteriors(evidence)
-        if self.inference.engine is not before:
-            self._prepare()
-        return found
+        numbers = {spec.id: node for node, spec in enumerate(self.nodes)}
+        found: Dict[int, Union[int, List[float]]] = {}
+        for name, value in evidence.items():
+            if name not in numbers:
+                raise EvidenceError(f"there is no node {name!r}")
+            judged = _judged(self.nodes[numbers[name]], value)
+            if judged is not None:
+                found[numbers[name]] = judged
+        engine = self._engine
+        if not found.keys() <= set(engine.observable):
+            engine = self._engine_for({*engine.outputs}, {*engine.observable, *found})
+        states, weights = list(engine.missing), {}
+        for position, node in enumerate(engine.observable):
+            one = found.get(node)
+            if isinstance(one, int):
+                states[position] = one
+            elif one is not None:
+                weights[position] = one
+        rows = engine.infer(states, weights)
+        if rows is None:
+            shown = ", ".join(f"{name}={value}" for name, value in evidence.items())
+            raise InconsistentEvidenceError(f"the evidence has probability zero: {shown}")
+        return {self.nodes[node].id: tuple(row) for node, row in zip(engine.outputs, rows)}
 
     def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> thresholds that are not active; see ``Monitor``.
@@ -337,43 +363,66 @@ class BayesianNetworkMonitor(Monitor):
         self._good, self._output_faults, self._source = None, (), None
         self._last = Step(self._missing)
 
-    def _grow(self, flagged: Iterable[int], findings: Iterable[int]) -> bool:
-        """Compile again for more nodes; False when the network is too wide for it."""
+    def _grow(self, answer: Answer) -> bool:
+        """Take outputs in that a method has flagged; False when nothing can infer them."""
+        outputs, observable = {*self._engine.outputs, *answer.outputs}, {*self._engine.observable}
         try:
-            self.inference.grow(flagged, findings)
-        except (TooWideError, ImportError) as problem:
-            fresh = Step(self._missing)
-            fresh.answer, fresh.problem = self._last.answer, str(problem)
-            self._last = fresh
+            engine = self._engine_for(outputs, observable)
+        except (ImportError, LookupError) as problem:
+            self._last = Step(self._missing)
+            self._last.answer, self._last.problem = answer, str(problem)
             return False
-        self._good, answer = None, self._last.answer
-        self._prepare(findings)
-        self._last.answer = answer
+        self._good = None
+        self._prepare(engine)
         return True
 
-    def _prepare(self, inputs: Iterable[int] = ()) -> None:
-        """Take over what depends on the compiled engine, and nodes that turned out to be inputs."""
-        engine, network = self.inference.engine, self._model.network
-        names, states = network.shape.names, network.states
+    def _engine_for(self, outputs: Set[int], observed: Set[int]) -> Engine:
+        """Return inference for some nodes: as foreseen, else for any nodes, which takes longer.
+
+        Raises:
+            LookupError: there is no inference for these nodes.
+        """
+        if not self._not_foreseen(outputs, observed):
+            return Engine(self.nodes, self.foreseen)
+        if self.everything is None:
+            reason = self._not_foreseen(outputs, observed)
+            raise LookupError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
+        return Engine(self.nodes, self.everything, outputs, observed)
+
+    def _not_foreseen(self, outputs: Iterable[int], observed: Iterable[int]) -> str:
+        further = [("observed", one) for one in {*observed}.difference(self.foreseen.observable)]
+        further += [("outputs", one) for one in {*outputs}.difference(self.foreseen.outputs)]
+        return "; ".join(
+            f"node_{self.nodes[one].attribute} sets {self.nodes[one].id}, which was not foreseen:"
+            f" `{key}:` of the configuration does not name it"
+            for key, one in sorted(further)
+        )
+
+    def _prepare(self, engine: Engine) -> None:
+        """Take over what depends on the engine."""
+        self._engine, nodes = engine, self.nodes
         self._missing = engine.missing
         self._positions = {node: k for k, node in enumerate(engine.observable)}
         self._known = frozenset(engine.outputs)
-        self._known_rows: Dict[Tuple[int, ...], Optional[Posteriors]] = {}
-        if engine.lookup_only and math.prod(card + 1 for card in engine.missing) <= self.remembered:
-            cases = itertools.product(*(range(card + 1) for card in engine.missing))
-            self._known_rows = {case: engine.infer(case) for case in cases}
-        self._titles = [(node, names[node], states[node]) for node in engine.outputs]
+        self._known_rows: Dict[Tuple[int, ...], Optional[Rows]] = {}
+        if engine.program is self.foreseen:
+            self._known_rows.update(self.foreseen.cases)
+        else:
+            import logging  # noqa: PLC0415 - what is foreseen needs it not
+
+            reason = self._not_foreseen(engine.outputs, engine.observable)
+            logging.getLogger(__name__).warning("%s, so steps take longer", reason)
+        self._titles = [(node, nodes[node].id, nodes[node].states) for node in engine.outputs]
         self._readers = [
-            (self._positions[one.node], one.spec.attribute, one.reader.read, one.reader)
-            for one in self._sources
+            (self._positions[one.node], one.reader.read, one.reader.absent) for one in self._sources
         ]
-        self._knowledge.prepare(engine, inputs)
+        self._knowledge.prepare(engine)
         if self._claims is not None:
             self._claims.prepare(engine.outputs, self._tried)
         self._last = Step(self._missing)
 
-    def _output(self, rows: Posteriors, flagged: Set[int]) -> Output:
-        given = self._model.outputs
+    def _output(self, rows: Rows, flagged: Set[int]) -> Output:
+        given = self.given
         nodes = [
             Node(title, list(map(Outcome, states, row)))
             for (node, title, states), row in zip(self._titles, rows)
@@ -385,10 +434,21 @@ class BayesianNetworkMonitor(Monitor):
         return self._explained().evidence
 
     def _unobserved(self) -> List[str]:
-        last, names = self._last, self._model.network.shape.names
-        pairs = zip(self.inference.engine.observable, last.states, self._missing)
+        last = self._last
+        rows = zip(self._engine.observable, last.states, self._missing)
         return [
-            names[node]
-            for k, (node, state, missing) in enumerate(pairs)
+            self.nodes[node].id
+            for k, (node, state, missing) in enumerate(rows)
             if state == missing and k not in last.weights
         ]
+
+
+def _judged(node: NodeSpec, value: Evidence) -> Union[int, List[float], None]:
+    if isinstance(value, str):
+        if value not in node.states:
+            raise EvidenceError(f"{node.id}: there is no state {value!r}")
+        return node.states.index(value)
+    try:
+        return None if value is None else finding(value, node.states)
+    except EvidenceError as problem:
+        raise EvidenceError(f"{node.id}: {problem}") from None

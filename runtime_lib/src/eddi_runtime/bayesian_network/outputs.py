@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ..monitor import Tree
@@ -16,29 +15,42 @@ OK, PARTIAL, PRIOR, INCONSISTENT, ERROR = range(5)
 STATUS_NAMES = ("ok", "partial", "prior", "inconsistent", "error")
 
 
-@dataclass
-class Outcome:
+class _Record:
+    """Equal to another one with equal values, and shown with their names."""
+
+    def __eq__(self, other: object) -> bool:
+        return vars(self) == vars(other) if type(other) is type(self) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]  # the values may change
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name}={value!r}" for name, value in vars(self).items())
+        return f"{type(self).__name__}({shown})"
+
+
+class Outcome(_Record):
     """The probability of one state."""
 
-    name: str
-    value: float
+    def __init__(self, name: str, value: float) -> None:
+        self.name = name
+        self.value = value
 
 
-@dataclass
-class Node:
+class Node(_Record):
     """The posterior of one output; the title is the name of the node."""
 
-    title: str
-    outcomes: List[Outcome]
+    def __init__(self, title: str, outcomes: List[Outcome]) -> None:
+        self.title = title
+        self.outcomes = outcomes
 
 
-@dataclass
-class BayesianNetworkOutput:
+class BayesianNetworkOutput(_Record):
     """The posteriors of all outputs, in the order of the network."""
 
-    actor_id: int
-    bayesian_network_id: str
-    output_nodes: List[Node]
+    def __init__(self, actor_id: int, bayesian_network_id: str, output_nodes: List[Node]) -> None:
+        self.actor_id = actor_id
+        self.bayesian_network_id = bayesian_network_id
+        self.output_nodes = output_nodes
 
 
 class Monitor:

@@ -8,11 +8,10 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import Callable, List, Optional, Protocol, Sequence, Tuple, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Protocol, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
-from .declaration import Declaration
 from .hysteresis import Hysteresis
 
 Reading = Union[int, List[float]]
@@ -20,6 +19,41 @@ Reading = Union[int, List[float]]
 
 _ABSENT = -1
 _LARGEST = sys.float_info.max
+
+
+class Declaration(NamedTuple):
+    """How the values of an input become states of a node.
+
+    Attributes:
+        missing: number that represents "not observed": the number of states.
+        edges: of the bins, ascending, in the unit after scale and offset; None: a map.
+        order: state of each bin, from low to high.
+        closed_right: an edge belongs to the bin below it.
+        scaled: ``scale`` and ``offset`` are to be applied.
+        scale: factor of the raw value.
+        offset: is added then.
+        limits: closed interval of usable raw values.
+        clamp: values outside are taken as the nearest limit, otherwise they are unobserved.
+        allow_inf: infinite values fall into the outermost bin.
+        hysteresis: how far beyond the near edge of the previous bin a value keeps it.
+        policy: when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``;
+            ``prior`` is ``unobserved`` by name: thresholds may rest on it.
+        special: pairs of a value and a state: sentinels and the map; the types must agree, too.
+    """
+
+    missing: int
+    edges: Optional[Tuple[float, ...]] = None
+    order: Tuple[int, ...] = ()
+    closed_right: bool = True
+    scaled: bool = False
+    scale: float = 1.0
+    offset: float = 0.0
+    limits: Tuple[float, float] = (-math.inf, math.inf)
+    clamp: bool = False
+    allow_inf: bool = False
+    hysteresis: float = 0.0
+    policy: str = "unobserved"
+    special: Tuple[Tuple[object, int], ...] = ()
 
 
 class Reader(Protocol):
@@ -55,6 +89,14 @@ class Reader(Protocol):
 
     def reset(self) -> None:
         """Forget former values."""
+
+
+class Source(NamedTuple):
+    """A declared way from an input to a node."""
+
+    node: int
+    spec: InputSpec
+    reader: Reader
 
 
 class _Remembering:
@@ -98,7 +140,9 @@ class Discretiser:
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
         self._declared = one = declaration
         self._missing = one.missing
-        self._special = one.special
+        self._special: Dict[type, Dict[object, int]] = {}
+        for known, state in one.special:
+            self._special.setdefault(type(known), {})[known] = state
         self._edges, self._order = one.edges or (), one.order
         self._binning = one.edges is not None
         self._search = bisect_left if one.closed_right else bisect_right
@@ -106,8 +150,9 @@ class Discretiser:
         self._bands: Optional[Hysteresis] = None
         if one.edges is not None and one.hysteresis > 0.0:
             self._bands = Hysteresis(one.edges, one.hysteresis)
-        state, value = self._judged(spec.default)
-        default = state if value is None else one.order[self._search(self._edges, value)]
+        default, value = self._judged(spec.default)
+        if value is not None:
+            default = one.order[self._search(self._edges, value)]
         limit = spec.max_age if isinstance(spec.max_age, float) else 0.0
         self._memory = _Remembering(
             self._missing,
@@ -231,7 +276,8 @@ class Discretiser:
 def _plain_bins(one: Declaration) -> Optional[Callable[[float], int]]:
     """Return the short way for usual values of a declaration without memory and sentinels."""
     edges, order, scale, offset = one.edges, one.order, one.scale, one.offset
-    if edges is None or one.special[float] or one.hysteresis or one.policy == "hold":
+    floats = any(type(value) is float for value, _ in one.special)
+    if edges is None or floats or one.hysteresis or one.policy == "hold":
         return None
     search = bisect_left if one.closed_right else bisect_right
     low, high = max(one.limits[0], -_LARGEST), min(one.limits[1], _LARGEST)

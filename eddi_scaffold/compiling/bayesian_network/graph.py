@@ -5,18 +5,9 @@ Sets of nodes are bits of an int: fast, and without an order that a hash seed co
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import (
-    Dict,
-    FrozenSet,
-    Iterable,
-    Iterator,
-    List,
-    Mapping,
     NamedTuple,
-    Sequence,
-    Set,
-    Tuple,
-    Union,
 )
 
 
@@ -29,9 +20,9 @@ class Shape(NamedTuple):
         parents: numbers of the parents of each node, in the order of its table.
     """
 
-    names: Tuple[str, ...]
-    cards: Tuple[int, ...]
-    parents: Tuple[Tuple[int, ...], ...]
+    names: tuple[str, ...]
+    cards: tuple[int, ...]
+    parents: tuple[tuple[int, ...], ...]
 
 
 class Component(NamedTuple):
@@ -45,10 +36,10 @@ class Component(NamedTuple):
             them, and what only they connect falls apart.
     """
 
-    nodes: Tuple[int, ...]
-    inputs: Tuple[int, ...]
-    outputs: Tuple[int, ...]
-    given: Tuple[int, ...] = ()
+    nodes: tuple[int, ...]
+    inputs: tuple[int, ...]
+    outputs: tuple[int, ...]
+    given: tuple[int, ...] = ()
 
 
 def bits(mask: int) -> Iterator[int]:
@@ -67,7 +58,7 @@ def mask_of(numbers: Iterable[int]) -> int:
     return mask
 
 
-def size_of(mask: int, cards: Union[Sequence[int], Mapping[int, int]]) -> int:
+def size_of(mask: int, cards: Sequence[int] | Mapping[int, int]) -> int:
     """Return the number of entries of a table over a set of nodes."""
     size = 1
     while mask:
@@ -79,7 +70,7 @@ def size_of(mask: int, cards: Union[Sequence[int], Mapping[int, int]]) -> int:
 
 def components(
     shape: Shape, outputs: Sequence[int], observable: Sequence[int]
-) -> Tuple[Component, ...]:
+) -> tuple[Component, ...]:
     """Split a network into parts that no evidence connects.
 
     Descendants that are neither observable nor an output sum to one and are left out ("barren"
@@ -99,7 +90,7 @@ def components(
     )
 
 
-def with_all_observed(shape: Shape, part: Component) -> Tuple[Component, ...]:
+def with_all_observed(shape: Shape, part: Component) -> tuple[Component, ...]:
     """Split a part for the steps in which each of its inputs is observed.
 
     An input that is an output too keeps its axis: its row gives the probabilities of its states.
@@ -116,11 +107,11 @@ def with_all_observed(shape: Shape, part: Component) -> Tuple[Component, ...]:
     )
 
 
-def _families(shape: Shape, nodes: Iterable[int]) -> Set[int]:
+def _families(shape: Shape, nodes: Iterable[int]) -> set[int]:
     return {one for node in nodes for one in (node, *shape.parents[node])}
 
 
-def _groups(shape: Shape, nodes: Sequence[int], given: FrozenSet[int]) -> List[Tuple[int, ...]]:
+def _groups(shape: Shape, nodes: Sequence[int], given: frozenset[int]) -> list[tuple[int, ...]]:
     """Return nodes whose tables share a node, other than the given ones, in groups."""
     part = list(range(len(shape.cards)))
 
@@ -131,14 +122,14 @@ def _groups(shape: Shape, nodes: Sequence[int], given: FrozenSet[int]) -> List[T
         return node
 
     # A table belongs to any of its nodes that are not given: they are all in one group.
-    homes: Dict[int, int] = {}
+    homes: dict[int, int] = {}
     for node in nodes:
         free = [one for one in (node, *shape.parents[node]) if one not in given]
         homes[node] = free[0] if free else node
         for one in free[1:]:
             first, second = sorted((find(free[0]), find(one)))
             part[second] = first
-    groups: Dict[int, List[int]] = {}
+    groups: dict[int, list[int]] = {}
     for node in nodes:
         groups.setdefault(find(homes[node]), []).append(node)
     return [tuple(groups[first]) for first in sorted(groups)]

@@ -15,11 +15,16 @@ from __future__ import annotations
 
 import heapq
 import random
+from collections.abc import Callable, Sequence
 from itertools import islice
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import NamedTuple
 
-from .elimination import elimination_order, fewest_edges, smallest_table
-from .graph import Component, Shape, bits, mask_of, size_of
+from eddi_scaffold.compiling.bayesian_network.elimination import (
+    elimination_order,
+    fewest_edges,
+    smallest_table,
+)
+from eddi_scaffold.compiling.bayesian_network.graph import Component, Shape, bits, mask_of, size_of
 
 TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
 _SMALL = 64
@@ -61,13 +66,13 @@ class Tree(NamedTuple):
         top: the two numbers that the last edge connects; equal when there is one leaf only.
     """
 
-    leaves: Tuple[Leaf, ...]
-    joins: Tuple[Tuple[int, int], ...]
-    masks: Tuple[int, ...]
-    top: Tuple[int, int]
+    leaves: tuple[Leaf, ...]
+    joins: tuple[tuple[int, int], ...]
+    masks: tuple[int, ...]
+    top: tuple[int, int]
 
 
-def make_leaves(shape: Shape, part: Component) -> Tuple[Leaf, ...]:
+def make_leaves(shape: Shape, part: Component) -> tuple[Leaf, ...]:
     """Return the leaves of a part.
 
     The prior of an observable root goes with its evidence, so that it cancels exactly when the
@@ -115,7 +120,7 @@ class _Search:
         self,
         leaves: Sequence[Leaf],
         cards: Sequence[int],
-        weight: Optional[Callable[[], float]],
+        weight: Callable[[], float] | None,
         *,
         gain: int,
     ) -> None:
@@ -126,13 +131,13 @@ class _Search:
         self.most = max(_LEAST, min(_MOST, _PAIRS // len(leaves)))
         self.masks = [leaf.mask for leaf in leaves]
         self.constant = [leaf.kind == TABLE and not leaf.seen for leaf in leaves]
-        self.joins: List[Tuple[int, int]] = []
+        self.joins: list[tuple[int, int]] = []
         self.active = dict.fromkeys(range(len(leaves)))
-        self.holders: Dict[int, List[int]] = {}
+        self.holders: dict[int, list[int]] = {}
         for number, mask in enumerate(self.masks):
             for node in bits(mask):
                 self.holders.setdefault(node, []).append(number)
-        self.sizes: Dict[int, int] = {}
+        self.sizes: dict[int, int] = {}
 
     def size(self, mask: int) -> int:
         found = self.sizes.get(mask)
@@ -162,7 +167,7 @@ class _Search:
         self.joins.append((one, other))
         return number
 
-    def partners(self, number: int, *, only_later: bool) -> List[int]:
+    def partners(self, number: int, *, only_later: bool) -> list[int]:
         first = number if only_later else -1
         found = {
             one
@@ -204,7 +209,7 @@ def _by_elimination(search: _Search, order: Sequence[int]) -> Tree:
 
 
 def _join_while(search: _Search, *, constants_only: bool) -> None:
-    heap: List[Tuple[int, int, int]] = []
+    heap: list[tuple[int, int, int]] = []
 
     def offer(number: int, *, all_partners: bool) -> None:
         if constants_only and not search.constant[number]:

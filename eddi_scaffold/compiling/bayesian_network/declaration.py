@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any
 
-from ..documents import ModelError
+from eddi_scaffold.compiling.document import ModelError
 
 UNOBSERVED = "unobserved"
 _KEYS = frozenset(
@@ -32,22 +34,22 @@ class Declaration:
         hysteresis: how far beyond the near edge of the previous bin a value keeps it.
         policy: when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``;
             ``prior`` is ``unobserved`` by name: thresholds may rest on it.
-        special: type -> value -> state: sentinels and the map.
+        special: pairs of a value and a state: sentinels and the map; the types must agree, too.
     """
 
     missing: int
-    edges: Optional[Tuple[float, ...]]
-    order: Tuple[int, ...]
+    edges: tuple[float, ...] | None
+    order: tuple[int, ...]
     closed_right: bool
     scaled: bool
     scale: float
     offset: float
-    limits: Tuple[float, float]
+    limits: tuple[float, float]
     clamp: bool
     allow_inf: bool
     hysteresis: float
     policy: str
-    special: Mapping[type, Mapping[object, int]]
+    special: tuple[tuple[bool | int | float | str, int], ...]
 
 
 def read_declaration(given: Mapping[str, Any], states: Sequence[str], name: str) -> Declaration:
@@ -99,7 +101,7 @@ class _Reader:
             special=self._special(),
         )
 
-    def _edges(self, bins: int) -> Optional[Tuple[float, ...]]:
+    def _edges(self, bins: int) -> tuple[float, ...] | None:
         if ("bins" in self._given) == ("map" in self._given):
             raise ModelError("", "it has not exactly one of 'bins' and 'map'")
         if "bins" not in self._given:
@@ -107,23 +109,24 @@ class _Reader:
         edges = self._numbers("bins")
         if len(edges) != bins - 1:
             raise ModelError("", f"{len(edges)} edges for {bins} states")
-        if not all(one < other for one, other in zip(edges, edges[1:])):
+        if not all(one < other for one, other in itertools.pairwise(edges)):
             raise ModelError("", "the edges do not ascend")
         return tuple(edges)
 
-    def _special(self) -> Dict[type, Dict[object, int]]:
-        found: Dict[type, Dict[object, int]] = {bool: {}, int: {}, float: {}, str: {}}
+    def _special(self) -> tuple[tuple[bool | int | float | str, int], ...]:
         given = self._given.get("map", [])
-        for value, state in self._pairs(list(given.items()) if isinstance(given, dict) else given):
-            found[type(value)][value] = self._state(state)
+        pairs = self._pairs(list(given.items()) if isinstance(given, dict) else given)
+        found = [(value, self._state(state)) for value, state in pairs]
         for value, state in self._pairs(self._given.get("sentinel", [])):
             known = len(self._states) if state == UNOBSERVED else self._state(state)
             # A raw -1 may come as a whole number or as -1.0, but True is not 1.
-            for kind in (type(value),) if isinstance(value, (bool, str)) else (int, float):
-                found[kind][value] = known
-        return found
+            if isinstance(value, (bool, str)):
+                found.append((value, known))
+            else:
+                found += [(twin, known) for twin in _twins(value)]
+        return tuple(found)
 
-    def _pairs(self, items: Any) -> List[Tuple[Any, Any]]:
+    def _pairs(self, items: Any) -> list[tuple[Any, Any]]:
         if not isinstance(items, list):
             raise ModelError("", "'map' or 'sentinel' is no list of pairs")
         pairs = []
@@ -146,14 +149,25 @@ class _Reader:
             raise ModelError("", f"{key!r} is no number")
         return float(value)
 
-    def _numbers(self, key: str) -> List[float]:
+    def _numbers(self, key: str) -> list[float]:
         values = self._given[key]
         if not isinstance(values, list) or any(type(one) not in (int, float) for one in values):
             raise ModelError("", f"{key!r} is no list of numbers")
         return [float(one) for one in values]
 
-    def _choice(self, key: str, known: Tuple[str, ...]) -> str:
+    def _choice(self, key: str, known: tuple[str, ...]) -> str:
         value = self._given.get(key, known[0])
         if value not in known:
             raise ModelError("", f"{key!r} is {value!r}, not one of {', '.join(known)}")
         return str(value)
+
+
+def _twins(value: float) -> Iterator[int | float]:
+    """Yield a number as a whole number and as a double, where that is exact."""
+    for kind in (int, float):
+        try:
+            twin = kind(value)
+        except OverflowError:
+            continue
+        if twin == value:
+            yield twin

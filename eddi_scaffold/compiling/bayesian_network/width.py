@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
-from typing import List, NamedTuple, Sequence, Tuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
-from .graph import Component, Shape, bits, components, mask_of, size_of, with_all_observed
-from .messages import Program, costs, joint_mask, make_program
-from .tree import Tree, find_tree
+from eddi_scaffold.compiling.bayesian_network.graph import (
+    Component,
+    Shape,
+    bits,
+    components,
+    mask_of,
+    size_of,
+    with_all_observed,
+)
+from eddi_scaffold.compiling.bayesian_network.messages import (
+    Program,
+    costs,
+    joint_mask,
+    make_program,
+)
+from eddi_scaffold.compiling.bayesian_network.tree import Tree, find_tree
 
 LARGE = 100_000
 """Entries of the largest table from which a step takes about a millisecond (B301)."""
@@ -33,7 +47,7 @@ class Width(NamedTuple):
     """
 
     largest: int
-    nodes: Tuple[str, ...]
+    nodes: tuple[str, ...]
     operations: int
     nanoseconds: int
 
@@ -73,13 +87,13 @@ def width_of(shape: Shape, outputs: Sequence[int], observable: Sequence[int]) ->
 
 def make_plans(
     shape: Shape, outputs: Sequence[int], observable: Sequence[int], trials: int = 8
-) -> Tuple[Plan, ...]:
+) -> tuple[Plan, ...]:
     """Return the cheapest plan that was found for each part."""
     parts = components(shape, sorted(set(outputs)), sorted(set(observable)))
     return tuple(_plan(shape, part, trials) for part in parts)
 
 
-def plans_when_observed(shape: Shape, plan: Plan, trials: int = 8) -> Tuple[Plan, ...]:
+def plans_when_observed(shape: Shape, plan: Plan, trials: int = 8) -> tuple[Plan, ...]:
     """Return what replaces a plan when each of its inputs is observed; empty: nothing cheaper."""
     parts = with_all_observed(shape, plan.part)
     plans = tuple(_plan(shape, part, trials) for part in parts)
@@ -92,7 +106,7 @@ def width(shape: Shape, plans: Sequence[Plan]) -> Width:
     culprit, largest, operations, nanoseconds = 0, 0, 0, 0
     for plan in plans:
         messages = plan.program.messages
-        masks: List[int] = [joint_mask(messages, one) for one in messages.values()]
+        masks: list[int] = [joint_mask(messages, one) for one in messages.values()]
         masks += [mask_of((*shape.parents[node], node)) for node in plan.part.nodes]
         for mask in masks:
             size = size_of(mask, shape.cards)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Sequence, Tuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
-from ..documents import ModelError, take
-from ..thresholds import Threshold
+from eddi_scaffold.compiling.document import ModelError, take
 
 
 class StateThreshold(NamedTuple):
@@ -15,18 +15,24 @@ class StateThreshold(NamedTuple):
         node: number of the node.
         states: numbers of the states whose probabilities are added up.
         at_least: the probability must not be below; else it must not be above.
-        limits: where it begins and ends; of the negative probability for ``at_least``.
+        id: of the evidence.
+        activate: where it begins; of the negative probability for ``at_least``.
+        release: where it ends, likewise.
+        hold_ns: nanoseconds that it must be kept for.
     """
 
     node: int
-    states: Tuple[int, ...]
+    states: tuple[int, ...]
     at_least: bool
-    limits: Threshold
+    id: str
+    activate: float
+    release: float
+    hold_ns: int
 
 
 def read_thresholds(
     items: Any, names: Sequence[str], states: Sequence[Sequence[str]]
-) -> Tuple[StateThreshold, ...]:
+) -> tuple[StateThreshold, ...]:
     """Read the list ``thresholds`` of a model.
 
     Raises:
@@ -35,7 +41,7 @@ def read_thresholds(
     if not isinstance(items, list):
         raise ModelError("", "'thresholds' is no list")
     found = [_threshold(item, names, states) for item in items]
-    if len({one.limits.id for one in found}) < len(found):
+    if len({one.id for one in found}) < len(found):
         raise ModelError("", "two thresholds have the same id")
     return tuple(found)
 
@@ -51,12 +57,12 @@ def _threshold(item: Any, names: Sequence[str], states: Sequence[Sequence[str]])
     key = "at_least" if "at_least" in item else "at_most"
     sign = -1.0 if key == "at_least" else 1.0
     activate, release = (sign * _probability(item, one, where) for one in (key, "release"))
-    limits = Threshold(name, activate, release, take(item, "hold_ns", int, where))
-    return StateThreshold(number, chosen, key == "at_least", limits)
+    hold_ns = take(item, "hold_ns", int, where)
+    return StateThreshold(number, chosen, key == "at_least", name, activate, release, hold_ns)
 
 
-def _states(given: Any, known: Sequence[str], where: str) -> Tuple[int, ...]:
-    numbers: List[int] = []
+def _states(given: Any, known: Sequence[str], where: str) -> tuple[int, ...]:
+    numbers: list[int] = []
     for state in given:
         if state not in known:
             raise ModelError("", f"{where}: there is no state {state!r}")

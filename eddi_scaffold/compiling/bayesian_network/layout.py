@@ -8,12 +8,13 @@ wants it, going backwards from the outputs.
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
-from .graph import bits
-from .messages import Edge, Message
+from eddi_scaffold.compiling.bayesian_network.graph import bits
+from eddi_scaffold.compiling.bayesian_network.messages import Edge, Message
 
-Axes = Tuple[int, ...]
+Axes = tuple[int, ...]
 
 
 class Groups(NamedTuple):
@@ -29,7 +30,7 @@ def layouts(
     operations: Sequence[Message],
     messages: Mapping[Edge, Message],
     resolve: Mapping[Edge, Edge],
-) -> Dict[Edge, Axes]:
+) -> dict[Edge, Axes]:
     """Return the order of axes of each operation's result, slowest first.
 
     Args:
@@ -38,7 +39,7 @@ def layouts(
         resolve: part -> the message that it is equal to.
     """
     computed = {one.edge for one in operations}
-    order: Dict[Edge, Axes] = {}
+    order: dict[Edge, Axes] = {}
     for message in reversed(operations):
         wish = order.get(message.edge, tuple(bits(message.mask)))
         parts = [resolve[part] for part in message.parts]
@@ -46,7 +47,7 @@ def layouts(
         if groups.summed and not _adjacent(wish, groups):
             wish = groups.batch + groups.left + groups.right
         order[message.edge] = wish
-        for part, own in zip(parts, (groups.left, groups.right)):
+        for part, own in zip(parts, (groups.left, groups.right), strict=False):
             if part in computed and part not in order:
                 both = (*groups.batch, *own, *groups.summed)
                 kept = set(bits(messages[part].mask))
@@ -72,7 +73,7 @@ def groups_of(
     """
     one, other = (messages[part].mask for part in parts)
     summed = one & other & ~message.mask
-    inside: List[int] = list(bits(summed))
+    inside: list[int] = list(bits(summed))
     for part in parts:
         if part in order:
             inside = [node for node in order[part] if summed >> node & 1]

@@ -8,12 +8,13 @@ tabulated over their states and "not observed".
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
-from .graph import Component, bits, mask_of, size_of
-from .tree import TABLE, UNIT, Tree
+from eddi_scaffold.compiling.bayesian_network.graph import Component, bits, mask_of, size_of
+from eddi_scaffold.compiling.bayesian_network.tree import TABLE, UNIT, Tree
 
-Edge = Tuple[int, int]
+Edge = tuple[int, int]
 """(from, to): numbers of a tree."""
 
 MAX_CASES = 1024
@@ -41,7 +42,7 @@ class Message(NamedTuple):
     edge: Edge
     mask: int
     inputs: int
-    parts: Tuple[Edge, ...]
+    parts: tuple[Edge, ...]
     leaf: int
     kind: str
 
@@ -58,25 +59,25 @@ class Program(NamedTuple):
         cases: of each node that may be observed: its states, and "not observed" where that may be.
     """
 
-    messages: Dict[Edge, Message]
-    answers: Dict[int, Edge]
-    evidence: Tuple[Edge, ...]
-    tabulated: Set[Edge]
-    cases: Dict[int, int]
+    messages: dict[Edge, Message]
+    answers: dict[int, Edge]
+    evidence: tuple[Edge, ...]
+    tabulated: set[Edge]
+    cases: dict[int, int]
 
 
 def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
     """Return all messages that the outputs of a part need."""
     around = _neighbours(tree)
-    targets: Dict[int, Edge] = {}
+    targets: dict[int, Edge] = {}
     for number, leaf in enumerate(tree.leaves):
         if leaf.node in part.outputs and leaf.kind != TABLE:
             targets[leaf.node] = (around[number][0], number)
-    evidence: Tuple[Edge, ...] = ()
+    evidence: tuple[Edge, ...] = ()
     if not targets:
         one, other = tree.top
         evidence = ((one, other),) if one == other else ((one, other), (other, one))
-    messages: Dict[Edge, Message] = {}
+    messages: dict[Edge, Message] = {}
     for edge in (*targets.values(), *evidence):
         _collect(edge, tree, around, messages)
     given = frozenset(part.given)
@@ -84,13 +85,13 @@ def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
     return Program(messages, targets, evidence, _tabulated(messages, cards, cases), cases)
 
 
-def costs(program: Program, cards: Sequence[int]) -> Tuple[int, int, int]:
+def costs(program: Program, cards: Sequence[int]) -> tuple[int, int, int]:
     """Return (nanoseconds with hard evidence, with any evidence, operations with any evidence).
 
     Estimates for comparing: 0.6 us for an operation and 1 ns for a multiplication.
     """
     hard, full, operations = 0, 0, 0
-    looked_up: Set[Edge] = set()
+    looked_up: set[Edge] = set()
     for edge, message in program.messages.items():
         if not message.parts or not message.inputs or alias_of(program.messages, message):
             continue
@@ -103,18 +104,18 @@ def costs(program: Program, cards: Sequence[int]) -> Tuple[int, int, int]:
     return hard + _LOOKUP_NS * len(looked_up), full, operations
 
 
-def joint_mask(messages: Dict[Edge, Message], message: Message) -> int:
+def joint_mask(messages: dict[Edge, Message], message: Message) -> int:
     """Return the nodes over which a product runs: its clique."""
     return mask_of(node for one in message.parts for node in bits(messages[one].mask))
 
 
-def work(messages: Dict[Edge, Message], message: Message, cards: Sequence[int]) -> int:
+def work(messages: dict[Edge, Message], message: Message, cards: Sequence[int]) -> int:
     """Return the multiplications of one message."""
     return size_of(joint_mask(messages, message), cards)
 
 
-def _neighbours(tree: Tree) -> List[List[int]]:
-    around: List[List[int]] = [[] for _ in tree.masks]
+def _neighbours(tree: Tree) -> list[list[int]]:
+    around: list[list[int]] = [[] for _ in tree.masks]
     for number, pair in enumerate(tree.joins, len(tree.leaves)):
         for below in pair:
             around[below].append(number)
@@ -127,7 +128,7 @@ def _neighbours(tree: Tree) -> List[List[int]]:
 
 
 def _collect(
-    edge: Edge, tree: Tree, around: List[List[int]], messages: Dict[Edge, Message]
+    edge: Edge, tree: Tree, around: list[list[int]], messages: dict[Edge, Message]
 ) -> None:
     """Add a message and all it needs; without recursion, a chain may have thousands."""
     todo = [edge]
@@ -136,7 +137,7 @@ def _collect(
         if (source, target) in messages:
             todo.pop()
             continue
-        parts: Tuple[Edge, ...] = ()
+        parts: tuple[Edge, ...] = ()
         if source >= len(tree.leaves):
             parts = tuple((one, source) for one in around[source] if one != target)
         missing = [part for part in parts if part not in messages]
@@ -147,7 +148,7 @@ def _collect(
 
 
 def _message(
-    edge: Edge, tree: Tree, parts: Tuple[Edge, ...], messages: Dict[Edge, Message]
+    edge: Edge, tree: Tree, parts: tuple[Edge, ...], messages: dict[Edge, Message]
 ) -> Message:
     # A join has a higher number than what it joins; over the top edge both masks are equal.
     mask = tree.masks[min(edge)]
@@ -161,9 +162,9 @@ def _message(
 
 
 def _tabulated(
-    messages: Dict[Edge, Message], cards: Sequence[int], cases_of_each: Mapping[int, int]
-) -> Set[Edge]:
-    found: Set[Edge] = set()
+    messages: dict[Edge, Message], cards: Sequence[int], cases_of_each: Mapping[int, int]
+) -> set[Edge]:
+    found: set[Edge] = set()
     for edge, message in messages.items():
         ready = all(part in found or not messages[part].inputs for part in message.parts)
         if not message.inputs or not ready:
@@ -177,7 +178,7 @@ def _tabulated(
     return found
 
 
-def alias_of(messages: Dict[Edge, Message], message: Message) -> Optional[Edge]:
+def alias_of(messages: dict[Edge, Message], message: Message) -> Edge | None:
     """Return the part that a product is equal to: the other part is the place of an output."""
     for part, other in (message.parts, message.parts[::-1]) if message.parts else ():
         if messages[other].kind == UNIT and messages[part].mask == message.mask:

@@ -8,19 +8,19 @@ find narrower orders than the joining of pairs when tables are large.
 from __future__ import annotations
 
 import heapq
-from typing import Callable, Dict, List, Sequence, Tuple
+from collections.abc import Callable, Sequence
 
-from .graph import bits, size_of
+from eddi_scaffold.compiling.bayesian_network.graph import bits, size_of
 
 _WIDE = 64
 """Neighbours beyond which no table over them can be made: they need not be counted one by one."""
-Rule = Callable[[int, Dict[int, int], Sequence[int]], int]
+Rule = Callable[[int, dict[int, int], Sequence[int]], int]
 
 
-def fewest_edges(node: int, around: Dict[int, int], cards: Sequence[int]) -> int:
+def fewest_edges(node: int, around: dict[int, int], cards: Sequence[int]) -> int:
     """Return how many edges the elimination of a node adds, twice, weighted by their tables."""
     mask = around[node]
-    count = bin(mask).count("1")
+    count = (mask).bit_count()
     if count > _WIDE:
         return 1 << count
     added = 0
@@ -30,12 +30,12 @@ def fewest_edges(node: int, around: Dict[int, int], cards: Sequence[int]) -> int
     return added
 
 
-def smallest_table(node: int, around: Dict[int, int], cards: Sequence[int]) -> int:
+def smallest_table(node: int, around: dict[int, int], cards: Sequence[int]) -> int:
     """Return the entries of the table that the elimination of a node needs."""
     return size_of(around[node] | 1 << node, cards)
 
 
-def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) -> Tuple[int, ...]:
+def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) -> tuple[int, ...]:
     """Return the nodes of some tables in a good order; ties go to the lower number.
 
     Args:
@@ -43,14 +43,14 @@ def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) ->
         cards: number of states of each node.
         rule: the node with the smallest value is next.
     """
-    around: Dict[int, int] = {}
+    around: dict[int, int] = {}
     for mask in masks:
         for node in bits(mask):
             around[node] = around.get(node, 0) | mask & ~(1 << node)
     price = {node: rule(node, around, cards) for node in sorted(around)}
     cheapest = [(value, node) for node, value in price.items()]
     heapq.heapify(cheapest)
-    order: List[int] = []
+    order: list[int] = []
     while price:
         value, node = heapq.heappop(cheapest)
         if price.get(node) != value:
@@ -63,7 +63,7 @@ def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) ->
     return tuple(order)
 
 
-def _without(node: int, around: Dict[int, int]) -> int:
+def _without(node: int, around: dict[int, int]) -> int:
     """Take a node out and connect its neighbours; return the nodes whose price may be another."""
     near = around.pop(node)
     changed, added = near, False

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any
 
-from ..documents import ModelError, take
-from ..model_file import ModelFile
-from .graph import Shape
-from .thresholds import StateThreshold, read_thresholds
+from eddi_scaffold.compiling.bayesian_network.graph import Shape
+from eddi_scaffold.compiling.bayesian_network.thresholds import StateThreshold, read_thresholds
+from eddi_scaffold.compiling.document import ModelError, ModelFile, take
 
 _LIST, _TEXT, _OBJECT = list, str, dict
 _TOLERANCE = 1e-6
@@ -29,9 +29,9 @@ class Network:
     """
 
     shape: Shape
-    states: Tuple[Tuple[str, ...], ...]
-    tables: Tuple[Tuple[float, ...], ...]
-    attributes: Tuple[str, ...]
+    states: tuple[tuple[str, ...], ...]
+    tables: tuple[tuple[float, ...], ...]
+    attributes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -49,17 +49,19 @@ class BayesianNetworkModel:
             ``hold``.
         explain: the status message has the relevance of each observed node.
         thresholds: the evidence for ConSerts.
+        paths: of the nodes: fragment path of the element in the file, empty for none.
     """
 
     network: Network
-    outputs: Tuple[int, ...]
-    observed: Optional[Tuple[int, ...]]
+    outputs: tuple[int, ...]
+    observed: tuple[int, ...] | None
     discretisation: Mapping[int, Mapping[str, Any]]
     direct: Mapping[int, str]
     virtual: bool
     on_inconsistent: str
     explain: bool
-    thresholds: Tuple[StateThreshold, ...]
+    thresholds: tuple[StateThreshold, ...]
+    paths: tuple[str, ...]
 
 
 def read_model_part(model_file: ModelFile) -> BayesianNetworkModel:
@@ -90,7 +92,13 @@ def read_model_part(model_file: ModelFile) -> BayesianNetworkModel:
         on_inconsistent=_choice(settings, "on_inconsistent", _ON_INCONSISTENT),
         explain=settings.get("explain") is True,
         thresholds=read_thresholds(model.get("thresholds", []), list(names), network.states),
+        paths=tuple(map(_path, model["nodes"])),
     )
+
+
+def _path(item: Mapping[str, Any]) -> str:
+    found = item.get("path")
+    return found if isinstance(found, str) else ""
 
 
 def read_network(items: Any) -> Network:
@@ -104,8 +112,8 @@ def read_network(items: Any) -> Network:
     number = {name: k for k, name in enumerate(names)}
     if len(number) < len(names):
         raise ModelError("", "two nodes have the same id")
-    states: List[Tuple[str, ...]] = []
-    parents: List[Tuple[int, ...]] = []
+    states: list[tuple[str, ...]] = []
+    parents: list[tuple[int, ...]] = []
     for name, item in nodes:
         where = f"node {name!r}"
         states.append(_texts(take(item, "states", _LIST, where), f"the states of {where}"))
@@ -122,11 +130,11 @@ def read_network(items: Any) -> Network:
     return Network(shape, tuple(states), tuple(tables), tuple(attributes))
 
 
-def _named(item: Any, where: str) -> Tuple[str, Any]:
+def _named(item: Any, where: str) -> tuple[str, Any]:
     return take(item, "id", _TEXT, where), item
 
 
-def _texts(items: Any, where: str) -> Tuple[str, ...]:
+def _texts(items: Any, where: str) -> tuple[str, ...]:
     if not all(isinstance(one, str) for one in items):
         raise ModelError("", f"{where} are not texts")
     if len(set(items)) < len(items):
@@ -140,7 +148,7 @@ def _node(name: Any, names: Mapping[str, int]) -> int:
     return names[name]
 
 
-def _nodes(items: Any, names: Mapping[str, int]) -> Tuple[int, ...]:
+def _nodes(items: Any, names: Mapping[str, int]) -> tuple[int, ...]:
     if not isinstance(items, list):
         raise ModelError("", "a list of nodes is not a list")
     return tuple(sorted({_node(name, names) for name in items}))
@@ -151,7 +159,7 @@ def _known_input(name: str, inputs: set[str]) -> None:
         raise ModelError("", f"there is no input {name!r}")
 
 
-def _choice(settings: Mapping[str, Any], key: str, known: Tuple[str, ...]) -> str:
+def _choice(settings: Mapping[str, Any], key: str, known: tuple[str, ...]) -> str:
     value = settings.get(key, known[0])
     if value not in known:
         raise ModelError("", f"{key!r} is {value!r}, not one of {', '.join(known)}")
@@ -159,8 +167,8 @@ def _choice(settings: Mapping[str, Any], key: str, known: Tuple[str, ...]) -> st
 
 
 def _acyclic(shape: Shape) -> None:
-    waiting: Dict[int, int] = {node: len(ps) for node, ps in enumerate(shape.parents)}
-    children: List[List[int]] = [[] for _ in shape.parents]
+    waiting: dict[int, int] = {node: len(ps) for node, ps in enumerate(shape.parents)}
+    children: list[list[int]] = [[] for _ in shape.parents]
     for node, known in enumerate(shape.parents):
         for parent in known:
             children[parent].append(node)
@@ -176,7 +184,7 @@ def _acyclic(shape: Shape) -> None:
         raise ModelError("", "the network has a cycle")
 
 
-def _table(item: Any, shape: Shape, node: int) -> Tuple[float, ...]:
+def _table(item: Any, shape: Shape, node: int) -> tuple[float, ...]:
     where, card = f"the table of node {shape.names[node]!r}", shape.cards[node]
     values = take(item, "table", _LIST, where)
     size = card * math.prod(shape.cards[one] for one in shape.parents[node])

@@ -1,0 +1,415 @@
+"""The class ``Monitor`` of a Bayesian network, and before it the tables and steps of its parts."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.compiling.bayesian_network.joint import JointTable, priors_of
+from eddi_scaffold.compiling.bayesian_network.model import (
+    BayesianNetworkModel,
+    Network,
+    read_model_part,
+)
+from eddi_scaffold.compiling.bayesian_network.programs import (
+    Part,
+    Program,
+    cases_of,
+    everything,
+    few,
+    foreseen,
+)
+from eddi_scaffold.compiling.bayesian_network.schedule import (
+    Steps,
+    answers_of,
+    message_rows,
+    steps_of,
+)
+from eddi_scaffold.compiling.bayesian_network.sources import Source, sources_of
+from eddi_scaffold.compiling.bayesian_network.text import sum_lines, total_lines, unpack_lines
+from eddi_scaffold.compiling.bayesian_network.width import TooWideError
+from eddi_scaffold.compiling.document import ModelError, ModelFile
+from eddi_scaffold.compiling.inputs import attribute_of, input_lines
+from eddi_scaffold.compiling.text import (
+    Group,
+    Item,
+    assignment,
+    call,
+    comment,
+    literal,
+    number,
+    returned,
+    text_literal,
+    tuple_of,
+)
+from eddi_scaffold.compiling.text import (
+    Part as Text,
+)
+
+FORMAT = 1
+_ROOM = "bayesian_network"
+
+
+def lines_of(model_file: ModelFile) -> list[str]:
+    """Return the lines of the class and of what it uses.
+
+    Raises:
+        ModelError: the model is wrong or too wide.
+    """
+    model = read_model_part(model_file)
+    sources = sources_of(model, model_file.inputs)
+    observed = {source.node for source in sources} | {*(model.observed or ())}
+    judged = {one.node for one in model.thresholds}
+    try:
+        program = foreseen(model.network, {*model.outputs, *judged}, observed)
+    except TooWideError as problem:
+        raise ModelError("", str(problem)) from None
+    return module_lines(model_file, model, sources, program)
+
+
+def module_lines(
+    model_file: ModelFile,
+    model: BayesianNetworkModel,
+    sources: Sequence[Source],
+    program: Program,
+) -> list[str]:
+    """Return the lines for a program that was found."""
+    network = model.network
+    module = _Module(network)
+    main = module.program(program, "", loop=False)
+    further = everything(network, program)
+    rest = None if further is None else module.program(further, "all_", loop=True)
+    lines = [
+        *module.lines(),
+        f"class Monitor({_ROOM}.BayesianNetworkMonitor):",
+        f"    model_id = {text_literal(model_file.id)}",
+        f'    digest = "{model_file.digest}"',
+        *input_lines(model_file.inputs, {}),
+        *_nodes(model),
+        *assignment("given", literal(model.outputs), 4),
+        *assignment("foreseen", main, 4),
+    ]
+    if rest is not None:
+        lines += ["    # For nodes that only a person's method observes, or makes an output."]
+        lines += assignment("everything", rest, 4)
+    lines += _settings(model)
+    if sources:
+        lines += ["", *_sources(model, sources, model_file)]
+    return lines
+
+
+def _nodes(model: BayesianNetworkModel) -> list[str]:
+    network = model.network
+    rows = (
+        Item(
+            call(
+                f"{_ROOM}.NodeSpec",
+                [text_literal(name), literal(states), text_literal(attribute)],
+            ),
+            above=f"{k} {comment(path)}".rstrip(),
+        )
+        for k, (name, states, attribute, path) in enumerate(
+            zip(network.shape.names, network.states, network.attributes, model.paths, strict=True)
+        )
+    )
+    return assignment("nodes", tuple_of(rows), 4)
+
+
+def _settings(model: BayesianNetworkModel) -> list[str]:
+    lines = []
+    if model.thresholds:
+        rows = (
+            call(
+                f"{_ROOM}.StateThreshold",
+                [
+                    str(one.node),
+                    literal(one.states),
+                    str(one.at_least),
+                    call(
+                        f"{_ROOM}.Threshold",
+                        [
+                            text_literal(one.id),
+                            number(one.activate),
+                            number(one.release),
+                            str(one.hold_ns),
+                        ],
+                    ),
+                ],
+            )
+            for one in model.thresholds
+        )
+        lines += assignment("thresholds", tuple_of(rows), 4)
+    if not model.virtual:
+        lines.append("    virtual = False")
+    if model.on_inconsistent != "silent":
+        lines.append(f"    on_inconsistent = {text_literal(model.on_inconsistent)}")
+    if model.explain:
+        lines.append("    relevance = True")
+    return lines
+
+
+def _sources(
+    model: BayesianNetworkModel, sources: Sequence[Source], model_file: ModelFile
+) -> list[str]:
+    names = model.network.shape.names
+    number_of = {spec.id: k for k, spec in enumerate(model_file.inputs)}
+    rows = (
+        Item(
+            call(
+                f"{_ROOM}.Source",
+                [
+                    str(source.node),
+                    f"self.inputs[{number_of[source.spec.id]}]",
+                    _reader(model, source, number_of),
+                ],
+            ),
+            above=comment(f"{names[source.node]} from {source.spec.id}"),
+        )
+        for source in sources
+    )
+    reads = tuple_of(attribute_of("source", source.spec.attribute) for source in sources)
+    return [
+        "    def sources(self):",
+        *returned(tuple_of(rows), 8),
+        "",
+        "    def read(self, source):",
+        "        try:",
+        *returned(reads, 12),
+        "        except Exception:",
+        "            return super().read(source)",
+    ]
+
+
+def _reader(model: BayesianNetworkModel, source: Source, numbers: Mapping[str, int]) -> Text:
+    declared = source.declared
+    if declared is None:
+        states = literal(model.network.states[source.node])
+        return call(f"{_ROOM}.DirectReader", [states], virtual=str(model.virtual))
+    given: dict[str, Any] = {"edges": declared.edges, "order": declared.order}
+    usual: dict[str, Any] = {
+        "closed_right": True,
+        "scaled": False,
+        "scale": 1.0,
+        "offset": 0.0,
+        "limits": (float("-inf"), float("inf")),
+        "clamp": False,
+        "allow_inf": False,
+        "hysteresis": 0.0,
+        "policy": "unobserved",
+        "special": (),
+    }
+    if declared.edges is None:
+        del given["edges"]
+    given.update(
+        (key, getattr(declared, key)) for key in usual if getattr(declared, key) != usual[key]
+    )
+    texts = {key: literal(value) for key, value in given.items()}
+    declaration = call(f"{_ROOM}.Declaration", [str(declared.missing)], **texts)
+    spec = f"self.inputs[{numbers[source.spec.id]}]"
+    return call(f"{_ROOM}.Discretiser", [declaration, spec])
+
+
+class _Module:
+    """What stands before the class: numbered by part, so that nothing of a model is a name."""
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+        self._blocks: list[list[str]] = []
+        self._used: set[int] = set()
+
+    def lines(self) -> list[str]:
+        """Return the lines, with the tables of the nodes that schedules need before them."""
+        blocks = list(self._blocks)
+        if self._used:
+            rows = tuple(self._node(node) for node in sorted(self._used))
+            blocks.insert(0, assignment("nodes", Group("{", rows, "}"), 0))
+        return [line for block in blocks for line in [*block, "", ""]]
+
+    def program(self, program: Program, prefix: str, *, loop: bool) -> Text:
+        """Return a program; its parts are written before the class."""
+        written = not loop and few(self._network.shape.cards, program)
+        names: dict[int, str] = {}
+        for part in (*program.parts, *program.when_observed):
+            if id(part) not in names:
+                names[id(part)] = f"{prefix}part_{len(names)}"
+                self._part(part, program, names[id(part)], few=written, loop=loop)
+        named: dict[str, Text] = {}
+        if program.when_observed != program.parts:
+            named["when_observed"] = tuple_of(names[id(part)] for part in program.when_observed)
+        if written:
+            self._blocks.append(self._cases(program, f"{prefix}cases"))
+            named["cases"] = f"{prefix}cases"
+        return call(
+            f"{_ROOM}.Program",
+            [],
+            outputs=literal(program.outputs),
+            observable=literal(program.observable),
+            parts=tuple_of(names[id(part)] for part in program.parts),
+            **named,
+        )
+
+    def _node(self, node: int) -> Item:
+        network = self._network
+        names, parents = network.shape.names, network.shape.parents[node]
+        card, table = network.shape.cards[node], network.tables[node]
+        cases = itertools.product(*(network.states[one] for one in parents))
+        rows = [
+            Item(
+                tuple_of(map(number, table[k * card : (k + 1) * card])),
+                behind=comment(", ".join(case)),
+            )
+            for k, case in enumerate(cases)
+        ]
+        given = f" given {', '.join(names[one] for one in parents)}" if parents else ""
+        about = comment(f"{names[node]}{given}")
+        return Item(tuple_of([literal(parents), tuple_of(rows)]), prefix=f"{node}: ", above=about)
+
+    def _cases(self, program: Program, name: str) -> list[str]:
+        about = [self._state_names(node) for node in program.observable]
+        rows = []
+        for case, posterior in cases_of(self._network.shape.cards, program):
+            part = literal(posterior)
+            shown = ", ".join(names[state] for names, state in zip(about, case, strict=True))
+            rows.append(Item(part, prefix=f"{_key(case)}: ", behind=comment(shown)))
+        head = ["# Posteriors of " + comment(", ".join(self._names(program.outputs)))]
+        return [*head, *assignment(name, Group("{", tuple(rows), "}"), 0)]
+
+    def _names(self, nodes: Iterable[int]) -> list[str]:
+        return [self._network.shape.names[node] for node in nodes]
+
+    def _state_names(self, node: int) -> list[str]:
+        return [*self._network.states[node], "not known"]
+
+    def _part(self, part: Part, program: Program, name: str, *, few: bool, loop: bool) -> None:
+        positions = {node: k for k, node in enumerate(program.observable)}
+        component = part.plan.part
+        if part.tables is None:
+            made = self._schedule(part, name, positions, loop=loop)
+        else:
+            made = self._tables(part, part.tables, name, positions, few=few or loop)
+        inputs = tuple(positions[node] for node in component.inputs)
+        texts = [made, literal(inputs), literal(component.outputs), str(part.least)]
+        about = [f"# {comment(', '.join(self._names(component.outputs)) or 'evidence alone')}"]
+        self._blocks.append([*about, *assignment(name, call(f"{_ROOM}.Part", texts), 0)])
+
+    def _tables(
+        self,
+        part: Part,
+        tables: Sequence[JointTable],
+        name: str,
+        positions: Mapping[int, int],
+        *,
+        few: bool,
+    ) -> Text:
+        found = []
+        for k, table in enumerate(tables):
+            strides = table.strides()
+            pairs = [(positions[n], by) for n, by in zip(table.inputs, strides, strict=True)]
+            named: dict[str, Text] = {}
+            own = f"{name}_{k}"
+            if not (few and table.few()):
+                self._blocks.append(self._rows(table, f"{own}_rows"))
+                terms = [f"s[{position}] * {by}" for position, by in pairs] or ["0"]
+                index = [f"def {own}_index(s):", *sum_lines("k", terms, 4), "    return k"]
+                self._blocks.append(index)
+                named = {"index": f"{own}_index", "rows": f"{own}_rows"}
+            if table.few():
+                counts = [count - 1 for count in table.counts]
+                self._blocks.append(total_lines(f"{own}_total", table.rows, counts, strides))
+                named["total"] = f"{own}_total"
+            found.append(call(f"{_ROOM}.Table", [str(table.card), literal(tuple(pairs))], **named))
+        priors = priors_of(self._network, part.plan)
+        rows = (
+            Item(tuple_of(map(number, prior)), prefix=f"{positions[node]}: ")
+            for node, prior in priors.items()
+        )
+        return call(f"{_ROOM}.Tables", [tuple_of(found), Group("{", tuple(rows), "}")])
+
+    def _rows(self, table: JointTable, name: str) -> list[str]:
+        about = [self._state_names(node) for node in table.inputs]
+        cases = itertools.product(*map(range, table.counts))
+        rows = (
+            Item(
+                tuple_of(map(number, row)),
+                behind=comment(", ".join(of[k] for of, k in zip(about, case, strict=True))),
+            )
+            for row, case in zip(table.rows, cases, strict=True)
+        )
+        what = self._network.shape.names[table.output] if table.output >= 0 else "evidence alone"
+        given = f"# P({comment(what)}, evidence)"
+        return [given, *assignment(name, tuple_of(rows), 0)]
+
+    def _schedule(self, part: Part, name: str, positions: Mapping[int, int], *, loop: bool) -> Text:
+        plan, cards = part.plan, self._network.shape.cards
+        for node in plan.part.nodes:
+            self._used.update((node, *self._network.shape.parents[node]))
+        rows = message_rows(plan)
+        messages = (
+            Item(
+                literal(tuple(row)),
+                behind=f"{k} {comment(', '.join(self._names(row.nodes)))}".rstrip(),
+            )
+            for k, row in enumerate(rows)
+        )
+        self._blocks.append(
+            [
+                "# Kind, parts, nodes, inputs, known.",
+                *assignment(f"{name}_messages", tuple_of(messages), 0),
+            ]
+        )
+        hard: Text = "None"
+        if not loop:
+            steps = steps_of(plan.program, cards, positions, look_up=True)
+            hard = self._steps(steps, f"{name}_hard")
+        full: Text = "None"
+        if not plan.part.given:
+            steps = steps_of(plan.program, cards, positions, look_up=False)
+            full = self._loop(steps, f"{name}_full") if loop else self._steps(steps, f"{name}_full")
+        fields = [literal(answers_of(plan)), literal(plan.part.inputs), hard, full]
+        return call(f"{_ROOM}.Schedule", ["nodes", f"{name}_messages", *fields])
+
+    def _slots(self, steps: Steps, name: str) -> None:
+        rows = (
+            Item(literal(row), behind=of) for row, of in zip(steps.slots, steps.names, strict=True)
+        )
+        self._blocks.append(assignment(f"{name}_slots", tuple_of(rows), 0))
+
+    def _steps(self, steps: Steps, name: str) -> Text:
+        self._slots(steps, name)
+        lines = [f"def {name}(numpy, slots):"]
+        used = dict.fromkeys(one.function for one in steps.operations)
+        if any("dot(" in row for row in steps.rows):
+            used["dot"] = None
+        lines += [f"    {function} = numpy.{function}" for function in used]
+        if steps.names:
+            lines += unpack_lines(steps.names, "slots", 4)
+        if len(lines) > 1:
+            lines.append("")
+        lines.append("    def step(s):")
+        for case, terms in steps.cases.items():
+            lines += sum_lines(case, [f"s[{position}] * {by}" for position, by in terms], 8)
+        for one in steps.operations:
+            line = f"        {one.function}({', '.join(one.operands)})"
+            lines.append(f"{line}  # {comment(', '.join(self._names(one.nodes)))}".rstrip(" #"))
+        lines += returned(Group("[", tuple(map(Item, steps.rows)), "]"), 8)
+        self._blocks.append([*lines, "", "    return step"])
+        return call(f"{_ROOM}.Steps", [f"{name}_slots", name])
+
+    def _loop(self, steps: Steps, name: str) -> Text:
+        self._slots(steps, name)
+        rows = (
+            Item(
+                literal((one.function, *(int(text[1:]) for text in one.operands))),
+                behind=comment(", ".join(self._names(one.nodes))),
+            )
+            for one in steps.operations
+        )
+        self._blocks.append(assignment(f"{name}_operations", tuple_of(rows), 0))
+        answers = tuple(int(row.partition(".")[0][1:]) for row in steps.rows)
+        named = {"operations": f"{name}_operations", "answers": literal(answers)}
+        return call(f"{_ROOM}.Steps", [f"{name}_slots"], **named)
+
+
+def _key(case: Sequence[int]) -> str:
+    return f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''})"
