@@ -289,9 +289,13 @@ class _Module:
         else:
             made = self._tables(part, part.tables, name, positions, few=few or loop)
         inputs = tuple(positions[node] for node in component.inputs)
-        texts = [made, literal(inputs), literal(component.outputs), str(part.least)]
+        named: dict[str, Text] = {
+            "inputs": literal(inputs),
+            "outputs": literal(component.outputs),
+            "least": str(part.least),
+        }
         about = [f"# {comment(', '.join(self._names(component.outputs)) or 'evidence alone')}"]
-        self._blocks.append([*about, *assignment(name, call(f"{_ROOM}.Part", texts), 0)])
+        self._blocks.append([*about, *assignment(name, call(f"{_ROOM}.Part", [made], **named), 0)])
 
     def _tables(
         self,
@@ -311,9 +315,9 @@ class _Module:
             if not (few and table.few()):
                 self._blocks.append(self._rows(table, f"{own}_rows"))
                 terms = [f"s[{position}] * {by}" for position, by in pairs] or ["0"]
-                index = [f"def {own}_index(s):", *sum_lines("k", terms, 4), "    return k"]
-                self._blocks.append(index)
-                named = {"index": f"{own}_index", "rows": f"{own}_rows"}
+                row_of = [f"def {own}_row(s):", *sum_lines("k", terms, 4), "    return k"]
+                self._blocks.append(row_of)
+                named = {"row_of": f"{own}_row", "rows": f"{own}_rows"}
             if table.few():
                 counts = [count - 1 for count in table.counts]
                 self._blocks.append(total_lines(f"{own}_total", table.rows, counts, strides))

@@ -80,10 +80,9 @@ def message_rows(plan: Plan) -> tuple[MessageRow, ...]:
                 parts = (leaf.node,)
             elif leaf.kind == EVIDENCE and leaf.node not in in_tables:
                 kind = "prior"
-        known = not message.inputs or edge in plan.program.tabulated
-        rows.append(
-            MessageRow(kind, parts, tuple(bits(message.mask)), tuple(bits(message.inputs)), known)
-        )
+        known = not message.inputs or edge in plan.program.tabulated or not message.parts
+        inputs = tuple(bits(message.inputs)) if known else ()
+        rows.append(MessageRow(kind, parts, tuple(bits(message.mask)), inputs, known))
     return tuple(rows)
 
 

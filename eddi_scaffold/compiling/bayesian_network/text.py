@@ -62,7 +62,7 @@ def total_lines(
 def unpack_lines(names: Sequence[str], value: str, indent: int) -> list[str]:
     """Return the lines of ``name, name = value``."""
     blanks = " " * indent
-    line = f"{blanks}{', '.join(names)}{',' if len(names) == 1 else ''} = {value}"
+    line = f"{blanks}{', '.join(names) if len(names) > 1 else f'({names[0]},)'} = {value}"
     if len(line) <= WIDTH:
         return [line]
     return [f"{blanks}(", *(f"{blanks}    {name}," for name in names), f"{blanks}) = {value}"]

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor, InconsistentEvidenceError
-from eddi_runtime.model_file import parse_model
-from eddi_runtime.monitor import build
 
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.model import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
@@ -143,7 +143,7 @@ def _difference(
     monitor: BayesianNetworkMonitor, peer: PgmpyNetwork, outputs: Sequence[str], case: Case
 ) -> float:
     try:
-        ours = monitor.inference.posteriors(case)
+        ours = monitor.posteriors(case)
     except InconsistentEvidenceError:
         return 0.0  # pgmpy reports it only where the contradiction affects the query
     largest = 0.0

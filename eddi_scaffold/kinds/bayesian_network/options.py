@@ -6,9 +6,9 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
-from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, Shape, Width, width_of
-
 from eddi_scaffold.claims import Use
+from eddi_scaffold.compiling.bayesian_network.graph import Shape
+from eddi_scaffold.compiling.bayesian_network.width import LARGE, TOO_LARGE, Width, width_of
 from eddi_scaffold.identifiers import attribute, free_name
 from eddi_scaffold.kinds import InputType, JsonValue, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation

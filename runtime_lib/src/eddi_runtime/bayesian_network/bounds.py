@@ -9,7 +9,7 @@ import itertools
 import math
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from .program import Posteriors
+from .program import Rows
 
 COMBINATIONS = 1024
 """States of unknown nodes, multiplied, up to which they are all tried in a step."""
@@ -17,10 +17,10 @@ _REMEMBERED = 1024
 
 Open = Tuple[int, Tuple[int, ...]]
 """Position of an observable node whose state is not known, and the states it may be in."""
-Pick = Callable[[Posteriors], float]
+Pick = Callable[[Rows], float]
 """Takes the probability of interest out of posteriors."""
 Pair = Tuple[float, float]
-Infer = Callable[[List[int], Mapping[int, List[float]]], Optional[Posteriors]]
+Infer = Callable[[List[int], Mapping[int, List[float]]], Optional[Rows]]
 
 
 class Bounds:
@@ -80,7 +80,7 @@ def pick_of(place: int, states: Sequence[int]) -> Pick:
         (state,) = states
         return lambda rows: rows[place][state]
 
-    def added(rows: Posteriors) -> float:
+    def added(rows: Rows) -> float:
         row = rows[place]
         return math.fsum([row[state] for state in states])
 

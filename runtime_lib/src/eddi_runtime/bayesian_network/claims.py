@@ -7,7 +7,7 @@ from typing import List, Mapping, NamedTuple, Optional, Sequence
 
 from ..thresholds import Evidence
 from .bounds import COMBINATIONS, Bounds, Infer, Open, Pair, combinations, pick_of
-from .program import Posteriors, StateThreshold
+from .program import Rows, StateThreshold
 
 INCONSISTENT = "inconsistent"
 TOO_MANY = "too many unknown inputs"
@@ -68,7 +68,7 @@ class Claims:
     def step(
         self,
         now: float,
-        rows: Optional[Posteriors],
+        rows: Optional[Rows],
         states: List[int],
         weights: Mapping[int, List[float]],
         opened: Sequence[Open],

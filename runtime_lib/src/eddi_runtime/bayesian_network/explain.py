@@ -7,7 +7,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from .claims import Claim
 from .knowledge import Facts
-from .program import NodeSpec, Posteriors
+from .program import NodeSpec, Rows
 
 _ALL_KNOWN = Facts(valid=True, unknown_inputs=(), undecided={}, accepted=())
 
@@ -58,7 +58,7 @@ def _of_claim(one: Claim) -> str:
 def explain(
     nodes: Sequence[NodeSpec],
     missing: Sequence[int],
-    infer: Callable[..., Optional[Posteriors]],
+    infer: Callable[..., Optional[Rows]],
     states: Sequence[int],
     weights: Mapping[int, Sequence[float]],
 ) -> Explanation:
@@ -93,7 +93,7 @@ def explain(
     return Explanation(evidence, unobserved, relevance)
 
 
-def _distance(one: Posteriors, other: Posteriors) -> float:
+def _distance(one: Rows, other: Rows) -> float:
     pairs = zip(one, other)
     apart = (0.5 * sum(abs(p - q) for p, q in zip(left, right)) for left, right in pairs)
     return max(apart, default=0.0)

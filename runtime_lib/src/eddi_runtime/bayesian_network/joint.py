@@ -86,8 +86,8 @@ class JointTables:
         return row
 
     def _rows(self, table: Table) -> Tuple[Callable[[States], int], Rows]:
-        if table.index is not None:
-            return table.index, table.rows
+        if table.row_of is not None:
+            return table.row_of, table.rows
         strides, total = table.strides, table.total
         assert total is not None
         cases = itertools.product(*(self._vectors[position] for position, _ in strides))

@@ -148,7 +148,7 @@ class _Nobody:
     def _asked(self, *_: object) -> NoReturn:
         raise TypeError
 
-    __bool__ = __eq__ = __ne__ = __str__ = __repr__ = __format__ = __hash__ = _asked  # type: ignore[assignment]  # on purpose
+    __bool__ = __eq__ = __ne__ = __str__ = __repr__ = __format__ = __hash__ = _asked
 
 
 _NOBODY = _Nobody()

@@ -58,14 +58,14 @@ class Table(NamedTuple):
     Attributes:
         card: number of states of the output; 1 if it is the probability of the evidence alone.
         strides: (position of an input, distance between the rows of its states).
-        index: states -> number of the row; None: no rows are held.
+        row_of: states -> number of the row; None: no rows are held.
         rows: one for each case; a state behind those of an input represents "not observed".
         total: vectors of the inputs -> the row, summed over all states; None for a large table.
     """
 
     card: int
     strides: Tuple[Tuple[int, int], ...]
-    index: Optional[Callable[[States], int]] = None
+    row_of: Optional[Callable[[States], int]] = None
     rows: Rows = ()
     total: Optional[Callable[[Sequence[Sequence[float]]], List[float]]] = None
 
@@ -89,7 +89,7 @@ class Message(NamedTuple):
         kind: ``product``, ``table``, ``evidence``, ``prior`` (evidence with it) or ``unit``.
         parts: numbers of the messages that are multiplied; of a ``table``, its node.
         nodes: it has an axis for each; what the parts have beyond them is summed out.
-        inputs: observable nodes that it depends on; one axis each before those of the nodes.
+        inputs: observable nodes that known numbers depend on, one axis each before the nodes.
         known: its numbers are made when the monitor starts, for every case of its inputs.
     """
 

@@ -204,7 +204,7 @@ def _needed(steps: Steps, answers: Sequence[int]) -> List[Sequence[Any]]:
 
     def memory(slot: int) -> int:
         while steps.slots[slot][0] in ("view", "piece"):
-            slot = steps.slots[slot][1]  # type: ignore[assignment]  # the number of a slot
+            slot = steps.slots[slot][1]
         return slot
 
     alive = {memory(one) for one in answers}
