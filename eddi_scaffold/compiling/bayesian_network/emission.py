@@ -370,7 +370,7 @@ class _Module:
         if not plan.part.given:
             steps = steps_of(plan.program, cards, positions, look_up=False)
             full = self._loop(steps, f"{name}_full") if loop else self._steps(steps, f"{name}_full")
-        fields = [literal(answers_of(plan)), literal(plan.part.inputs), hard, full]
+        fields = [literal(answers_of(plan)), hard, full]
         return call(f"{_ROOM}.Schedule", ["nodes", f"{name}_messages", *fields])
 
     def _slots(self, steps: Steps, name: str) -> None:

@@ -7,8 +7,17 @@ import math
 from fractions import Fraction
 from types import SimpleNamespace
 
-from eddi_runtime.bayesian_network import Network, Shape, build
-from eddi_runtime.model_file import check_document, digest_of
+from eddi_runtime.bayesian_network import Declaration
+from eddi_runtime.bayesian_network.engine import Engine
+
+from eddi_scaffold.compiling.bayesian_network import programs
+from eddi_scaffold.compiling.bayesian_network.declaration import read_declaration
+from eddi_scaffold.compiling.bayesian_network.emission import module_lines
+from eddi_scaffold.compiling.bayesian_network.graph import Shape
+from eddi_scaffold.compiling.bayesian_network.model import BayesianNetworkModel, Network
+from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.document import check_document, digest_of
+from eddi_scaffold.compiling.execution import build, module_of
 
 
 def node(name, states, parents=(), table=(), **more):
@@ -86,6 +95,28 @@ def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, **limit):
 
 def monitor(*args, hooks=None, **kwargs):
     return build(check_document(document(*args, **kwargs)), hooks)
+
+
+def compiled(net, outputs, observable, **options):
+    """Return a compiled network by itself: inference for some outputs and observable nodes."""
+    program = programs.foreseen(net, outputs, observable, **options)
+    model = BayesianNetworkModel(
+        net, program.outputs, None, {}, {}, True, "silent", False, (), ("",) * len(net.states)
+    )
+    model_file = check_document(document((), ()))
+    lines = module_lines(model_file, model, (), program)
+    return module_of(whole_text(model_file, {"bayesian_network": 1}, lines), "net").Monitor()
+
+
+def engine(net, outputs, observable, **options):
+    """Return what infers in a compiled network."""
+    made = compiled(net, outputs, observable, **options)
+    return Engine(made.nodes, made.foreseen)
+
+
+def declaration(given, states, name="N"):
+    """Return a discretisation as a compiled monitor has it."""
+    return Declaration(**vars(read_declaration(given, states, name)))
 
 
 def give(**values):

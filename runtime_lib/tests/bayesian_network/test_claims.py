@@ -5,7 +5,8 @@ import math
 import pytest
 from eddi_runtime.bayesian_network.bounds import COMBINATIONS
 from eddi_runtime.bayesian_network.engine import Engine
-from eddi_runtime.documents import ModelError
+
+from eddi_scaffold.compiling.document import ModelError
 
 from .networks import HUMAN, NEAR, RISK, RISKS, give, monitor, node, posterior, threshold
 

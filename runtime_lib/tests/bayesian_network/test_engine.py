@@ -11,12 +11,13 @@ from pathlib import Path
 
 import eddi_runtime
 import pytest
-from eddi_runtime.bayesian_network import engine as engine_module
-from eddi_runtime.bayesian_network.engine import Engine
-from eddi_runtime.bayesian_network.graph import components
-from eddi_runtime.bayesian_network.joint import fits
+from eddi_runtime.bayesian_network.joint import JointTables
 
+from eddi_scaffold.compiling.bayesian_network import programs
+from eddi_scaffold.compiling.bayesian_network.graph import components
+from eddi_scaffold.compiling.bayesian_network.joint import fits
 from runtime_lib.tests.bayesian_network.networks import (
+    engine,
     enumerate_all,
     exactly,
     furthest,
@@ -35,9 +36,13 @@ SOURCES = Path(eddi_runtime.__file__).parents[1]
 
 def engines(net, outputs, observable):
     """Return the tiers: with tables where they are small, and with the schedule only."""
-    yield Engine(net, outputs, observable)
+    yield engine(net, outputs, observable)
     if HAS_NUMPY:
-        yield Engine(net, outputs, observable, tables=False)
+        yield engine(net, outputs, observable, tables=False)
+
+
+def lookup_only(made):
+    return all(isinstance(one.running, JointTables) for one in made._parts)
 
 
 @given(seed=st.integers(0, 10**9), count=st.integers(1, 6))
@@ -48,9 +53,9 @@ def test_posteriors_are_exact(seed, count):
     observable = sorted(rng.sample(range(count), rng.randint(0, count)))
     cases = [random_evidence(rng, net, observable) for _ in range(3)]
     wanted = [exactly(net, outputs, observable, *case) for case in cases]
-    for engine in engines(net, outputs, observable):
+    for made in engines(net, outputs, observable):
         for case, want in zip(cases, wanted):
-            rows = engine.infer(*case)
+            rows = made.infer(*case)
             assert (rows is None) == (want is None)
             assert rows is None or furthest(rows, want) < 1e-12
 
@@ -65,8 +70,8 @@ def test_larger_networks_and_both_tiers_agree(seed):
     for _ in range(5):
         case = random_evidence(rng, net, observable)
         want = enumerate_all(net, sorted(outputs), observable, *case)
-        for engine in (tables, schedule):
-            rows = engine.infer(*case)
+        for made in (tables, schedule):
+            rows = made.infer(*case)
             assert (rows is None) == (want is None)
             assert rows is None or furthest(rows, want) < 1e-12
 
@@ -82,11 +87,11 @@ def test_steps_in_which_every_input_is_observed(tables, seed):
     observable = sorted(rng.sample(range(count), rng.randint(1, count)))
     with pytest.MonkeyPatch.context() as patch:
         # A small part would be one table; so it goes the way of a large one.
-        patch.setattr(engine_module, "fits", lambda *of: tables and bool(of[2].given) and fits(*of))
-        engine = Engine(net, outputs, observable)
+        patch.setattr(programs, "fits", lambda *of: tables and bool(of[2].given) and fits(*of))
+        made = engine(net, outputs, observable)
     for _ in range(3):
         states = [rng.randrange(net.shape.cards[node]) for node in observable]
-        want, rows = exactly(net, outputs, observable, states, {}), engine.infer(states)
+        want, rows = exactly(net, outputs, observable, states, {}), made.infer(states)
         assert (rows is None) == (want is None)
         assert rows is None or furthest(rows, want) < 1e-12
 
@@ -97,9 +102,9 @@ def test_an_observed_node_may_have_very_many_states():
     rows = [[(k + 1) / 302, 1.0 - (k + 1) / 302] for k in range(card)]
     flat = [value for row in rows for value in row]
     net = network([card, 2], [(), (0,)], [[1.0 / card] * card, flat])
-    engine = Engine(net, [1], [0], tables=False)
-    assert furthest(engine.infer([17]), [rows[17]]) < 1e-12
-    assert furthest(engine.infer([card]), [[301 / 604, 303 / 604]]) < 1e-12
+    made = engine(net, [1], [0], tables=False)
+    assert furthest(made.infer([17]), [rows[17]]) < 1e-12
+    assert furthest(made.infer([card]), [[301 / 604, 303 / 604]]) < 1e-12
 
 
 @given(seed=st.integers(0, 10**9))
@@ -117,10 +122,10 @@ def test_order_of_nodes_and_parents_does_not_matter(seed):
         cards[new[old]] = net.shape.cards[old]
         tables[new[old]] = _permuted(net, old, turned)
     other = network(cards, parents, tables)
-    engine, moved = Engine(net, [5], [0, 1, 2]), Engine(other, [new[5]], [new[0], new[1], new[2]])
+    made, moved = engine(net, [5], [0, 1, 2]), engine(other, [new[5]], [new[0], new[1], new[2]])
     states = [rng.randrange(net.shape.cards[one]) for one in (0, 1, 2)]
     by_new = {new[one]: state for one, state in zip((0, 1, 2), states)}
-    rows = engine.infer(states)
+    rows = made.infer(states)
     assert furthest(rows, moved.infer([by_new[one] for one in moved.observable])) < 1e-14
 
 
@@ -140,27 +145,27 @@ def _permuted(net, node, turned):
 def test_priors_of_observed_roots_cancel_exactly():
     rows = [0.7, 0.3, 0.2, 0.8, 0.15, 0.85]
     net = network([3, 2], [(), (0,)], [[0.1, 0.3, 0.6], rows])
-    engine = Engine(net, [1], [0])
-    assert engine.infer([0]) == [[0.7, 0.3]]
-    assert engine.infer([1]) == [[0.2, 0.8]]
+    made = engine(net, [1], [0])
+    assert made.infer([0]) == [[0.7, 0.3]]
+    assert made.infer([1]) == [[0.2, 0.8]]
 
 
 def test_impossible_evidence_anywhere_counts():
     certain = [1.0, 0.0, 0.0, 1.0]
     net = network([2, 2, 2, 2], [(), (0,), (), ()], [[0.5, 0.5], certain, [0.3, 0.7], [0.0, 1.0]])
-    for engine in engines(net, [2], [0, 1, 3]):
-        assert engine.infer([0, 0, 2]) == [[0.3, 0.7]]
-        assert engine.infer([0, 1, 2]) is None  # contradicts itself, far from the output
-        assert engine.infer([2, 2, 0]) is None  # a root state with the prior 0
-        assert engine.infer([2, 2, 2], {2: [1.0, 0.0]}) is None
-        assert engine.infer([2, 2, 2], {2: [1.0, 0.5]}) == [[0.3, 0.7]]
+    for made in engines(net, [2], [0, 1, 3]):
+        assert made.infer([0, 0, 2]) == [[0.3, 0.7]]
+        assert made.infer([0, 1, 2]) is None  # contradicts itself, far from the output
+        assert made.infer([2, 2, 0]) is None  # a root state with the prior 0
+        assert made.infer([2, 2, 2], {2: [1.0, 0.0]}) is None
+        assert made.infer([2, 2, 2], {2: [1.0, 0.5]}) == [[0.3, 0.7]]
 
 
 def test_an_observed_output_echoes_its_evidence():
     net = network([2, 2], [(), (0,)], [[0.5, 0.5], [0.9, 0.1, 0.2, 0.8]])
-    for engine in engines(net, [0, 1], [0, 1]):
-        assert engine.infer([0, 1]) == [[1.0, 0.0], [0.0, 1.0]]
-        soft = engine.infer([2, 2], {0: [1.0, 0.5]})
+    for made in engines(net, [0, 1], [0, 1]):
+        assert made.infer([0, 1]) == [[1.0, 0.0], [0.0, 1.0]]
+        soft = made.infer([2, 2], {0: [1.0, 0.5]})
         assert furthest(soft, [[2 / 3, 1 / 3], [2 / 3, 1 / 3]]) < 1e-15
 
 
@@ -171,18 +176,18 @@ def test_improbable_is_not_impossible(tables):
     tiny = 1e-200
     rows = [tiny, 1.0 - tiny, 3.0 * tiny, 1.0 - 3.0 * tiny]
     net = network([2, 2, 2, 2], [(), (0,), (0,), (0,)], [[0.5, 0.5], rows, rows, rows])
-    engine = Engine(net, [0], [1, 2, 3], tables=tables)
-    assert furthest(engine.infer([0, 0, 0]), [[1 / 28, 27 / 28]]) < 1e-12
+    made = engine(net, [0], [1, 2, 3], tables=tables)
+    assert furthest(made.infer([0, 0, 0]), [[1 / 28, 27 / 28]]) < 1e-12
     weights = {k: [1e-250, 0.0] for k in range(3)}
-    found = engine.infer([2, 2, 2], weights)
+    found = made.infer([2, 2, 2], weights)
     assert furthest(found, [[1 / 28, 27 / 28]]) < 1e-12
 
 
 def test_tiny_likelihoods_in_tables():
     net = network([2, 2, 2], [(), (0,), (0,)], [[0.5, 0.5], [1, 0, 0, 1], [0, 1, 1, 0]])
-    engine = Engine(net, [0], [1, 2])
-    assert engine.lookup_only
-    rows = engine.infer([2, 2], {0: [1.0, 1e-300], 1: [1.0, 1e-300]})
+    made = engine(net, [0], [1, 2])
+    assert lookup_only(made)
+    rows = made.infer([2, 2], {0: [1.0, 1e-300], 1: [1.0, 1e-300]})
     assert furthest(rows, [[0.5, 0.5]]) < 1e-12
 
 
@@ -191,18 +196,18 @@ def test_steps_do_not_allocate_for_good():
     rng = random.Random(7)
     net = random_network(rng, 30, zeros=0.0)
     observable = sorted(rng.sample(range(29), 14))
-    engine = Engine(net, [29, 28], observable)
-    assert not engine.lookup_only
+    made = engine(net, [29, 28], observable)
+    assert not lookup_only(made)
     cases = [random_evidence(rng, net, observable) for _ in range(20)]
     tracemalloc.start()
     try:
         for _ in range(200):  # the interpreter keeps some freed floats for later
             for case in cases:
-                engine.infer(*case)
+                made.infer(*case)
         before = tracemalloc.get_traced_memory()[0]
         for _ in range(200):
             for case in cases:
-                engine.infer(*case)
+                made.infer(*case)
         assert tracemalloc.get_traced_memory()[0] - before < 500
     finally:
         tracemalloc.stop()
@@ -211,11 +216,11 @@ def test_steps_do_not_allocate_for_good():
 def test_results_are_the_callers_own():
     pytest.importorskip("numpy")
     net = random_network(random.Random(3), 5, zeros=0.0)
-    for engine in engines(net, [4], [0, 1]):
-        first = engine.infer([0, 0])
+    for made in engines(net, [4], [0, 1]):
+        first = made.infer([0, 0])
         kept = [list(row) for row in first]
         first[0][0] = 7.0
-        assert engine.infer([0, 0]) == kept
+        assert made.infer([0, 0]) == kept
 
 
 def test_barren_and_unrelated_nodes_are_left_out():
@@ -231,14 +236,13 @@ def test_barren_and_unrelated_nodes_are_left_out():
 
 SCRIPT = """
 import random, sys
-from runtime_lib.tests.bayesian_network.networks import random_evidence, random_network
-from eddi_runtime.bayesian_network.engine import Engine
+from runtime_lib.tests.bayesian_network.networks import engine, random_evidence, random_network
 rng = random.Random(11)
 net = random_network(rng, 24)
 observable = sorted(rng.sample(range(24), 10))
-engine = Engine(net, [23, 22], observable)
+made = engine(net, [23, 22], observable)
 cases = [random_evidence(rng, net, observable) for _ in range(30)]
-print(engine.width, [engine.infer(*case) for case in cases])
+print([made.infer(*case) for case in cases])
 """
 
 
@@ -263,7 +267,7 @@ def test_without_numpy_a_large_network_says_so():
 import sys, random
 sys.modules["numpy"] = None
 from runtime_lib.tests.bayesian_network.networks import monitor, node
-from eddi_runtime.documents import ModelError
+from eddi_runtime import ModelError
 row = [0.9, 0.1, 0.2, 0.8]
 nodes = [node("x0", "a b", (), [0.5, 0.5])]
 nodes += [node(f"x{k}", "a b", f"x{k - 1}", row) for k in range(1, 20)]

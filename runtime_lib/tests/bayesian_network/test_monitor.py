@@ -13,13 +13,13 @@ from eddi_runtime.bayesian_network import (
     Monitor,
     Node,
     Outcome,
-    width,
 )
 from eddi_runtime.bayesian_network import outputs as out
-from eddi_runtime.documents import ModelError
-from eddi_runtime.model_file import check_document, digest_of
-from eddi_runtime.monitor import build as build_any
+from eddi_runtime.documents import ModelError as RuntimeModelError
 
+from eddi_scaffold.compiling.bayesian_network import programs
+from eddi_scaffold.compiling.document import ModelError, check_document, digest_of
+from eddi_scaffold.compiling.execution import build as build_any
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     NODES,
@@ -213,14 +213,14 @@ class Config:
 def test_methods_of_a_person():
     hooks = Config()
     one = monitor(outputs=[], hooks=hooks)
-    engine = one.inference.engine
+    engine = one._engine
     assert (engine.outputs, engine.observable) == ((2,), (0,))
     fast = posterior(one.execute_step(give(v=6.0)))
     assert fast["yes"] == pytest.approx(0.25 * 0.95 + 0.75 * 0.2)
     assert one.status() == out.OK
     one.execute_step(give(v=1.0))
     assert (one.status(), hooks.calls) == (out.PRIOR, 2)
-    assert one.inference.engine is engine
+    assert one._engine is engine
 
 
 def test_a_method_that_says_nothing_leaves_the_declaration():
@@ -268,15 +268,17 @@ class Made:
         pass
 
 
-def test_unforeseen_evidence_and_outputs_are_taken_in():
+def test_unforeseen_evidence_and_outputs_are_taken_in(caplog):
     alarm = (False, {"on": 1.0, "off": 0.0})
     hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
     one = monitor(hooks=hooks)
+    (logged,) = caplog.messages
+    assert logged.startswith("node_Alarm sets Alarm, which was not foreseen: `observed:` of the")
     one.execute_step(give())
-    assert one.inference.engine.observable == ()
+    assert one._engine.observable == (3,)
+    assert one.status() == out.PRIOR
     hooks.said["Alarm"] = alarm
     assert posterior(one.execute_step(give()))["yes"] > 0.9
-    assert one.inference.engine.observable == (3,)
     assert one.status() == out.OK
     assert one.explain().evidence == {"Alarm": "on"}
     hooks.said["Alarm"] = (True, {"on": 0.3, "off": 0.3})
@@ -284,6 +286,12 @@ def test_unforeseen_evidence_and_outputs_are_taken_in():
     hooks.said["Alarm"] = alarm
     assert posterior(one.execute_step(give()), "Alarm") is None
     assert set(one.series([])) == {"Danger=yes", "Danger=no", "Alarm=on", "Alarm=off"}
+    assert len(caplog.messages) == 2  # one for the evidence, one for the output
+    foreseen = monitor(hooks=hooks, observed=["Alarm"], outputs=["Danger", "Alarm"])
+    assert posterior(foreseen.execute_step(give())) == pytest.approx(
+        posterior(one.execute_step(give())), abs=1e-12
+    )
+    assert len(caplog.messages) == 2
 
 
 @pytest.mark.parametrize(
@@ -316,15 +324,18 @@ def test_the_old_rule_of_evidence():
     assert direct.execute_step(give(s=[0.5, 0.5, 0.0])) == direct.execute_step(give())
 
 
-def test_too_wide_with_unforeseen_evidence_is_an_error_not_a_guess(monkeypatch):
-
+def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(monkeypatch):
+    monkeypatch.setattr(programs, "LARGE", 1)
     hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
-    one = monitor(hooks=hooks)
-    monkeypatch.setattr(width, "TOO_LARGE", 1)
-    hooks.said["Alarm"] = (False, {"on": 1.0, "off": 0.0})
+    with pytest.raises(RuntimeModelError, match=r"Alarm, which was not foreseen: .* upgrade`"):
+        monitor(hooks=hooks)
+    one = monitor(hooks=hooks, observed=["Alarm"])
+    hooks.said["Alarm"] = (True, {"on": 1.0, "off": 0.0})
     assert one.execute_step(give()) == []
     assert one.status() == out.ERROR
-    assert "too wide" in one.output_faults()[0]
+    assert "`outputs:` of the configuration does not name it" in one.output_faults()[0]
+    with pytest.raises(ValueError, match="was not foreseen"):
+        one.posteriors({"Gap": "near"})
 
 
 def test_outputs_in_network_order_and_none():
@@ -419,6 +430,7 @@ def test_posteriors_of_few_states_are_known_from_the_start():
 
 
 def test_posteriors_of_former_states_are_remembered(monkeypatch):
+    monkeypatch.setattr(programs, "MAX_CASES", 4)
     monkeypatch.setattr(BayesianNetworkMonitor, "remembered", 4)
     one, never = monitor(direct=DIRECT), monitor(direct=DIRECT)
     never.remembered = 0

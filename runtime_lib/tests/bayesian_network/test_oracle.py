@@ -8,15 +8,14 @@ import pytest
 pytest.importorskip("yaml", reason="the oracle is YAML")
 pytest.importorskip("numpy")
 import yaml
-from eddi_runtime.bayesian_network import Network, Shape
-from eddi_runtime.bayesian_network.declaration import read_declaration
-from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.evidence import finding
 from eddi_runtime.bayesian_network.readers import Discretiser
-from eddi_runtime.documents import ModelError
 from eddi_runtime.inputs import InputSpec
 
-from runtime_lib.tests.bayesian_network.networks import furthest
+from eddi_scaffold.compiling.bayesian_network.graph import Shape
+from eddi_scaffold.compiling.bayesian_network.model import Network
+from eddi_scaffold.compiling.document import ModelError
+from runtime_lib.tests.bayesian_network.networks import declaration, engine, furthest
 from tests.shared_data import shared
 
 _REFERENCE = re.compile(r"//@nodes\.(\d+)(?:/@nodeStates\.(\d+))?")
@@ -76,12 +75,12 @@ def test_posteriors(tables):
         observed = [names.index(name) for name in case["evidence"]]
         # What is asked for, and every node observable: other schedules, the same answers.
         for observable in (observed, range(len(names))):
-            engine = Engine(net, outputs, observable, tables=tables)
-            rows = engine.infer(*evidence(case, net, engine))
+            made = engine(net, outputs, observable, tables=tables)
+            rows = made.infer(*evidence(case, net, made))
             if case["want"] == "impossible":
                 assert rows is None, case["id"]
                 continue
-            wanted = [case["want"][names[node]] for node in engine.outputs]
+            wanted = [case["want"][names[node]] for node in made.outputs]
             assert rows is not None, case["id"]
             worst = max(worst, furthest(rows, wanted))
     assert worst < 1e-12
@@ -93,9 +92,9 @@ def test_discretisation():
         given = dict(case["config"], input="x")
         if "map" in given:
             given["map"] = list(given["map"].items())
-        declaration = read_declaration(given, case["states"], "N")
         reader = Discretiser(
-            declaration, InputSpec("x", "x", (), None, None, None, every_message=False)
+            declaration(given, case["states"]),
+            InputSpec("x", "x", (), None, None, None, every_message=False),
         )
         known = [*case["states"], None]
         assert [known[reader.read(value, 0)] for value in case["values"]] == case["want"], case[
@@ -109,4 +108,4 @@ def test_discretisations_that_are_refused():
         if case["id"] in ("nan_edge", "negative_hysteresis"):
             continue  # JSON has no NaN; the generator refuses both
         with pytest.raises(ModelError):
-            read_declaration(dict(case["config"], input="x"), case["states"], "N")
+            declaration(dict(case["config"], input="x"), case["states"])

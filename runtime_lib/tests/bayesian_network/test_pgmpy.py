@@ -10,10 +10,10 @@ import pytest
 
 pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
 pytest.importorskip("numpy")
-from eddi_runtime.bayesian_network import Network, Shape
-from eddi_runtime.bayesian_network.engine import Engine
 
-from runtime_lib.tests.bayesian_network.networks import furthest
+from eddi_scaffold.compiling.bayesian_network.graph import Shape
+from eddi_scaffold.compiling.bayesian_network.model import Network
+from runtime_lib.tests.bayesian_network.networks import engine, furthest
 
 pytestmark = pytest.mark.slow
 
@@ -42,7 +42,7 @@ def compare(name):
     rng = random.Random(name)
     picked = rng.sample(range(count), count)
     outputs, observable = sorted(picked[:2]), sorted(picked[2 : 2 + min(count // 2, 12)])
-    engines = [Engine(net, outputs, observable, tables=tables) for tables in (True, False)]
+    engines = [engine(net, outputs, observable, tables=tables) for tables in (True, False)]
     peer = VariableElimination(model)
     worst = 0.0
     for number in range(SETS):
@@ -71,8 +71,8 @@ def compare(name):
                 show_progress=False,
             )
             wanted.append([found.get_value(**{names[node]: one}) for one in net.states[node]])
-        for engine in engines:
-            worst = max(worst, furthest(engine.infer(states, weights), wanted))
+        for one in engines:
+            worst = max(worst, furthest(one.infer(states, weights), wanted))
     assert worst < 1e-12
 
 

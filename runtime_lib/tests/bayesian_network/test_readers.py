@@ -4,11 +4,13 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.bayesian_network.declaration import read_declaration
 from eddi_runtime.bayesian_network.direct import DirectReader
 from eddi_runtime.bayesian_network.readers import Discretiser
-from eddi_runtime.documents import ModelError
 from eddi_runtime.inputs import InputSpec
+
+from eddi_scaffold.compiling.document import ModelError
+
+from .networks import declaration
 
 STATES = ("low", "mid", "high")
 
@@ -18,8 +20,7 @@ def spec(default=None, max_age=None):
 
 
 def reader(states=STATES, default=None, max_age=None, **declared):
-    declaration = read_declaration(dict(declared, input="x"), states, "N")
-    return Discretiser(declaration, spec(default, max_age))
+    return Discretiser(declaration(dict(declared, input="x"), states), spec(default, max_age))
 
 
 def names(one, values, states=STATES):

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
-from eddi_runtime.model_file import parse_model
-from eddi_runtime.monitor import build
 from hypothesis import strategies as st
 
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.kinds.bayesian_network.model import Network, Node

@@ -83,7 +83,7 @@ def test_posteriors_are_those_of_brute_force(
     for output in KIND.functions.runtime_model(monitor.model)["outputs"]:
         wanted = brute_force(network, used, output)
         try:
-            found = machine.inference.posteriors(known)[output]
+            found = machine.posteriors(known)[output]
         except InconsistentEvidenceError:
             assert wanted is None
             continue

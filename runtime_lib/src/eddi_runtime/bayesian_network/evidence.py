@@ -21,6 +21,10 @@ class EvidenceError(ValueError):
     """Values are no evidence; the message names the state and the value."""
 
 
+class NotForeseenError(ValueError):
+    """A node is observed or asked for, and no inference was compiled for it."""
+
+
 class InconsistentEvidenceError(ValueError):
     """The evidence has probability zero: it is impossible in the network."""
 

@@ -13,7 +13,7 @@ from ..reading import Absent, read
 from . import outputs as out
 from .claims import ERROR, UNKNOWN, Claim, Claims
 from .engine import Engine
-from .evidence import EvidenceError, InconsistentEvidenceError, finding
+from .evidence import EvidenceError, InconsistentEvidenceError, NotForeseenError, finding
 from .explain import Explanation, explain
 from .knowledge import NO_ANSWER, Facts, Knowledge, Step
 from .methods import Answer, Methods
@@ -95,7 +95,7 @@ class BayesianNetworkMonitor(Monitor):
         self._output_faults: Tuple[str, ...] = ()
         try:
             self._prepare(self._engine_for(outputs, observed))
-        except (ImportError, LookupError) as problem:
+        except (ImportError, NotForeseenError) as problem:
             raise ModelError(self.model_id, str(problem)) from None
 
     def sources(self) -> Tuple[Source, ...]:
@@ -300,7 +300,7 @@ class BayesianNetworkMonitor(Monitor):
         Raises:
             EvidenceError: an unknown node or state, or numbers that are no likelihoods.
             InconsistentEvidenceError: the evidence has probability zero.
-            LookupError: a node was not foreseen, and no inference is there for it.
+            NotForeseenError: a node was not foreseen, and no inference is there for it.
         """
         numbers = {spec.id: node for node, spec in enumerate(self.nodes)}
         found: Dict[int, Union[int, List[float]]] = {}
@@ -368,7 +368,7 @@ class BayesianNetworkMonitor(Monitor):
         outputs, observable = {*self._engine.outputs, *answer.outputs}, {*self._engine.observable}
         try:
             engine = self._engine_for(outputs, observable)
-        except (ImportError, LookupError) as problem:
+        except (ImportError, NotForeseenError) as problem:
             self._last = Step(self._missing)
             self._last.answer, self._last.problem = answer, str(problem)
             return False
@@ -380,13 +380,13 @@ class BayesianNetworkMonitor(Monitor):
         """Return inference for some nodes: as foreseen, else for any nodes, which takes longer.
 
         Raises:
-            LookupError: there is no inference for these nodes.
+            NotForeseenError: there is no inference for these nodes.
         """
         if not self._not_foreseen(outputs, observed):
             return Engine(self.nodes, self.foreseen)
         if self.everything is None:
             reason = self._not_foreseen(outputs, observed)
-            raise LookupError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
+            raise NotForeseenError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
         return Engine(self.nodes, self.everything, outputs, observed)
 
     def _not_foreseen(self, outputs: Iterable[int], observed: Iterable[int]) -> str:

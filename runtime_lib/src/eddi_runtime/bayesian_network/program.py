@@ -124,7 +124,6 @@ class Schedule(NamedTuple):
         messages: fields of ``Message``, each behind its parts.
         answers: the message that gives the row of each output; without outputs, the messages whose
             product, summed, is the probability of the evidence.
-        inputs: observable nodes whose evidence is put into vectors.
         hard: for steps without virtual evidence: messages of few inputs are looked up.
         full: for any evidence; None where each observable node is observed.
     """
@@ -132,7 +131,6 @@ class Schedule(NamedTuple):
     nodes: Mapping[int, Tuple[Tuple[int, ...], Rows]]
     messages: Tuple[Tuple[Any, ...], ...]
     answers: Tuple[int, ...]
-    inputs: Tuple[int, ...]
     hard: Optional[Steps]
     full: Optional[Steps]
 

@@ -42,7 +42,7 @@ class Running:
     """
 
     def __init__(self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
-        self._nodes, self._positions, self._inputs = made.nodes, positions, made.inputs
+        self._nodes, self._positions = made.nodes, positions
         self._messages = [Message(*one) for one in made.messages]
         self._alone = not wanted
         self._answers = [made.answers[k] for k in wanted] or made.answers
@@ -53,12 +53,12 @@ class Running:
         for number, message in enumerate(self._messages):
             if message.known:
                 self._known[number] = self._numbers(message, self._known, cases=True)
-        self._rows = {node: self._cases[node].tolist() for node in made.inputs}
-        sizes = [len(self._rows[node][0]) for node in made.inputs]
+        self._rows = {node: cases.tolist() for node, cases in self._cases.items()}
+        sizes = [len(rows[0]) for rows in self._rows.values()]
         self._flat = np.zeros(sum(sizes))
         ends = np.cumsum(sizes).tolist()
         self._vectors = {
-            node: self._flat[end - size : end] for node, size, end in zip(made.inputs, sizes, ends)
+            node: self._flat[end - size : end] for node, size, end in zip(self._rows, sizes, ends)
         }
         self._full = self._step(made.full or made.hard, wanted)
         self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
@@ -71,7 +71,7 @@ class Running:
         Not where nodes are observed in each step.
         """
         values: List[float] = []
-        for node in self._inputs:
+        for node in self._rows:
             values += self._vector(node, states, weights)
         self._flat[:] = values
         return self._full(states)

@@ -3,15 +3,20 @@
 import time
 
 import pytest
-from eddi_runtime.bayesian_network import LARGE, TOO_LARGE, TooWideError, width_of
-from eddi_runtime.bayesian_network.elimination import (
+
+from eddi_scaffold.compiling.bayesian_network.elimination import (
     elimination_order,
     fewest_edges,
     smallest_table,
 )
-from eddi_runtime.bayesian_network.engine import Engine
-from eddi_runtime.documents import ModelError
-
+from eddi_scaffold.compiling.bayesian_network.programs import foreseen
+from eddi_scaffold.compiling.bayesian_network.width import (
+    LARGE,
+    TOO_LARGE,
+    TooWideError,
+    width_of,
+)
+from eddi_scaffold.compiling.document import ModelError
 from runtime_lib.tests.bayesian_network.networks import grid, monitor, network, node
 
 pytestmark = pytest.mark.slow
@@ -45,7 +50,7 @@ def test_the_refusal_names_the_table_and_what_to_do():
     tables = [[0.5] * 2 ** (1 + len(one)) for one in shape.parents]
     net = network(shape.cards, shape.parents, tables)
     with pytest.raises(TooWideError, match=f"limit is {TOO_LARGE}; observe fewer nodes") as caught:
-        Engine(net, [899], range(899), trials=1)
+        foreseen(net, [899], range(899), trials=1)
     assert caught.value.width.largest > TOO_LARGE
     assert "n" in str(caught.value)
 

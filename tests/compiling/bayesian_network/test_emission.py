@@ -1,0 +1,186 @@
+"""Compiled networks: the text, what of a hostile model is in it, and the way for any node."""
+
+from __future__ import annotations
+
+import ast
+import os
+import random
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("hypothesis")
+from eddi_runtime.bayesian_network.engine import Engine
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import check_document
+from eddi_scaffold.compiling.execution import build
+from runtime_lib.tests.bayesian_network.networks import (
+    BINS,
+    compiled,
+    document,
+    exactly,
+    furthest,
+    give,
+    node,
+    posterior,
+    random_evidence,
+    random_network,
+    threshold,
+)
+
+HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
+
+
+def network_document(net, outputs, observed):
+    names = net.shape.names
+    nodes = [
+        node(name, net.states[k], [names[one] for one in net.shape.parents[k]], net.tables[k])
+        for k, name in enumerate(names)
+    ]
+    direct = {names[k]: names[k] for k in observed}
+    return document(nodes, [names[k] for k in outputs], direct=direct)
+
+
+def large(seed=3, count=24):
+    rng = random.Random(seed)
+    net = random_network(rng, count, zeros=0.1)
+    return network_document(net, [count - 1, 5], sorted(rng.sample(range(count), count // 2)))
+
+
+def several():
+    nodes = [*document()["model"]["nodes"], node("Alone", "a b", (), [0.0, 1.0])]
+    limits = [threshold("T", "Danger", ["yes"], 1.0, at_most=0.2)]
+    bins = dict(BINS, Speed=dict(BINS["Speed"], sentinel=[[-1, "fast"]], range=[-1, 9]))
+    direct = {"Alone": "a", "Alarm": "b"}
+    return document(nodes, bins=bins, direct=direct, thresholds=limits, on_inconsistent="prior")
+
+
+DOCUMENTS = [document(bins=BINS), several(), large(), large(5, 9), document(outputs=[])]
+
+
+@pytest.mark.parametrize("made", DOCUMENTS)
+def test_the_formatter_changes_nothing(tmp_path, made):
+    path = tmp_path / "compiled.py"
+    path.write_text(compile_model(check_document(made)))
+    command = ["ruff", "format", "--diff", "--isolated", "--line-length", "100", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("", 0), done.stderr
+
+
+def test_the_text_is_for_python_3_8():
+    for made in DOCUMENTS:
+        ast.parse(compile_model(check_document(made)), feature_version=(3, 8))
+
+
+def test_nothing_of_a_hostile_model_becomes_code():
+    states = [*HOSTILE, "good"]
+    rows = [1 / len(states)] * len(states)
+    nodes = [node("in", states, (), rows)]
+    table = [p for k in range(len(states)) for p in (k / 10, 1 - k / 10)]
+    nodes += [node(HOSTILE[3], ["yes", HOSTILE[1]], ["in"], table)]
+    nodes[0]["path"], nodes[0]["attribute"] = HOSTILE[0], HOSTILE[3]
+    made = document(nodes, [HOSTILE[3]], direct={"in": "in"}, specs={"in": {"attribute": "a b"}})
+    text = compile_model(check_document(made))
+    assert text.isascii()
+    names = {one.id for one in ast.walk(ast.parse(text)) if isinstance(one, ast.Name)}
+    assert "__import__" not in names
+    monitor = build(check_document(made))
+    for k, state in enumerate(states):
+        found = posterior(monitor.execute_step(give(**{"a b": state})), HOSTILE[3])
+        assert found["yes"] == pytest.approx(k / 10)
+
+
+def test_two_monitors_of_one_text_are_independent():
+    for made in (several(), large()):
+        kind = type(build(check_document(made)))
+        one, other = kind(), kind()
+        before = other.execute_step(object(), 0)
+        values = {node["id"]: node["states"][0] for node in made["model"]["nodes"]}
+        one.execute_step(give(**values, v=1.0, d=1.0, a="b", b="on"), 5)
+        assert other.execute_step(object(), 0) == before
+        assert one._engine is not other._engine
+
+
+@given(seed=st.integers(0, 10**9))
+def test_what_was_not_foreseen_is_inferred_as_exactly(seed):
+    pytest.importorskip("numpy")
+    rng = random.Random(seed)
+    count = rng.randint(2, 6)
+    net = random_network(rng, count, most_states=3)
+    monitor = compiled(net, [count - 1], [])
+    outputs = sorted(rng.sample(range(count), rng.randint(1, count)))
+    observable = sorted(rng.sample(range(count), rng.randint(0, count)))
+    if monitor.everything is None:
+        return
+    engine = Engine(monitor.nodes, monitor.everything, outputs, observable)
+    for _ in range(3):
+        case = random_evidence(rng, net, observable)
+        want, rows = exactly(net, outputs, observable, *case), engine.infer(*case)
+        assert (rows is None) == (want is None)
+        assert rows is None or furthest(rows, want) < 1e-12
+
+
+def test_what_was_not_foreseen_in_a_large_network_agrees_with_what_was():
+    pytest.importorskip("numpy")
+    rng = random.Random(2)
+    net = random_network(rng, 26, zeros=0.1)
+    observable = sorted(rng.sample(range(26), 12))
+    foreseen, other = compiled(net, [25, 3], observable), compiled(net, [0], [1])
+    engine = Engine(foreseen.nodes, foreseen.foreseen)
+    general = Engine(other.nodes, other.everything, [25, 3], observable)
+    for _ in range(40):
+        case = random_evidence(rng, net, observable)
+        rows, want = general.infer(*case), engine.infer(*case)
+        assert (rows is None) == (want is None)
+        assert rows is None or furthest(rows, want) < 1e-12
+
+
+def test_the_step_that_is_written_out_does_what_the_messages_say():
+    """``scaled`` follows the messages one by one, the text has been ordered and merged."""
+    pytest.importorskip("numpy")
+    rng = random.Random(4)
+    net = random_network(rng, 22, zeros=0.0)
+    observable = sorted(rng.sample(range(22), 9))
+    made = compiled(net, [21, 7], observable)
+    for program in (made.foreseen, made.everything):
+        engine = Engine(made.nodes, program)
+        for part in (*engine._parts, *engine._when_observed):
+            for _ in range(5):
+                known = part in engine._when_observed
+                states, weights = random_evidence(rng, net, program.observable, soft=0.0)
+                if known:
+                    states = [k % card for k, card in zip(states, engine.missing, strict=True)]
+                texts, rows = part.running.hard(states), part.running.scaled(states, weights)
+                for row, want in zip(texts, rows, strict=True):
+                    assert [p / sum(row) for p in row] == pytest.approx(
+                        [p / sum(want) for p in want], abs=1e-12
+                    )
+
+
+SCRIPT = """
+import sys
+from tests.compiling.bayesian_network.test_emission import large
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import check_document
+sys.modules["numpy"] = None
+sys.stdout.write(compile_model(check_document(large())))
+"""
+
+
+def test_the_hash_seed_changes_no_byte_and_numpy_is_not_needed():
+    texts = set()
+    for seed in ("1", "2"):
+        done = subprocess.run(
+            [sys.executable, "-c", SCRIPT],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert not done.returncode, done.stderr
+        texts.add(done.stdout)
+    assert len(texts) == 1
