@@ -27,12 +27,16 @@ from typing import Any, NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
-from eddi_runtime.bayesian_network import BayesianNetworkMonitor, build  # noqa: E402 - a checkout
-from eddi_runtime.model_file import check_document, digest_of  # noqa: E402
+from eddi_runtime.bayesian_network import BayesianNetworkMonitor  # noqa: E402 - runs from the checkout
 
 from benchmarks import bayesian_network_peers as peers  # noqa: E402
 from benchmarks.bayesian_network_peers import Evidence, Net  # noqa: E402
 from benchmarks.timing import per_call  # noqa: E402
+from eddi_scaffold.compiling.bayesian_network.graph import Shape  # noqa: E402
+from eddi_scaffold.compiling.bayesian_network.width import width_of  # noqa: E402
+from eddi_scaffold.compiling.compilation import compile_model  # noqa: E402
+from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
+from eddi_scaffold.compiling.execution import module_of  # noqa: E402
 
 CRITICAL = [0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.5, 0.5, 0.25, 0.75, 0.1, 0.9]
 CRITICAL += [0.7, 0.3, 0.4, 0.6, 0.2, 0.8, 0.9, 0.1, 0.65, 0.35, 0.45, 0.55]
@@ -151,15 +155,16 @@ def variants(name: str, net: Net, *, few: bool = False) -> Iterator[Task]:
 def rows_of(task: Task, runs: int, *, quick: bool) -> Iterator[dict[str, Any]]:
     """Measure ours and each peer in turn; the ratio is the median of the pairs."""
     evidence = evidence_of(task)
+    kind = module_of(compiled(task), task.name).Monitor
     start = time.perf_counter()
-    monitor = monitor_of(task)
+    monitor = kind(task.hooks)
     load_s = time.perf_counter() - start
     monitor.remembered = 0  # what was seen before is inferred again
     sources = [source_of(one) for one in evidence]
     common = {
         "ours_p99_s": percentile_99(monitor, sources, 2_000 if quick else 20_000),
         "load_s": load_s,
-        "largest_table": monitor.inference.engine.width.largest,
+        "largest_table": largest_table(task),
     }
     ours = endless(monitor.execute_step, sources)
     for name, make in peers.PEERS.items():
@@ -216,9 +221,22 @@ def evidence_of(task: Task) -> list[Evidence]:
     return found
 
 
-def monitor_of(task: Task) -> BayesianNetworkMonitor:
+def compiled(task: Task) -> str:
     data = peers.document(task.net, task.outputs, task.observed)
-    return build(check_document(data | {"sha256": digest_of(data)}), task.hooks)
+    return compile_model(check_document(data | {"sha256": digest_of(data)}))
+
+
+def monitor_of(task: Task) -> BayesianNetworkMonitor:
+    made: BayesianNetworkMonitor = module_of(compiled(task), task.name).Monitor(task.hooks)
+    return made
+
+
+def largest_table(task: Task) -> int:
+    net = task.net
+    shape = Shape(
+        tuple(map(str, range(len(net.cards)))), tuple(net.cards), tuple(map(tuple, net.parents))
+    )
+    return width_of(shape, task.outputs, task.observed).largest
 
 
 def source_of(evidence: Evidence) -> SimpleNamespace:

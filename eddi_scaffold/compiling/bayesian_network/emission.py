@@ -27,7 +27,12 @@ from eddi_scaffold.compiling.bayesian_network.schedule import (
     steps_of,
 )
 from eddi_scaffold.compiling.bayesian_network.sources import Source, sources_of
-from eddi_scaffold.compiling.bayesian_network.text import sum_lines, total_lines, unpack_lines
+from eddi_scaffold.compiling.bayesian_network.text import (
+    look_up_lines,
+    sum_lines,
+    total_lines,
+    unpack_lines,
+)
 from eddi_scaffold.compiling.bayesian_network.width import TooWideError
 from eddi_scaffold.compiling.document import ModelError, ModelFile
 from eddi_scaffold.compiling.inputs import attribute_of, input_lines
@@ -272,7 +277,7 @@ class _Module:
             part = literal(posterior)
             shown = ", ".join(names[state] for names, state in zip(about, case, strict=True))
             rows.append(Item(part, prefix=f"{_key(case)}: ", behind=comment(shown)))
-        head = ["# Posteriors of " + comment(", ".join(self._names(program.outputs)))]
+        head = [f"# Posteriors of {comment(', '.join(self._names(program.outputs)) or 'no node')}"]
         return [*head, *assignment(name, Group("{", tuple(rows), "}"), 0)]
 
     def _names(self, nodes: Iterable[int]) -> list[str]:
@@ -307,17 +312,16 @@ class _Module:
         few: bool,
     ) -> Text:
         found = []
+        strides_of: list[list[tuple[int, int]]] = []
         for k, table in enumerate(tables):
             strides = table.strides()
             pairs = [(positions[n], by) for n, by in zip(table.inputs, strides, strict=True)]
             named: dict[str, Text] = {}
             own = f"{name}_{k}"
+            strides_of.append(pairs)
             if not (few and table.few()):
                 self._blocks.append(self._rows(table, f"{own}_rows"))
-                terms = [f"s[{position}] * {by}" for position, by in pairs] or ["0"]
-                row_of = [f"def {own}_row(s):", *sum_lines("k", terms, 4), "    return k"]
-                self._blocks.append(row_of)
-                named = {"row_of": f"{own}_row", "rows": f"{own}_rows"}
+                named["rows"] = f"{own}_rows"
             if table.few():
                 counts = [count - 1 for count in table.counts]
                 self._blocks.append(total_lines(f"{own}_total", table.rows, counts, strides))
@@ -328,7 +332,9 @@ class _Module:
             Item(tuple_of(map(number, prior)), prefix=f"{positions[node]}: ")
             for node, prior in priors.items()
         )
-        return call(f"{_ROOM}.Tables", [tuple_of(found), Group("{", tuple(rows), "}")])
+        self._blocks.append(look_up_lines(f"{name}_look_up", strides_of))
+        prior_of = Group("{", tuple(rows), "}")
+        return call(f"{_ROOM}.Tables", [tuple_of(found), prior_of, f"{name}_look_up"])
 
     def _rows(self, table: JointTable, name: str) -> list[str]:
         about = [self._state_names(node) for node in table.inputs]

@@ -19,6 +19,27 @@ def sum_lines(target: str, terms: Sequence[str], indent: int) -> list[str]:
     return [*lines, line]
 
 
+def look_up_lines(name: str, tables: Sequence[Sequence[tuple[int, int]]]) -> list[str]:
+    """Return a function: rows of each table -> the look-up, states -> a row of each table.
+
+    Args:
+        name: of the function.
+        tables: (position of an input, distance between the rows of its states), for each table.
+    """
+    rows = [f"t{k}" for k in range(len(tables))]
+    lines = [*unpack_lines(rows, "tables", 4), "", "    def look_up(s):"]
+    places: dict[tuple[tuple[int, int], ...], str] = {}
+    found = []
+    for table, strides in zip(rows, map(tuple, tables), strict=True):
+        if strides not in places:
+            terms = [f"s[{position}] * {by}" for position, by in strides] or ["0"]
+            places[strides] = f"k{len(places)}"
+            lines += sum_lines(places[strides], terms, 8)
+        found.append(Item(f"{table}[{places[strides]}]"))
+    lines += returned(Group("[", tuple(found), "]"), 8)
+    return [f"def {name}(*tables):", *lines, "", "    return look_up"]
+
+
 def total_lines(
     name: str, rows: Sequence[Sequence[float]], counts: Sequence[int], strides: Sequence[int]
 ) -> list[str]:

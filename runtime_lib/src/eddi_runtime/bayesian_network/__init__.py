@@ -5,11 +5,11 @@ from .claims import Claim
 from .direct import DirectReader
 from .evidence import EvidenceError, InconsistentEvidenceError
 from .explain import Explanation
-from .knowledge import Facts
+from .knowledge import Facts, Source
 from .monitor import BayesianNetworkMonitor
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
 from .program import NodeSpec, Part, Program, Schedule, StateThreshold, Steps, Table, Tables
-from .readers import Declaration, Discretiser, Source
+from .readers import Declaration, Discretiser
 
 FORMATS = (1,)
 

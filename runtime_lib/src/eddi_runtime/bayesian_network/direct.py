@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, List, Optional, Sequence, Union
+from typing import Any, Callable, List, Optional, Sequence, Union
 
 from ..plain_values import plain, show
 from .evidence import EvidenceError, finding
@@ -11,7 +11,7 @@ from .readers import Reading
 
 
 class DirectReader:
-    """An input that holds the name of a state, or one likelihood per state.
+    """An input that holds the name of a state, or one likelihood per state; see ``Discretiser``.
 
     Args:
         states: names of the states.
@@ -27,24 +27,14 @@ class DirectReader:
         self._states = tuple(states)
         self._number = {state: k for k, state in enumerate(states)}
         self._virtual = virtual
-
-    def read(self, raw: object, now: float) -> Reading:
-        """Return the state or likelihoods of a value; see ``Reader``."""
-        state = self._number.get(raw) if type(raw) is str else None
-        if state is not None:
-            return state
-        try:
-            found = self._judged(raw)
-        except EvidenceError:
-            found = None
-        return len(self._states) if found is None else found
+        self.read = self._quick()
 
     def absent(self, now: float) -> Reading:
-        """Return "not observed"; see ``Reader``."""
+        """Return "not observed"."""
         return len(self._states)
 
     def knows(self, raw: object) -> bool:
-        """Return whether a value is an observation; see ``Reader``."""
+        """Return whether a value is an observation."""
         try:
             return self._judged(raw) is not None
         except EvidenceError:
@@ -55,7 +45,7 @@ class DirectReader:
         return ""
 
     def fault(self, raw: object) -> Optional[str]:
-        """Return what is wrong with a value; see ``Reader``."""
+        """Return what is wrong with a value."""
         try:
             self._judged(raw)
         except EvidenceError as problem:
@@ -64,6 +54,20 @@ class DirectReader:
 
     def reset(self) -> None:
         """Forget nothing: nothing is remembered."""
+
+    def _quick(self) -> Callable[[object, float], Reading]:
+        number, missing, judged = self._number, len(self._states), self._judged
+
+        def read(raw: object, _: float) -> Reading:
+            if type(raw) is str and raw in number:
+                return number[raw]
+            try:
+                found = judged(raw)
+            except EvidenceError:
+                return missing
+            return missing if found is None else found
+
+        return read
 
     def _judged(self, raw: object) -> Union[int, List[float], None]:
         value = plain(raw)

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import itertools
 from operator import mul
-from typing import Callable, List, Mapping, Optional, Sequence, Tuple
+from typing import List, Mapping, Optional, Sequence
 
-from .program import Posteriors, Rows, States, Table, Tables, Weights
+from .program import Posteriors, States, Table, Tables, Weights
 
 
 class JointTables:
@@ -20,22 +20,22 @@ class JointTables:
         made: what was compiled.
         inputs: position -> number of states of each observable node of the part.
         wanted: which of the tables are asked for.
+
+    Attributes:
+        hard: states -> unnormalised rows when no input has virtual evidence; see ``soft``.
     """
 
     def __init__(self, made: Tables, inputs: Mapping[int, int], wanted: Sequence[int]) -> None:
-        self._tables = [made.tables[k] for k in wanted]
-        self._priors = made.priors
+        self._priors = {position: made.priors.get(position) for position in inputs}
         self._vectors = {
             position: _vectors(card, made.priors.get(position)) for position, card in inputs.items()
         }
-        self._known: Optional[List[Tuple[Callable[[States], int], Rows]]] = None
-
-    def hard(self, states: States) -> Rows:
-        """Return unnormalised rows when no input has virtual evidence; see ``soft``."""
-        known = self._known
-        if known is None:
-            known = self._known = [self._rows(table) for table in self._tables]
-        return [rows[index(states)] for index, rows in known]
+        tables = [self._filled(table) for table in made.tables]
+        look_up = made.bind(*[table.rows for table in tables])
+        self._tables = [tables[k] for k in wanted]
+        self.hard = look_up
+        if len(wanted) < len(tables):
+            self.hard = lambda states: [look_up(states)[k] for k in wanted]
 
     def soft(self, states: States, weights: Weights) -> Posteriors:
         """Return unnormalised rows when some inputs have virtual evidence.
@@ -48,7 +48,7 @@ class JointTables:
         return [
             self._soft(table, states, weights)
             if table.total is None
-            else table.total([self._vector(one, states, weights) for one, _ in table.strides])
+            else table.total(self._mixed(table, states, weights))
             for table in self._tables
         ]
 
@@ -56,26 +56,33 @@ class JointTables:
         """Return rows of which none is zero by underflow, for very small likelihoods."""
         return [self._soft(table, states, weights, scale=True) for table in self._tables]
 
-    def _vector(self, position: int, states: States, weights: Weights) -> Sequence[float]:
-        weight = weights.get(position)
-        if weight is None:
-            return self._vectors[position][states[position]]
-        prior = self._priors.get(position)
-        return weight if prior is None else list(map(mul, weight, prior))
+    def _mixed(self, table: Table, states: States, weights: Weights) -> List[Sequence[float]]:
+        vectors: List[Sequence[float]] = []
+        for position, _ in table.strides:
+            weight = weights.get(position)
+            if weight is None:
+                vectors.append(self._vectors[position][states[position]])
+            else:
+                prior = self._priors[position]
+                vectors.append(weight if prior is None else list(map(mul, weight, prior)))
+        return vectors
 
     def _soft(
         self, table: Table, states: States, weights: Weights, *, scale: bool = False
     ) -> List[float]:
-        offsets, vectors = [0], []
+        offsets = [0]
+        vectors: List[Sequence[float]] = []
         for position, stride in table.strides:
-            if position not in weights:
-                offsets = [one + states[position] * stride for one in offsets]
+            weight = weights.get(position)
+            if weight is None:
+                step = states[position] * stride
+                offsets = [one + step for one in offsets]
                 continue
-            vectors.append(self._vector(position, states, weights))
-            end = stride * len(weights[position])
+            prior = self._priors[position]
+            vectors.append(weight if prior is None else list(map(mul, weight, prior)))
+            end = stride * len(weight)
             offsets = [one + step for one in offsets for step in range(0, end, stride)]
-        _, rows = self._rows(table)
-        row = [value for one in offsets for value in rows[one]]
+        row = [value for one in offsets for value in table.rows[one]]
         for vector in vectors:
             largest = max(row)
             if scale and largest > 0.0:
@@ -85,14 +92,11 @@ class JointTables:
             row = [sum(map(mul, vector, column)) for column in zip(*slices)]
         return row
 
-    def _rows(self, table: Table) -> Tuple[Callable[[States], int], Rows]:
-        if table.row_of is not None:
-            return table.row_of, table.rows
-        strides, total = table.strides, table.total
-        assert total is not None
-        cases = itertools.product(*(self._vectors[position] for position, _ in strides))
-        rows = [total(case) for case in cases]
-        return lambda s: sum([s[position] * stride for position, stride in strides]), rows
+    def _filled(self, table: Table) -> Table:
+        if table.total is None or table.rows:
+            return table
+        cases = itertools.product(*(self._vectors[position] for position, _ in table.strides))
+        return table._replace(rows=[table.total(case) for case in cases])
 
 
 def _vectors(card: int, prior: Optional[Sequence[float]]) -> Posteriors:

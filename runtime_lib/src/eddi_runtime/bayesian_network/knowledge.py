@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from operator import eq
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple, Union
 
+from ..inputs import InputSpec
 from .bounds import Open
+from .direct import DirectReader
 from .engine import Engine
 from .methods import Answer
-from .readers import Source
+from .readers import Discretiser
 
 NO_ANSWER = Answer()
+
+
+class Source(NamedTuple):
+    """A declared way from an input to a node."""
+
+    node: int
+    spec: InputSpec
+    reader: Union[Discretiser, DirectReader]
 
 
 class Step:

@@ -15,11 +15,10 @@ from .claims import ERROR, UNKNOWN, Claim, Claims
 from .engine import Engine
 from .evidence import EvidenceError, InconsistentEvidenceError, NotForeseenError, finding
 from .explain import Explanation, explain
-from .knowledge import NO_ANSWER, Facts, Knowledge, Step
+from .knowledge import NO_ANSWER, Facts, Knowledge, Source, Step
 from .methods import Answer, Methods
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
 from .program import NodeSpec, Program, Rows, StateThreshold
-from .readers import Source
 from .standings import standings
 
 Evidence = Union[None, str, Sequence[float]]
@@ -140,11 +139,11 @@ class BayesianNetworkMonitor(Monitor):
         states = list(self._missing)
         weights: Dict[int, List[float]] = {}
         last.raw = raw = self.read(eddi_input)
-        for number, (position, judge, absent) in enumerate(self._readers):
+        for (position, judge, absent), value in zip(self._readers, raw):
             try:
-                found = judge(raw[number], now)
+                found = judge(value, now)
             except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, no evidence
-                raw = last.raw = (*raw[:number], None, *raw[number + 1 :])
+                last.raw = tuple([None if one is value else one for one in last.raw])
                 found = absent(now)
             if type(found) is int:
                 states[position] = found
@@ -153,7 +152,9 @@ class BayesianNetworkMonitor(Monitor):
         if answer is not NO_ANSWER:
             answer.put(self._positions, self._missing, states, weights)
         last.states, last.weights = states, weights
-        rows = self._posteriors(states, weights)
+        rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
+        if rows is _UNKNOWN:
+            rows = self._inferred(states, weights)
         if self._claims is not None:
             opened = self._knowledge.opened(states, weights, answer)
             self._claims.step(now, rows, states, weights, opened)
@@ -166,16 +167,11 @@ class BayesianNetworkMonitor(Monitor):
             rows, flagged = self._good
         return [] if rows is None else self._output(rows, flagged)
 
-    def _posteriors(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:
-        """Return the posteriors: known from the start, seen in former steps, or inferred."""
-        if weights:
-            return self._engine.infer(states, weights)
-        key = tuple(states)
-        rows = self._known_rows.get(key, _UNKNOWN)
-        if rows is _UNKNOWN:
-            rows = self._engine.infer(states)
-            if len(self._known_rows) < self.remembered:
-                self._known_rows[key] = rows
+    def _inferred(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:
+        """Return the posteriors of a case that is not known, and remember it."""
+        rows = self._engine.infer(states, weights)
+        if not weights and len(self._known_rows) < self.remembered:
+            self._known_rows[tuple(states)] = rows
         return rows
 
     def _tried(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:

@@ -58,14 +58,13 @@ class Table(NamedTuple):
     Attributes:
         card: number of states of the output; 1 if it is the probability of the evidence alone.
         strides: (position of an input, distance between the rows of its states).
-        row_of: states -> number of the row; None: no rows are held.
         rows: one for each case; a state behind those of an input represents "not observed".
+            Empty where ``total`` gives them.
         total: vectors of the inputs -> the row, summed over all states; None for a large table.
     """
 
     card: int
     strides: Tuple[Tuple[int, int], ...]
-    row_of: Optional[Callable[[States], int]] = None
     rows: Rows = ()
     total: Optional[Callable[[Sequence[Sequence[float]]], List[float]]] = None
 
@@ -76,10 +75,12 @@ class Tables(NamedTuple):
     Attributes:
         tables: one for each output; one for the evidence if there is no output.
         priors: position of an input -> its prior, where that is not in the tables.
+        bind: rows of each table -> the look-up: states -> a row of each table.
     """
 
     tables: Tuple[Table, ...]
     priors: Mapping[int, Sequence[float]]
+    bind: Callable[..., Callable[[States], Rows]]
 
 
 class Message(NamedTuple):

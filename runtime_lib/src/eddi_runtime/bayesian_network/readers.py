@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import Callable, Dict, List, NamedTuple, Optional, Protocol, Sequence, Tuple, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
@@ -56,49 +56,6 @@ class Declaration(NamedTuple):
     special: Tuple[Tuple[object, int], ...] = ()
 
 
-class Reader(Protocol):
-    """Turns one input into evidence on one node.
-
-    Attributes:
-        timed: it needs the time.
-        doubtful: it may leave several states possible.
-        prior_accepted: while the input is unknown, the prior of the node is accepted in its place.
-        possible: states in which the node may be, if there are several, in spite of the one that
-            was returned last.
-    """
-
-    timed: bool
-    doubtful: bool
-    prior_accepted: bool
-    possible: Sequence[int]
-
-    def read(self, raw: object, now: float) -> Reading:
-        """Return the evidence in a value at a time in nanoseconds; may raise for hostile ones."""
-
-    def absent(self, now: float) -> Reading:
-        """Return the evidence when there is no value."""
-
-    def knows(self, raw: object) -> bool:
-        """Return whether a value by itself is an observation of the node."""
-
-    def accepted(self, raw: object, reading: Reading) -> str:
-        """Return the key by which a value counted as what was read of it; empty for none."""
-
-    def fault(self, raw: object) -> Optional[str]:
-        """Return what is wrong with a value; None for a usable or a missing one."""
-
-    def reset(self) -> None:
-        """Forget former values."""
-
-
-class Source(NamedTuple):
-    """A declared way from an input to a node."""
-
-    node: int
-    spec: InputSpec
-    reader: Reader
-
-
 class _Remembering:
     """What is done when there is no value: nothing, the default, or the last state for a while."""
 
@@ -134,7 +91,14 @@ class Discretiser:
         declaration: what is declared.
         spec: the input: its default and its largest age.
 
-    Attributes: see ``Reader``.
+    Attributes:
+        read: value, time in nanoseconds -> state; the number of states for "not observed". It may
+            raise for a hostile value.
+        timed: it needs the time.
+        doubtful: it may leave several states possible.
+        prior_accepted: while the input is unknown, the prior of the node is accepted in its place.
+        possible: states in which the node may be, if there are several, in spite of the one that
+            was returned last.
     """
 
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
@@ -164,14 +128,9 @@ class Discretiser:
         self.doubtful = self._bands is not None
         self.prior_accepted = one.policy == "prior"
         self.possible: Sequence[int] = ()
-        self._plain = _plain_bins(one)
+        self.read = self._quick()
 
-    def read(self, raw: object, now: float) -> int:
-        """Return the state of a value; see ``Reader``."""
-        if type(raw) is float and self._plain is not None:
-            state = self._plain(raw)
-            if state != _ABSENT:
-                return state
+    def _read(self, raw: object, now: float) -> int:
         state, value = self._judged(raw)
         if value is not None:
             return self._memory.seen(self._binned(value), now, self.possible)
@@ -183,17 +142,17 @@ class Discretiser:
         return self._memory.seen(state, now) if state != _ABSENT else self._without(now)
 
     def absent(self, now: float) -> int:
-        """Return the state when there is no value; see ``Reader``."""
+        """Return the state when there is no value."""
         self._lose()
         return self._without(now)
 
     def knows(self, raw: object) -> bool:
-        """Return whether a value is an observation; see ``Reader``."""
+        """Return whether a value by itself is an observation of the node."""
         state, value = self._judged(raw)
         return value is not None or state not in (_ABSENT, self._missing)
 
     def accepted(self, raw: object, reading: Reading) -> str:
-        """Return the key that was needed; see ``Reader``."""
+        """Return the key by which a value counted as what was read of it; empty for none."""
         state, value = self._judged(raw)
         if value is None:
             policy = self._declared.policy
@@ -206,7 +165,7 @@ class Discretiser:
         return "" if self._low <= number <= self._high else "out_of_range: clamp"  # type: ignore[operator]  # a number
 
     def fault(self, raw: object) -> Optional[str]:
-        """Return what is wrong with a value; see ``Reader``."""
+        """Return what is wrong with a value; None for a usable or a missing one."""
         value = plain(raw)
         if raw is None or (isinstance(value, float) and math.isnan(value)):
             return None
@@ -272,20 +231,23 @@ class Discretiser:
     def _is_special(self, value: object) -> bool:
         return value in self._special.get(type(value), ())
 
+    def _quick(self) -> Callable[[object, float], int]:
+        """Return the short way for usual values of a declaration without memory and sentinels."""
+        one, slow = self._declared, self._read
+        edges, order, scale, offset = one.edges, one.order, one.scale, one.offset
+        if edges is None or float in self._special or one.hysteresis or one.policy == "hold":
+            return slow
+        search = self._search
+        low, high = max(one.limits[0], -_LARGEST), min(one.limits[1], _LARGEST)
 
-def _plain_bins(one: Declaration) -> Optional[Callable[[float], int]]:
-    """Return the short way for usual values of a declaration without memory and sentinels."""
-    edges, order, scale, offset = one.edges, one.order, one.scale, one.offset
-    floats = any(type(value) is float for value, _ in one.special)
-    if edges is None or floats or one.hysteresis or one.policy == "hold":
-        return None
-    search = bisect_left if one.closed_right else bisect_right
-    low, high = max(one.limits[0], -_LARGEST), min(one.limits[1], _LARGEST)
+        def scaled(raw: object, now: float) -> int:
+            if type(raw) is float and low <= raw <= high:
+                return order[search(edges, raw * scale + offset)]
+            return slow(raw, now)
 
-    def scaled(value: float) -> int:
-        return order[search(edges, value * scale + offset)] if low <= value <= high else _ABSENT
+        def unscaled(raw: object, now: float) -> int:
+            if type(raw) is float and low <= raw <= high:
+                return order[search(edges, raw)]
+            return slow(raw, now)
 
-    def unscaled(value: float) -> int:
-        return order[search(edges, value)] if low <= value <= high else _ABSENT
-
-    return scaled if one.scaled else unscaled
+        return scaled if one.scaled else unscaled
