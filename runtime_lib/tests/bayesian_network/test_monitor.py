@@ -536,3 +536,27 @@ def test_what_is_wrong_with_a_model(more, reason):
 def test_unknown_settings_are_refused():
     with pytest.raises(ModelError, match="'evidence_mode' is 'soft', not one of virtual"):
         monitor(bins=BINS, evidence_mode="soft")
+
+
+class Odd(Config):
+    """Methods that might change what they say, although they read no name."""
+
+    def node_Gap(self):  # noqa: N802 - the name of the node stays
+        return False, {"near": 1.0 if self else 0.0, "far": 0.0}
+
+    def node_Alarm(self, seen=[1.0]):  # noqa: B006, N802 - on purpose
+        on = seen[0]
+        seen[0] = 0.0
+        return False, {"on": on, "off": 0.0}
+
+    def node_Danger(self):  # noqa: N802 - the name of the node stays
+        return self == 3, {"yes": 0.0, "no": 0.0}
+
+
+def test_a_method_that_can_read_its_object_or_a_default_is_asked_in_each_step():
+    one = monitor(bins=BINS, hooks=Odd())
+    assert len(one._methods._names) == 4
+    one.execute_step(give(v=2.0, d=3.0))
+    assert one.explain().evidence == {"Speed": "slow", "Gap": "near", "Alarm": "on"}
+    one.execute_step(give(v=2.0, d=3.0))
+    assert one.explain().evidence == {"Speed": "slow", "Gap": "near"}

@@ -31,6 +31,7 @@ from runtime_lib.tests.bayesian_network.networks import (
     random_network,
     threshold,
 )
+from tests.compiling.formatting import objections
 
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
 
@@ -63,12 +64,8 @@ DOCUMENTS = [document(bins=BINS), several(), large(), large(5, 9), document(outp
 
 
 @pytest.mark.parametrize("made", DOCUMENTS)
-def test_the_formatter_changes_nothing(tmp_path, made):
-    path = tmp_path / "compiled.py"
-    path.write_text(compile_model(check_document(made)))
-    command = ["ruff", "format", "--diff", "--isolated", "--line-length", "100", str(path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.stdout, done.returncode) == ("", 0), done.stderr
+def test_formatter_and_linter_agree(made):
+    assert objections(compile_model(check_document(made))) == ""
 
 
 def test_the_text_is_for_python_3_8():
