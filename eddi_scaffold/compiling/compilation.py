@@ -87,11 +87,12 @@ def whole_text(
     below = "\n".join([*constants, "", "", *lines]) + "\n"
     formats = {"eddi_runtime": CORE_FORMAT, **parts}
     needs = ", ".join(f"{name}: {one}" for name, one in formats.items())
+    names = ["InputSpec", *parts] if _uses(body, "InputSpec") else [*parts]
     docstring = "\n".join(map(str.rstrip, about)).replace("\\", "?").replace('"', "'")
     return (
         f'"""{docstring}{chr(10) if len(about) > 1 else ""}"""\n\n'
         f"{f'from {runtime} import' if runtime else 'import'} eddi_runtime\n"
-        f"from {runtime}eddi_runtime import {', '.join(['InputSpec', *parts])}\n\n"
+        f"from {runtime}eddi_runtime import {', '.join(names)}\n\n"
         f"eddi_runtime.needs(__file__, {{{needs}}})\n"
         f"# sha256 of the lines below: {hashlib.sha256(below.encode()).hexdigest()}\n" + below
     )

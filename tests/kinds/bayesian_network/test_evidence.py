@@ -14,7 +14,8 @@ from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.platforms.ros1.package_answers import monitor_answers, support_answers
+from eddi_scaffold.platforms.ros1.messages import messages_of
+from eddi_scaffold.platforms.ros1.package_answers import monitor_answers
 from tests.kinds.bayesian_network.networks import running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
 from tests.shared_data import shared
@@ -83,11 +84,7 @@ def test_every_message_beside_a_result_has_a_method_and_a_definition(tmp_path: P
     monitor = pedestrian(tmp_path, f"{LOW}, {MORE}")
     machine = running(monitor)
     machine.execute_step(SimpleNamespace(), 0)
-    texts = {
-        item["name"]: item["text"]
-        for package in support_answers([], None)
-        for item in package.answers.get("messages", ())
-    }
+    texts = messages_of([{"kind": "bayesian_network", "config_json": None}])
     for name, message in FUNCTIONS.beside(monitor.model).items():
         tree = getattr(machine, f"{name}_message")()
         assert tree[0] == message
