@@ -1,11 +1,10 @@
 """Time of a reliability step: chains compared with ``scipy.linalg.expm``, and fault trees by size.
 
-Ours for chains is the belief over the states moved by one quantum together with what lies ahead
-(failure within the horizon, reliability, mean time to failure), with what was precomputed; the peer
-computes the exponential of the same generator, as each step would need without. "Whole monitor" is
-all that a node calls: inputs, clock, models, evidence, result; its peers are the exponentials of
-the same chains. For trees it is one evaluation of the compiled
-diagram, and next to it the sum over all combinations of events where there are few enough. Measured
+Ours for chains is all that a node calls: inputs, clock, the belief over the states moved by one
+quantum, what lies ahead (failure within the horizon, reliability, mean time to failure), evidence,
+result; the peer computes the exponential of the same generator, as each step would need without
+what was computed in advance. For trees it is one evaluation of the compiled
+diagram, and beside it the sum over all combinations of events where there are few enough. Measured
 in turn in one process; reading and compiling is not counted.
 
     python benchmarks/reliability.py [--quick] [--json]
@@ -32,20 +31,18 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
-from eddi_runtime.model_file import check_document, digest_of  # noqa: E402 - from the checkout
-from eddi_runtime.reliability import build  # noqa: E402
-from eddi_runtime.reliability import diagram as bdd  # noqa: E402
-from eddi_runtime.reliability.battery import battery_spec  # noqa: E402
-from eddi_runtime.reliability.chain import Chain, ChainSpec, Horizons  # noqa: E402
-from eddi_runtime.reliability.estimate import Moment  # noqa: E402
-from eddi_runtime.reliability.markov import generator  # noqa: E402
-from eddi_runtime.reliability.structures import Rotors  # noqa: E402
-
-from benchmarks.timing import per_call  # noqa: E402
+from benchmarks.timing import per_call  # noqa: E402 - from the checkout
+from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
+from eddi_scaffold.compiling.execution import build, module_of  # noqa: E402
+from eddi_scaffold.compiling.reliability import trees  # noqa: E402
+from eddi_scaffold.compiling.reliability.diagram import Gate  # noqa: E402
+from eddi_scaffold.compiling.reliability.diagram import build as diagram_of  # noqa: E402
+from eddi_scaffold.compiling.reliability.markov import Chain, rates_of  # noqa: E402
+from eddi_scaffold.compiling.reliability.model import Event, FaultTree, battery_chain  # noqa: E402
+from eddi_scaffold.compiling.reliability.structures import rotors_chain  # noqa: E402
 
 STATES = (5, 50, 500)
 EVENTS = (10, 100, 300)
-QUANTUM = 0.1 / 3600.0
 _NO_SCIPY = "scipy is not installed"
 Action = Callable[[], object]
 
@@ -76,9 +73,6 @@ def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]
     chance = np.random.default_rng(states)
     rates = chance.random((states, states)) * (chance.random((states, states)) < 0.5)
     arcs = [(i, j, float(rates[i, j])) for i in range(states) for j in range(states)]
-    spec = ChainSpec(states, 0, (states - 1,), tuple(arcs))
-    chain = Chain(spec, QUANTUM, Horizons(0.5))
-    moment = Moment(1, QUANTUM, 0.0, 0.5, 0)
     component = {
         "name": "chain", "type": "markov", "states": [f"s{i}" for i in range(states)],
         "initial": 0, "fail": [states - 1], "arcs": [list(arc) for arc in arcs],
@@ -87,9 +81,9 @@ def rows_of_chain(states: int, runs: int, seconds: float) -> list[dict[str, Any]
     observed = stepping(
         [component | {"observe": [[0, "ok", False], [1, "ok", True]]}], {"ok": True}
     )
-    peer = expm_of(generator(states, arcs, [states - 1]))
+    names = tuple(map(str, range(states)))
+    peer = expm_of(Chain(names, 0, (states - 1,), tuple(arcs)))
     cases = (
-        ("step and p_fail", lambda: chain.step(moment, chain.everything)),
         ("whole monitor", alone),
         ("whole monitor, observed", observed),
     )
@@ -126,8 +120,8 @@ def rows_of_monitors(runs: int, seconds: float) -> list[dict[str, Any]]:
     tree = {"name": "loss", "type": "fault_tree", "repair": False, "top": 7}
     working: dict[str, Any] = dict.fromkeys(names, True)
     drone = {**working, "level": 80.0, "t": 60.0, "u": 0.5, "link": False}
-    chains = [Rotors("PNPNPN", [1e-5] * 6).spec, battery_spec(1e-3, 8e-3, 7e-3, 6.4e-3)]
-    peers = [expm_of(generator(one.states, one.arcs, one.fail)) for one in chains]
+    chains = [rotors_chain("PNPNPN", [1e-5] * 6), battery_chain(1e-3, 8e-3, 7e-3, 6.4e-3)]
+    peers = [expm_of(one) for one in chains]
     parts = [rotors, battery, processor, tree | {"events": events, "gates": gates}]
     cases = (
         ("hexacopter, whole monitor", stepping([rotors], working), peers[:1]),
@@ -172,37 +166,41 @@ def stepping(components: list[dict[str, Any]], values: dict[str, Any]) -> Action
     return step
 
 
-def expm_of(q: Any) -> Action | None:
+def expm_of(chain: Chain) -> Action | None:
     """Return the exponential that a step would need without what is precomputed."""
     try:
         expm = importlib.import_module("scipy.linalg").expm
     except ImportError:
         return None
-    matrix = q * 0.5
+    rates = np.array(rates_of(chain))
+    matrix = 0.5 * (rates - np.diag(rates.sum(axis=1)))
     return lambda: expm(matrix)
 
 
 def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
     """Return the row of a tree of votes, ANDs and ORs in which every tenth event is shared."""
     chance = random.Random(events)
-    gates: list[bdd.Gate] = []
+    gates: list[Gate] = []
     leaves = list(range(events))
     for start in range(0, events, 5):
         group = leaves[start : start + 5]
         if start and chance.random() < 0.5:
             group.append(chance.randrange(max(0, start - 5), start))
         kind = chance.choice(("AND", "VOTE", "OR"))
-        gates.append(bdd.Gate(kind, tuple(group), 2))
+        gates.append(Gate(kind, tuple(group), 2))
     level = [events + i for i in range(len(gates))]
     while len(level) > 1:
         above = []
         for start in range(0, len(level), 4):
             kind = "OR" if chance.random() < 0.5 else "AND"
-            gates.append(bdd.Gate(kind, tuple(level[start : start + 4])))
+            gates.append(Gate(kind, tuple(level[start : start + 4])))
             above.append(events + len(gates) - 1)
         level = above
-    diagram = bdd.build(events, gates, level[0])
-    evaluate = bdd.probability(diagram)
+    diagram = diagram_of(events, gates, level[0])
+    basic = tuple(Event(str(i), "fixed", (0.0,), "", None, 0.0, "") for i in range(events))
+    lines = trees.class_lines("Tree", FaultTree(basic, diagram, None, repair=False), [], 4000)
+    text = "\n".join(["from eddi_runtime.reliability import tree", *lines])
+    evaluate = module_of(text, "tree").Tree().failure
     q = [chance.random() * 1e-2 for _ in range(events)]
     peer = (lambda: enumerated(gates, q)) if events <= 10 else None
     case = f"tree, {events} events, {diagram.size} nodes"
@@ -210,7 +208,7 @@ def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
     return paired(case, lambda: evaluate(q), "enumeration", peer, runs, seconds, reason)
 
 
-def enumerated(gates: list[bdd.Gate], q: list[float]) -> float:
+def enumerated(gates: list[Gate], q: list[float]) -> float:
     """Return the sum over all combinations of events."""
     total = 0.0
     for state in product((0, 1), repeat=len(q)):

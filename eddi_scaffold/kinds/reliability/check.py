@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from eddi_runtime.reliability.cut_sets import LIMIT, minimal_cut_sets
-from eddi_runtime.reliability.diagram import COHERENT, NODE_LIMIT, TooLargeError, build
-
+from eddi_scaffold.compiling.reliability.cut_sets import LIMIT, minimal_cut_sets
+from eddi_scaffold.compiling.reliability.diagram import (
+    COHERENT,
+    NODE_LIMIT,
+    TooLargeError,
+    build,
+)
 from eddi_scaffold.kinds.reliability.check_chain import check_chain
 from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.inputs import inputs_of

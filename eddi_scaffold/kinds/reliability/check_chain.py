@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-from eddi_runtime.reliability.markov import certain, generator, reaching
-
+from eddi_scaffold.compiling.reliability import markov
 from eddi_scaffold.kinds.reliability.model import Chain
 from eddi_scaffold.problems import Place, Problem, error, warning
 
@@ -62,17 +60,16 @@ def _reach(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
             hint = "failure is first passage: what comes after it is ignored"
             yield warning("R013", message, place, hint)
     arcs = [(number[a.source], number[a.target], a.rate) for a in chain.arcs]
-    rates = generator(len(chain.states), arcs, fail)
-    np.fill_diagonal(rates, 0.0)
-    reached = reaching(rates.T, [initial])
-    lost = [state for state, i in number.items() if not reached[i]]
+    given = markov.Chain(tuple(chain.states), initial, tuple(fail), tuple(arcs))
+    reached = markov.reached(given)
+    lost = [state for state, i in number.items() if i not in reached]
     if lost:
         shown = ", ".join(lost[:8]) + (", ..." if len(lost) > 8 else "")
         yield warning("R013", f"chain {name!r} never reaches {shown}", place)
-    if not reaching(rates, fail)[initial]:
+    if initial not in markov.reaching(given, fail):
         message = f"chain {name!r} cannot fail: no path leads from {chain.initial[0]!r} to failure"
         yield warning("R013", message, place, "its MTTF is infinite")
-    elif not certain(rates, fail)[initial]:
+    elif initial not in markov.certain(given):
         message = f"chain {name!r} may stay for ever in states that cannot fail"
         yield warning("R013", message, place, "its MTTF is infinite")
     if len(number) > _LARGE:

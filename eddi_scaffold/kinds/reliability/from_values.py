@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from eddi_runtime.reliability.result import ReliabilityResult
-from eddi_runtime.reliability.structures import CONFIGURATIONS, motors_of
 
 from eddi_scaffold import quantities
+from eddi_scaffold.compiling.reliability.structures import CONFIGURATIONS, motors_of
 from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds.reliability.from_values_content import read_chain, read_tree
 from eddi_scaffold.kinds.reliability.model import (

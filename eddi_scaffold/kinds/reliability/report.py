@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from eddi_runtime.reliability.cut_sets import minimal_cut_sets
-from eddi_runtime.reliability.diagram import NODE_LIMIT, build
-
+from eddi_scaffold.compiling.reliability.cut_sets import minimal_cut_sets
+from eddi_scaffold.compiling.reliability.diagram import NODE_LIMIT, build
 from eddi_scaffold.escaping import markdown_code, markdown_text
 from eddi_scaffold.kinds.reliability.model import (
     BasicEvent,

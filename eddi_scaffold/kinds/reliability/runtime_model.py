@@ -6,9 +6,8 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from eddi_runtime.reliability.cut_sets import cut_sets_of_gates
-from eddi_runtime.reliability.diagram import Gate as Number
-
+from eddi_scaffold.compiling.reliability.cut_sets import cut_sets_of_gates
+from eddi_scaffold.compiling.reliability.diagram import Gate as Number
 from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.inputs import input_id
 from eddi_scaffold.kinds.reliability.model import (

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
+from functools import cache
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
-from eddi_runtime import inputs as runtime_inputs
-from eddi_runtime.model_file import ModelFile
-from eddi_runtime.reliability.monitor import ReliabilityMonitor
-from eddi_runtime.reliability.result import ReliabilityResult
+from eddi_runtime.reliability import Reliability, ReliabilityResult
 
+from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.document import InputData, ModelFile
+from eddi_scaffold.compiling.execution import build, module_of
+from eddi_scaffold.compiling.reliability.emission import FORMAT, lines_of
 from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
 from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
@@ -37,7 +39,7 @@ def at_start(
         known: everything is in order.
         seconds_left: to the end of the mission, where that is an input; None: the longest.
     """
-    monitor = ReliabilityMonitor(_model_file(system))
+    monitor: Reliability = build(_model_file(system))
     values = _start(system) if known else {}
     if seconds_left is not None:
         values[MISSION_END] = seconds_left
@@ -57,14 +59,19 @@ def mean_life(system: ReliabilitySystem) -> float | None:
     if _size(system) > _TOO_MANY:
         return None
     values = SimpleNamespace(**_start(system))
-    monitor = ReliabilityMonitor(_model_file(replace(system, mission_end=False, thresholds=())))
+    plain = _model_file(replace(system, mission_end=False, thresholds=()))
+    compiled = module_of(
+        whole_text(plain, {"reliability": FORMAT}, lines_of(plain, states=0)), plain.id
+    )
+    if hasattr(compiled, "battery"):  # what a battery prepares is the same for every horizon
+        batteries = vars(compiled)["battery"].Battery
+        vars(compiled)["battery"] = SimpleNamespace(Battery=cache(batteries))
     left = iter(range(_STEPS))
 
     def reliability(hours: float) -> float:
         if next(left, None) is None:
             raise _TooRoughError
-        monitor.look_ahead(hours)
-        return monitor.execute_step(values, 0).reliability
+        return look_ahead(compiled, hours).execute_step(values, 0).reliability
 
     try:
         return _integral(reliability)
@@ -122,8 +129,22 @@ def _size(system: ReliabilitySystem) -> int:
     return size
 
 
+def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
+    """Return the monitor of a module with another horizon, at the start of the mission.
+
+    Args:
+        compiled: a model whose horizon is no input, compiled without numbers of one horizon.
+        hours: at least 0.
+    """
+    for made in vars(compiled).values():
+        if isinstance(made, type) and "horizon" in vars(made):
+            made.horizon = hours  # type: ignore[attr-defined]  # it was just asked
+    monitor: Reliability = compiled.Monitor()
+    return monitor
+
+
 def _model_file(system: ReliabilitySystem) -> ModelFile:
-    specs = tuple(runtime_inputs.InputSpec(one.id, one.id) for one in inputs_of(used(system)))
+    specs = tuple(InputData(one.id, one.id) for one in inputs_of(used(system)))
     return ModelFile("", "reliability", "m", "", {}, specs, runtime_model(system), {}, _no_data)
 
 

@@ -2,18 +2,44 @@
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import Any, Dict, Iterable, List, Sequence
 
-from eddi_runtime.model_file import check_document, digest_of
-from eddi_runtime.reliability import ReliabilityMonitor, build
+from eddi_runtime.reliability import Reliability
+
+from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.document import ModelFile, check_document, digest_of
+from eddi_scaffold.compiling.execution import build, module_of
+from eddi_scaffold.compiling.reliability.emission import lines_of
 
 NS = 1_000_000_000
 
 
 def monitor(
     components: Sequence[Dict[str, Any]], inputs: Iterable[str] = (), **model: Any
-) -> ReliabilityMonitor:
+) -> Reliability:
     """Compile a monitor; the last component is the top."""
+    made: Reliability = build(model_file(components, inputs, **model))
+    return made
+
+
+def compiled(
+    components: Sequence[Dict[str, Any]],
+    inputs: Iterable[str] = (),
+    states: int = 0,
+    nodes: int = 0,
+    **model: Any,
+) -> ModuleType:
+    """Compile a module with nothing, or less, written out."""
+    made = model_file(components, inputs, **model)
+    lines = lines_of(made, states=states, nodes=nodes)
+    return module_of(whole_text(made, {"reliability": 1}, lines), made.id)
+
+
+def model_file(
+    components: Sequence[Dict[str, Any]], inputs: Iterable[str] = (), **model: Any
+) -> ModelFile:
+    """Return the document of a monitor; the last component is the top."""
     content: Dict[str, Any] = {
         "format": 1,
         "requires_runtime": "0.1",
@@ -35,7 +61,7 @@ def monitor(
         "settings": {},
     }
     content["sha256"] = digest_of(content)
-    return build(check_document(content))
+    return check_document(content)
 
 
 def chain(arcs: List[List[float]], states: int, fail: List[int], **more: Any) -> Dict[str, Any]:

@@ -133,7 +133,7 @@ def test_a_hull_holds_the_beliefs_that_it_replaces():
         beliefs = chance.random((count, states)) ** 8 * chance.choice([0.0, 1.0], states)
         beliefs[:, 0] += 1e-9
         beliefs /= beliefs.sum(axis=1, keepdims=True)
-        whole = hull(beliefs)
+        whole = np.array(hull(beliefs.tolist()))
         assert len(whole) <= max(1, np.count_nonzero(beliefs.any(axis=0)))
         assert whole.sum(axis=1) == pytest.approx(1.0)
         value, weight = chance.random((2, states)) ** 4

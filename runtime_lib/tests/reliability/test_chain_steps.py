@@ -7,25 +7,38 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_runtime.reliability import chain as chains  # noqa: E402 - numpy comes first
-from eddi_runtime.reliability.estimate import Moment  # noqa: E402 - as above
-from eddi_runtime.reliability.markov import generator, mean_times, propagator  # noqa: E402 - as above
-from eddi_runtime.reliability.observed import MarkovChain  # noqa: E402 - as above
+from eddi_runtime.reliability.component import Moment  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.large_chain import propagator  # noqa: E402 - as above
 
-from runtime_lib.tests.reliability.reliability_models import chain, monitor  # noqa: E402 - as above
+from eddi_scaffold.compiling.reliability import markov  # noqa: E402 - as above
+from runtime_lib.tests.reliability.reliability_models import chain, compiled, monitor  # noqa: E402 - as above
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
 
 QUANTUM = 0.1 / 3600.0
+
+
+def model_of(spec, observe, horizon):
+    """Return the chain of a compiled monitor."""
+    part = chain(
+        [list(arc) for arc in spec.arcs], len(spec.states), list(spec.fail),
+        observe=[list(one) for one in observe],
+    )  # fmt: skip
+    return monitor([part], {name for _, name, _ in observe}, horizon=horizon).components["chain"]
+
+
+def spec_of(states, fail, arcs):
+    return markov.Chain(tuple(map(str, range(states))), 0, fail, arcs)
 
 
 class OneByOne:
     """A belief that is moved, masked and normalised in every step."""
 
     def __init__(self, spec, horizon):
-        q = generator(spec.states, spec.arcs, spec.fail)
+        rates = np.array(markov.rates_of(spec))
+        q = rates - np.diag(rates.sum(axis=1))
         self.step, self.ahead = propagator(q, QUANTUM), propagator(q, horizon)
-        self.fail, self.tau = list(spec.fail), mean_times(q, spec.fail)
-        self.belief = np.eye(spec.states)[spec.initial]
+        self.fail, self.tau = list(spec.fail), np.array(markov.mean_times(spec))
+        self.belief = np.eye(len(spec.states))[0]
 
     def look(self, quanta, mask):
         for _ in range(quanta):
@@ -43,7 +56,7 @@ def random_chain(seed, states):
     rates[chance.random((states, states)) < 0.4] = 0.0
     arcs = [(i, j, float(rates[i, j])) for i in range(states) for j in range(states) if i != j]
     arcs += [(i, i + 1, 1e-6) for i in range(states - 1)]  # every state may fail
-    return chains.ChainSpec(states, 0, (states - 1,), tuple(arcs))
+    return spec_of(states, (states - 1,), tuple(arcs))
 
 
 @pytest.mark.parametrize("states", [2, 5, 20, 70])
@@ -51,7 +64,7 @@ def random_chain(seed, states):
 def test_steps_equal_those_taken_one_by_one(states, observed):
     spec = random_chain(states, states)
     observe = ((states - 1, "down", False), (0, "worn", True)) if observed else ()
-    ours = MarkovChain(spec, observe, QUANTUM, chains.Horizons(0.5))
+    ours = model_of(spec, observe, 0.5)
     other = OneByOne(spec, 0.5)
     chance = random.Random(states)
     values = {"down": False, "worn": False}
@@ -80,8 +93,8 @@ def test_steps_equal_those_taken_one_by_one(states, observed):
 def test_tiny_probabilities_keep_their_digits_over_many_steps():
     """4e-18 in eight motors, unobserved: 500 steps, an oracle of its own."""
     rate = 1e-9
-    spec = chains.ChainSpec(3, 0, (2,), ((0, 1, 8 * rate), (1, 2, rate)))
-    ours = MarkovChain(spec, (), QUANTUM, chains.Horizons(1e-3))
+    spec = spec_of(3, (2,), ((0, 1, 8 * rate), (1, 2, rate)))
+    ours = model_of(spec, (), 1e-3)
     for i in range(500):
         found = ours.step({}, Moment(int(i > 0), 0.0, 0.0, 1e-3, 0), {})
     hours = 499 * QUANTUM + 1e-3
@@ -92,13 +105,37 @@ def test_tiny_probabilities_keep_their_digits_over_many_steps():
 
 def test_what_is_observed_for_long_leaves_a_sound_belief():
     """The weight of what is consistent falls by 1e-3 each step; p_fail stays that of the state."""
-    spec = chains.ChainSpec(3, 0, (2,), ((0, 1, 7.0 / QUANTUM), (0, 2, 1e-4), (1, 2, 5.0)))
-    ours = MarkovChain(spec, ((1, "fresh", True),), QUANTUM, chains.Horizons(0.5))
+    spec = spec_of(3, (2,), ((0, 1, 7.0 / QUANTUM), (0, 2, 1e-4), (1, 2, 5.0)))
+    ours = model_of(spec, ((1, "fresh", True),), 0.5)
     for i in range(300):
         found = ours.step({"fresh": True}, Moment(int(i > 0), 0.0, 0.0, 0.5, 0), {})
         assert found.reason == ""
         assert ours.chain.belief[1] == 0.0
     assert 0.0 < found.high <= 1.0
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_sums_that_are_written_out_equal_products_of_matrices(moving):
+    chance = random.Random(3)
+    for seed in range(20):
+        spec = random_chain(seed, chance.randint(2, 8))
+        last = len(spec.states) - 1
+        part = chain(
+            [list(arc) for arc in spec.arcs], last + 1, [last], age=chance.choice((0.0, 3.0)),
+            observe=[[0, "new", False], [last, "ok", True]], repair=seed % 2 == 0,
+        )  # fmt: skip
+        inputs = ["new", "ok", *(["mission_end"] if moving else [])]
+        model = {"horizon": 2.0, "mission_end": moving}
+        one, other = monitor([part], inputs, **model), compiled([part], inputs, **model).Monitor()
+        for i in range(60):
+            values = {name: chance.choice((True, True, True, False, None)) for name in inputs}
+            values["mission_end"] = chance.choice((7200.0, 3600.0, 0.0, None))
+            t = 0.1 * (i + chance.choice((0, 0, 3)))
+            mine, its = step(one, t, **values), step(other, t, **values)
+            assert (mine.valid, mine.reason, mine.unknown) == (its.valid, its.reason, its.unknown)
+            for name in ("p_fail_low", "p_fail_high", "reliability", "mttf"):
+                expected = pytest.approx(getattr(its, name), rel=1e-12, abs=1e-14)
+                assert getattr(mine, name) == expected, name
 
 
 def test_nothing_that_is_consistent_is_a_failure_whatever_else_is_unknown():
@@ -114,7 +151,7 @@ def test_as_many_observations_as_there_may_be_are_kept():
     names = [f"i{k}" for k in range(7)]
     observe = tuple((k, name, False) for k, name in enumerate(names))
     spec = random_chain(1, 9)
-    ours = MarkovChain(spec, observe, QUANTUM, chains.Horizons(0.5))
+    ours = model_of(spec, observe, 0.5)
     other = OneByOne(spec, 0.5)
     for i in range(128):
         values = {name: bool(i & 2**k) for k, name in enumerate(names)}

@@ -197,8 +197,8 @@ def test_nothing_is_minus_zero():
         for number in (result.p_fail_low, result.p_fail, *result.contributions.values()):
             assert math.copysign(1.0, number) == 1.0
     for part, ranges in KINDS.values():
-        one = monitor([part, {"name": "all", "type": "series", "of": [part["name"]]}], ranges)
-        one.look_ahead(0.0)
+        parts = [part, {"name": "all", "type": "series", "of": [part["name"]]}]
+        one = monitor(parts, ranges, horizon=0.0)
         result = step(one, **{name: values[0] for name, values in ranges.items()})
         assert math.copysign(1.0, result.p_fail_low) == 1.0
         assert math.copysign(1.0, result.p_fail_high) == 1.0

@@ -6,10 +6,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from eddi_runtime.inputs import InputSpec
-from eddi_runtime.model_file import ModelFile
-from eddi_runtime.reliability import ReliabilityMonitor
+from eddi_runtime.reliability import Reliability
 
+from eddi_scaffold.compiling.document import InputData, ModelFile
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.problems import Problem, in_order
@@ -17,11 +17,12 @@ from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.source import Source, read_source
 
 
-def compiled(model: Model) -> ReliabilityMonitor:
+def compiled(model: Model) -> Reliability:
     """Return the monitor of a configured model."""
-    specs = tuple(InputSpec(one.id, one.id) for one in FUNCTIONS.inputs(model))
+    specs = tuple(InputData(one.id, one.id) for one in FUNCTIONS.inputs(model))
     part = FUNCTIONS.runtime_model(model)
-    return ReliabilityMonitor(ModelFile("", "reliability", "m", "", {}, specs, part, {}, _none))
+    made: Reliability = build(ModelFile("", "reliability", "m", "", {}, specs, part, {}, _none))
+    return made
 
 
 def _none(_: str) -> bytes:

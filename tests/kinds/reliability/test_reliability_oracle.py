@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 import yaml
-from eddi_runtime.reliability.proximity import proximity
-from eddi_runtime.reliability.structures import CONFIGURATIONS
 from eddi_runtime.thresholds import Evidence, Threshold
 
+from eddi_scaffold.compiling.reliability.structures import CONFIGURATIONS
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.model import FaultTree, Law
+from eddi_scaffold.kinds.reliability.proximity import proximity
 from eddi_scaffold.kinds.reliability.report import cut_sets
 from eddi_scaffold.kinds.reliability.trial import mean_life
 from eddi_scaffold.quantities import rate

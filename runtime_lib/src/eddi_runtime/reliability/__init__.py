@@ -1,8 +1,23 @@
-"""Dynamic reliability: Markov chains and fault trees that follow what is observed (D7.2 3.3)."""
+"""Dynamic reliability: Markov chains and fault trees that follow what is observed (D7.2 3.3).
 
+Each sort of model is a module of its own, which a compiled monitor imports where it has one.
+"""
+
+from ..thresholds import Threshold
+from .component import Importance
 from .explain import Explanation
-from .monitor import ReliabilityMonitor, build
+from .monitor import Reliability
 from .result import ReliabilityResult
-from .tree import Importance
+from .values import Rule
 
-__all__ = ["Explanation", "Importance", "ReliabilityMonitor", "ReliabilityResult", "build"]
+FORMATS = (1,)
+
+__all__ = [
+    "FORMATS",
+    "Explanation",
+    "Importance",
+    "Reliability",
+    "ReliabilityResult",
+    "Rule",
+    "Threshold",
+]

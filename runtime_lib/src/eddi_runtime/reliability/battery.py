@@ -6,28 +6,19 @@ use and one of recovery.
 
 from __future__ import annotations
 
-from typing import Optional
+import math
+from typing import List, Optional, Sequence, Tuple
 
-from .arrhenius import Arrhenius
-from .chain import ChainSpec
-from .component import Component, Known
-from .estimate import Estimate, Moment, Values
-from .free_horizon import FreeHorizon
-from .markov import generator, mean_times
+from .chain import Matrix, dot, factors
+from .component import Component, Estimate, Known, Moment, Values
+from .laws import Arrhenius
 
 _BANDS = {4: 0, 3: 2, 2: 4}
-EMPTY = 6
+_EMPTY = 6
 _STATES = 8
-
-
-def battery_spec(failure: float, alpha: float, beta: float, degradation: float) -> ChainSpec:
-    """Return the chain B4, C4, B3, C3, B2, C2, Empty, F (rates in 1/h)."""
-    arcs = []
-    for band in range(3):
-        b = 2 * band
-        below = b + 2 if band < 2 else EMPTY
-        arcs += [(b, b + 1, alpha), (b + 1, b, beta), (b, below, degradation), (b, 7, failure)]
-    return ChainSpec(_STATES, 0, (6, 7), tuple(arcs))
+_FAILED: Sequence[float] = (1.0, 0.0)
+_PREPARED = 200.0
+"""Mean jumps up to which terms are made in advance; a longer time is made of several such ones."""
 
 
 class Battery(Component):
@@ -37,9 +28,10 @@ class Battery(Component):
     last band down, until a level comes that is not ignored.
 
     Args:
-        spec: of ``battery_spec``.
         level: id of the input, percent.
-        horizon: hours, the longest one.
+        arcs: of the chain B4, C4, B3, C3, B2, C2, Empty, F: (from, to, rate in 1/h).
+        lives: mean hours to failure from each state.
+        longest: hours, the longest horizon that is usual.
         repair: the level may rise again.
         heat: how temperature ages it; None: not at all.
         temperature: id of the input, degC.
@@ -47,20 +39,19 @@ class Battery(Component):
 
     def __init__(
         self,
-        spec: ChainSpec,
         level: str,
-        horizon: float,
+        arcs: Tuple[Tuple[int, int, float], ...],
+        lives: Tuple[float, ...],
+        longest: float,
         *,
-        repair: bool,
+        repair: bool = False,
         heat: Optional[Arrhenius] = None,
         temperature: str = "",
     ) -> None:
-        self._level, self._repair = level, repair
+        self._level, self._repair, self._lives = level, repair, lives
         self._heat, self._hot = heat, None if heat is None else heat.limit(temperature)
-        worst = 1.0 if heat is None else heat.worst
-        self._ahead = FreeHorizon(spec.states, spec.arcs, spec.fail, horizon * worst)
-        self._now = [0.0] * EMPTY + [1.0, 1.0]
-        self._tau = mean_times(generator(spec.states, spec.arcs, spec.fail), spec.fail).tolist()
+        worst = 1.0 if heat is None else heat.factor(heat.hottest)
+        self._ahead = FreeHorizon(arcs, longest * worst)
         self._band, self._missed = 4, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
@@ -69,28 +60,21 @@ class Battery(Component):
         level = self._believed(values[self._level])
         factor, colder = 1.0, False
         if self._heat is not None and self._hot is not None:
-            hot, is_known = self._most(values, self._hot)
+            hot, is_known = self._hot.most(values, self)
             colder = not is_known  # it may be so cold that nothing ages
             factor = self._heat.factor(hot)
-        first = _BANDS.get(self._band, EMPTY)
-        ahead = self._ahead.at(factor * moment.horizon)
-        if level is not None and not colder:
-            p, alive = ahead[first]
-            return Estimate(p, p, alive, self._aged(self._tau[first], factor))
+        first = _BANDS.get(self._band, _EMPTY)
+        hours = factor * moment.horizon
+        possible = range(first, first + 1)
         if level is None:  # with repair it may have been charged
-            possible = slice(0 if self._repair else first, _STATES)
-        else:
-            possible = slice(first, first + 1)
-        failed, working = zip(*ahead[possible])
-        low = min(self._now[possible] if colder else failed)
+            possible = range(0 if self._repair else first, _STATES)
+        failed, working = zip(*[self._ahead.of(state, hours) for state in possible])
+        low = float(possible[0] >= _EMPTY) if colder else min(failed)
         missing = [self._level] if level is None else []
         missing += [self._hot.name] if colder and self._hot is not None else []
-        life = self._aged(min(self._tau[possible]), factor)
+        life = min([self._lives[state] for state in possible])
+        life = life / factor if factor > 0.0 and life > 0.0 else life
         return Estimate(low, max(failed), min(working), life, tuple(missing))
-
-    @staticmethod
-    def _aged(life: float, factor: float) -> float:
-        return life / factor if factor > 0.0 and life > 0.0 else life
 
     def _believed(self, level: Optional[float]) -> Optional[float]:
         """Return the level, None where the band is not known either."""
@@ -100,7 +84,7 @@ class Battery(Component):
         band = 4 if level > 75 else 3 if level > 50 else 2 if level > 25 else 1
         if band > self._band and not self._repair:
             self.latched += 1
-            self._report_fault(
+            self.report_fault(
                 self._level, "it rises to a higher band; ignored without `repair: true`"
             )
             return None if self._missed else level
@@ -113,3 +97,74 @@ class Battery(Component):
         self._band, self._missed = 4, False
         if self._hot is not None:
             self._hot.reset()
+
+
+class FreeHorizon:
+    """Failed and alive after a time that only the step knows: uniformisation (Jensen 1953).
+
+    What may happen in so and so many jumps is found here once; a step weights it with a Poisson
+    distribution.
+
+    Args:
+        arcs: (from, to, rate in 1/h) between the states of a battery.
+        longest: hours, the longest time that is usual.
+    """
+
+    def __init__(self, arcs: Sequence[Tuple[int, int, float]], longest: float) -> None:
+        exits = [math.fsum(rate for a, _, rate in arcs if a == i) for i in range(_STATES)]
+        self._fastest, whole = max(exits), max(exits) or 1.0
+        self._jump = [[0.0] * _STATES for _ in exits]
+        for source, target, rate in arcs:
+            self._jump[source][target] += rate / whole
+        for state, rate in enumerate(exits):
+            self._jump[state][state] += max(1.0 - rate / whole, 0.0)
+        self._limit = min(max(self._fastest * longest, 0.01), _PREPARED)
+        self._count = math.ceil(self._limit + 40.0 + 10.0 * math.sqrt(self._limit))
+        alive = [float(state < _EMPTY) for state in range(_STATES)]
+        self._terms = list(zip(self._moved([1.0 - one for one in alive]), self._moved(alive)))
+        self._powers: List[Matrix] = []
+        self._hours = -1.0
+
+    def _moved(self, column: List[float]) -> List[Tuple[float, ...]]:
+        """Return for each state the entries of a vector after 0, 1, 2, ... jumps."""
+        found = [column]
+        for _ in range(self._count):
+            found.append([dot(row, found[-1]) for row in self._jump])
+        return list(zip(*found))
+
+    def of(self, state: int, hours: float) -> Sequence[float]:
+        """Return how probable it is to have failed, and to be alive, after hours from a state."""
+        if hours != self._hours:
+            self._hours = hours
+            whole, mean = divmod(min(self._fastest * hours, 1e300), self._limit)
+            self._whole, self._weights = int(whole), self._poisson(mean)
+            self._found = dict.fromkeys(range(_EMPTY, _STATES), _FAILED)
+        if state not in self._found:
+            ends = self._ends(state)
+            self._found[state] = [one / sum(ends) for one in ends]
+        return self._found[state]
+
+    def _ends(self, state: int) -> List[float]:
+        if not self._whole:
+            return [dot(self._weights, terms) for terms in self._terms[state]]
+        row: Sequence[float] = [float(one == state) for one in range(_STATES)]
+        self._powers = self._powers or [self._longest()]
+        for power in factors(self._powers, self._whole):
+            row = [dot(row, column) for column in zip(*power)]
+        ends = [[dot(self._weights, one) for one in terms] for terms in self._terms]
+        return [dot(row, column) for column in zip(*ends)]
+
+    def _longest(self) -> Matrix:
+        """Return the transitions in the longest time for which terms were made."""
+        weights = self._poisson(self._limit)
+        ends = ([float(i == j) for i in range(_STATES)] for j in range(_STATES))
+        columns = [[dot(weights, one) for one in self._moved(each)] for each in ends]
+        return [[one / sum(row) for one in row] for row in zip(*columns)]
+
+    def _poisson(self, mean: float) -> List[float]:
+        weight = math.exp(-mean)
+        weights = [weight]
+        for k in range(1, self._count + 1):
+            weight *= mean / k
+            weights.append(weight)
+        return weights

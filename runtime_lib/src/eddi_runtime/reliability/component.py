@@ -1,20 +1,66 @@
-"""What every model of a monitor can do."""
+"""What every model of a monitor can do, and what it reports in a step."""
 
 from __future__ import annotations
 
 from operator import itemgetter
 from types import MappingProxyType
-from typing import Any, Callable, Mapping, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Sequence, Tuple
 
-from .chain import Horizons
-from .estimate import Estimate, Moment, Values
-from .limit import Limit
+Values = Mapping[str, Any]
+"""Input id -> bool, float, list of them with None, or None where nothing is known."""
+
+NAN = float("nan")
+NOTHING: Mapping[str, str] = MappingProxyType({})
+AGAIN = "it reports that a failed part works again; ignored without `repair: true`"
+
+
+class Moment(NamedTuple):
+    """When a step is.
+
+    Attributes:
+        quanta: how many quanta have passed since the last step.
+        hours: the same in hours.
+        age: hours since the first step.
+        horizon: hours from now to the horizon.
+        at: position of the horizon among those that were prepared.
+    """
+
+    quanta: int
+    hours: float
+    age: float
+    horizon: float
+    at: int
+
+
+class Estimate(NamedTuple):
+    """Probability of failure from now to the horizon.
+
+    Attributes:
+        low: in the best case of what is unknown, or was when it mattered.
+        high: in the worst case; equal to ``low`` when nothing was missed.
+        reliability: probability of no failure in the worst case.
+        mttf: remaining mean time to failure in hours; NaN: not computed.
+        unknown: inputs on which the result depends and that are not known.
+        reason: why the result cannot be trusted for another reason; empty otherwise.
+    """
+
+    low: float
+    high: float
+    reliability: float
+    mttf: float
+    unknown: Tuple[str, ...] = ()
+    reason: str = ""
+
 
 Known = Mapping[str, Estimate]
 """Model -> what it reported in this step."""
 
-NOTHING: Mapping[str, str] = MappingProxyType({})
-AGAIN = "it reports that a failed part works again; ignored without `repair: true`"
+_new = tuple.__new__
+
+
+def sure(p: float, reliability: float, mttf: float, reason: str = "") -> Estimate:
+    """Return an estimate of which all inputs are known; twice as fast as the class."""
+    return _new(Estimate, (p, p, reliability, mttf, (), reason))
 
 
 def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
@@ -25,40 +71,51 @@ def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
     return itemgetter(*names) if names else lambda _: ()
 
 
+class Importance(NamedTuple):
+    """How much one event matters for the top event, at present probabilities.
+
+    Attributes:
+        event: its name.
+        probability: of the event.
+        birnbaum: p(top | event) - p(top | not event).
+        criticality: share of the top's probability in which the event decides.
+        achievement: risk achievement worth: p(top | event) / p(top).
+        reduction: risk reduction worth: p(top) / p(top | not event).
+    """
+
+    event: str
+    probability: float
+    birnbaum: float
+    criticality: float
+    achievement: float
+    reduction: float
+
+
 class Component:
-    """One model of a monitor; it is asked once a step, behind those that it uses."""
+    """One model of a monitor; it is asked once a step, behind those that it uses.
 
+    Attributes:
+        grows: what lies ahead never gets less probable with the horizon.
+        latched: how often a claim was ignored that something failed works again.
+        said: input id -> what is wrong with its value, since the monitor took this over.
+    """
+
+    grows: bool = True
     latched: int = 0
-    """How often a claim was ignored that something failed works again."""
-
     said: Mapping[str, str] = NOTHING
-    """Input id -> what is wrong with its value, since the monitor took this over."""
 
-    @property
-    def grows(self) -> bool:
-        """Return whether what lies ahead never gets less probable with the horizon."""
-        return True
-
-    def _report_fault(self, name: str, text: str) -> None:
-        self.said = {**self.said, name: text}
-
-    def _most(self, values: Values, limit: Limit) -> Tuple[float, bool]:
-        """Return the value of an input, or the worst that it may be, and whether it is known."""
-        value, fault = limit.take(values[limit.name])
-        if value is not None:
-            return value, True
-        if fault:
-            self._report_fault(limit.name, fault)
-        return limit.worst, False
+    def report_fault(self, name: str, text: str) -> None:
+        """Say what is wrong with the value of an input."""
+        said: Dict[str, str] = {**self.said, name: text}
+        self.said = said
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Let time pass, take the observations, look ahead."""
         raise NotImplementedError
 
-    def prepare(self, horizons: Horizons) -> None:
-        """Prepare other horizons and return to the start of the mission."""
-        del horizons
-        self.reset()
+    def importances(self) -> Tuple[Importance, ...]:
+        """Return how much each event of a fault tree matters now; empty for other models."""
+        return ()
 
     def reset(self) -> None:
         """Return to the start of the mission."""

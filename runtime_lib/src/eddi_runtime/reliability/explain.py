@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, List, Mapping, Tuple
+from typing import Any, List, Mapping, NamedTuple, Tuple
 
+from .component import Importance
 from .result import ReliabilityResult
-from .tree import Importance
 
 _SHOWN = 5
 
 
-@dataclass(frozen=True)
-class Explanation:
+class Explanation(NamedTuple):
     """Explanation of the result of one step.
 
     Attributes:

@@ -9,13 +9,11 @@ one of these.
 
 from __future__ import annotations
 
+from operator import mul, sub
 from typing import AbstractSet, FrozenSet, Iterable, List
 
-import numpy as np
-
-from .chain import INCONSISTENT, Chain
-from .estimate import Estimate, Moment
-from .seen import Observation, Seen
+from .chain import INCONSISTENT, Belief, Chain, Seen
+from .component import Estimate, Moment
 
 
 class Missed:
@@ -27,56 +25,64 @@ class Missed:
         repair: after a failure it may work again.
 
     Attributes:
-        beliefs: one in each row; all that are possible are mixtures of them.
+        beliefs: all that are possible are mixtures of them.
         lost: it may have been seen to fail, and not to work again.
     """
 
     def __init__(self, chain: Chain, *, lost: bool, repair: bool) -> None:
         self._chain, self._repair = chain, repair
-        self.beliefs, self.lost = chain.belief[np.newaxis], lost
+        self.beliefs: List[Belief] = [chain.belief]
+        self.lost = lost
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
         """Let time pass, keep what is consistent with each completion, look ahead."""
         moved = self._chain.after(self.beliefs, moment.quanta)
         left = [self._left(moved, one) for one in seen.completions]
-        reason = "" if any(len(rows) for rows in left) else INCONSISTENT
-        self.beliefs = hull(np.concatenate(list(map(self._believe, left, seen.completions))))
+        reason = "" if any(left) else INCONSISTENT
+        # what is believed after an observation that leaves nothing, too
+        kept = [
+            hull(some) if some else [self._chain.sure_of(one.worst)]
+            for some, one in zip(left, seen.completions)
+        ]
+        self.beliefs = hull([belief for some in kept for belief in some])
         self.lost = any(one.fatal or (self.lost and not one.alive) for one in seen.completions)
         if seen.unknown:
-            return Estimate(*seen.bounds[moment.at], seen.unknown, reason)
+            return self._chain.bounded(seen, moment.at, reason)
         return self._chain.bounds(self.beliefs, moment.at, reason)
 
-    def _left(self, moved: np.ndarray, one: Observation) -> np.ndarray:
+    def _left(self, moved: List[Belief], one: Seen) -> List[Belief]:
         """Return the beliefs that an observation leaves, each with a weight of one."""
-        left: np.ndarray = moved * one.mask
-        weights = left.sum(axis=1)
-        possible = weights > 0.0
-        left = left[possible] / weights[possible, np.newaxis]
+        left: List[Belief] = []
+        for belief in moved:
+            kept = list(map(mul, belief, one.mask))
+            weight = sum(kept)
+            if weight > 0.0:
+                left.append([value / weight for value in kept])
         if self.lost and (self._repair or not one.alive):  # it was repaired, or is still down
-            return np.vstack([left, self._chain.sure_of(one.worst)])
+            left.append(self._chain.sure_of(one.worst))
         return left
 
-    def _believe(self, left: np.ndarray, one: Observation) -> np.ndarray:
-        """Return what is believed after an observation, also when it leaves nothing."""
-        return hull(left) if len(left) else self._chain.sure_of(one.worst)[np.newaxis]
 
-
-def hull(beliefs: np.ndarray) -> np.ndarray:
+def hull(beliefs: List[Belief]) -> List[Belief]:
     """Return beliefs of which all of these are mixtures, not more than there are states in them.
 
     What all have in common is kept, and the rest of the weight may be in any one state.
     """
-    if len(beliefs) <= np.count_nonzero(beliefs.any(axis=0)):
+    if len(beliefs) <= sum(map(any, zip(*beliefs))):
         return beliefs
-    least = beliefs.min(axis=0)
-    rest = beliefs - least
-    corners = np.flatnonzero(rest.any(axis=0))
-    if not len(corners):
+    least = list(map(min, zip(*beliefs)))
+    rest = [list(map(sub, belief, least)) for belief in beliefs]
+    corners = [state for state, column in enumerate(zip(*rest)) if any(column)]
+    if not corners:
         return beliefs[:1]
-    found = np.tile(least, (len(corners), 1))
-    found[np.arange(len(corners)), corners] += rest.sum(axis=1).max()
-    result: np.ndarray = found / found.sum(axis=1, keepdims=True)
-    return result
+    most = max(map(sum, rest))
+    whole = sum(least) + most
+    found: List[Belief] = []
+    for corner in corners:
+        belief = [value / whole for value in least]
+        belief[corner] = (least[corner] + most) / whole
+        found.append(belief)
+    return found
 
 
 def independent(possible: Iterable[AbstractSet[int]]) -> List[FrozenSet[int]]:

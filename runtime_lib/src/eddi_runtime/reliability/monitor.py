@@ -3,79 +3,96 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ..clock import NO_TIME, step_time
-from ..documents import ModelError
 from ..inputs import InputSpec, accepted
-from ..model_file import ModelFile
 from ..monitor import Standing, Tree
-from ..thresholds import Evidence
+from ..reading import read
+from ..thresholds import Evidence, Threshold
 from . import result as out
-from .chain import Horizons
-from .component import NOTHING
-from .estimate import Estimate, Moment
+from .component import NOTHING, Component, Estimate, Importance, Moment
 from .explain import Explanation
-from .model import GRID, MISSION_END, Plan, read_plan
 from .result import ReliabilityResult
-from .tree import FaultTree, Importance
 from .values import Rule, Taken, take
 
+GRID = 256
+"""How many horizons are prepared when the mission's end is an input."""
+MISSION_END = "mission_end"
 _HOUR_NS = 3.6e12
 _NAN = float("nan")
 _UNKNOWN_INPUTS = "unknown inputs"
 _ROUNDED = 1.0 + 1e-9
+_new = tuple.__new__  # twice as fast as the classes of named tuples
 
 
-def build(
-    model_file: ModelFile,
-    hooks: object = None,  # noqa: ARG001 - part of the interface of every kind
-) -> ReliabilityMonitor:
-    """Compile the monitor of a model file.
-
-    Args:
-        model_file: the model.
-        hooks: not used: all hand-written code is in EDDIInput.
-
-    Raises:
-        ModelError: the model is wrong.
-    """
-    return ReliabilityMonitor(model_file)
-
-
-class ReliabilityMonitor:
-    """Follows chains and fault trees from observations. Not thread-safe.
+class Reliability:
+    """What the class ``Monitor`` of a compiled reliability model inherits. Not thread-safe.
 
     Attributes:
         model_id: id of the model.
         digest: SHA-256 of the model file's content.
         kind: ``reliability``.
         inputs: what a step reads.
+        rules: input id -> what it may hold.
+        top: model whose numbers are published.
+        uses: inputs on which it depends, with those of the models that it uses.
+        horizon: hours; the longest one when the mission's end is an input.
+        moving: the mission's end is an input.
+        quantum_ns: nanoseconds of one step of the chains.
+        thresholds: in the order of the model.
+        worst_case: evidence follows the worst case of unknown inputs.
+        max_gap_ns: a longer time between two steps is reported.
+        components: the models by name.
     """
 
     kind = "reliability"
+    model_id: str
+    digest: str
+    inputs: Tuple[InputSpec, ...]
+    rules: Mapping[str, Rule]
+    top: str
+    uses: Tuple[str, ...]
+    horizon: float
+    moving = False
+    quantum_ns: int
+    thresholds: Tuple[Threshold, ...] = ()
+    worst_case = False
+    max_gap_ns: int
 
-    def __init__(self, model_file: ModelFile) -> None:
-        self.model_id = model_file.id
-        self.digest = model_file.digest
-        self.inputs: Tuple[InputSpec, ...] = model_file.inputs
-        self._plan: Plan = read_plan(model_file.model)
-        ids = {spec.id for spec in self.inputs}
-        for name in self._plan.rules:
-            if name not in ids:
-                raise ModelError("", f"the input {name!r} of the model is not declared")
-        self._sources = [
-            (spec.id, spec.attribute, rule, spec.factor, _usual(rule, spec.factor))
-            for spec in self.inputs
-            for rule in (self._plan.rules.get(spec.id),)
-            if rule is not None
-        ]
-        self._components = tuple(self._plan.components.values())
-        self._steps = [(name, one.step) for name, one in self._plan.components.items()]
-        self._grows = all(one.grows for one in self._components)
-        self._evidence = [Evidence(one) for one in self._plan.thresholds]
-        self._quantum = self._plan.quantum_ns / _HOUR_NS
+    def __init__(self) -> None:
+        self.components = self.models()
+        self._sources = [spec for spec in self.inputs if spec.id in self.rules]
+        self._steps = [(name, one.step) for name, one in self.components.items()]
+        self._parts = tuple(self.components.values())
+        self._grows = all(one.grows for one in self._parts)
+        self._evidence = [Evidence(one) for one in self.thresholds]
+        self._quantum = self.quantum_ns / _HOUR_NS
         self.reset()
+
+    def models(self) -> Dict[str, Component]:
+        """Return the models by name; each behind those that it uses."""
+        raise NotImplementedError
+
+    def values(self, source: object) -> Dict[str, Taken]:
+        """Return the value of each input, None where it is not known; never raises.
+
+        Compiled monitors return usual values at once.
+        """
+        return self.taken([read(source, spec.attribute, spec.id) for spec in self._sources])
+
+    def taken(self, raws: Sequence[object]) -> Dict[str, Taken]:
+        """Return values of the inputs of ``rules`` as they are believed, and keep what is wrong."""
+        values: Dict[str, Taken] = {}
+        for raw, spec in zip(raws, self._sources):
+            rule, factor = self.rules[spec.id], spec.factor
+            value, fault = take(rule, raw)
+            if factor is not None and isinstance(value, float):
+                value, fault = take(rule, value * factor[0] / factor[1])
+            if fault:
+                self._found_faults({spec.id: fault})
+            values[spec.id] = value
+        return values
 
     def reset(self) -> None:
         """Return to the start of the mission."""
@@ -89,24 +106,13 @@ class ReliabilityMonitor:
         self._taken: Mapping[str, Taken] = {}
         self._result = ReliabilityResult(
             valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=_NAN,
-            horizon=self._plan.horizon, evidence={}, unknown=(), reason="not started",
+            horizon=self.horizon, evidence={}, unknown=(), reason="not started",
             contributions={},
         )  # fmt: skip
-        for component in self._plan.components.values():
+        for component in self.components.values():
             component.reset()
         for one in self._evidence:
             one.reset()
-
-    def look_ahead(self, hours: float) -> None:
-        """Take another fixed horizon and return to the start of the mission.
-
-        Args:
-            hours: at least 0.
-        """
-        self._plan = self._plan._replace(horizon=hours, moving=False)
-        for component in self._plan.components.values():
-            component.prepare(Horizons(hours))
-        self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> ReliabilityResult:
         """Let time pass, take the observations, look ahead; never raises.
@@ -118,26 +124,27 @@ class ReliabilityMonitor:
         """
         self._source = eddi_input
         now = step_time(t_ns)
-        values = self._values(eddi_input)
-        beyond = self._limit_mission(values) if self._plan.moving else ""
+        self._faults = {}
+        values = self.values(eddi_input)
+        beyond = self._limit_mission(values) if self.moving else ""
         self._taken = values
         quanta, reason = self._pass(now)
         moment = self._moment(values, quanta)
         known: Dict[str, Estimate] = {}
         for name, step in self._steps:
             known[name] = step(values, moment, known)
-        for component in self._components:
+        for component in self._parts:
             if component.said:
                 self._found_faults(component.said)
                 component.said = NOTHING
-        low, high, alive, mttf, unknown, why = known[self._plan.top]
-        if self._plan.moving and values[MISSION_END] is None:
+        low, high, alive, mttf, unknown, why = known[self.top]
+        if self.moving and values[MISSION_END] is None:
             unknown, low = (*unknown, MISSION_END), 0.0
             if not self._grows:  # the longest horizon need not be the worst
                 high, alive = 1.0, 0.0
         reason = reason or beyond or why
         valid = not unknown and not reason
-        usable = valid or (self._plan.worst_case and not reason)
+        usable = valid or (self.worst_case and not reason)
         # loops, not comprehensions: those cost a call each before Python 3.12
         contributions: Dict[str, float] = {}
         for name, found in known.items():
@@ -145,37 +152,15 @@ class ReliabilityMonitor:
         evidence: Dict[str, bool] = {}
         for one in self._evidence:
             evidence[one.id] = one.step(self._last, high, usable=usable)
-        self._result = ReliabilityResult(
-            valid,
-            high,
-            low,
-            high,
-            alive,
-            mttf,
-            moment.horizon,
-            evidence,
-            unknown,
-            reason or (_UNKNOWN_INPUTS if unknown else ""),
-            contributions,
+        self._result = _new(
+            ReliabilityResult,
+            (
+                *(valid, high, low, high, alive, mttf, moment[3], evidence, unknown),
+                reason or (_UNKNOWN_INPUTS if unknown else ""),
+                contributions,
+            ),
         )
         return self._result
-
-    def _values(self, eddi_input: object) -> Dict[str, Taken]:
-        self._faults = {}
-        values: Dict[str, Taken] = {}
-        for name, attribute, rule, factor, usual in self._sources:
-            raw: Any = getattr(eddi_input, attribute, None)
-            kind, low, high = usual
-            if type(raw) is kind and low <= raw <= high:  # nearly always
-                values[name] = raw
-                continue
-            value, fault = take(rule, raw)
-            if factor is not None and isinstance(value, float):
-                value, fault = take(rule, value * factor[0] / factor[1])
-            if fault:
-                self._found_faults({name: fault})
-            values[name] = value
-        return values
 
     def _found_faults(self, faults: Mapping[str, str]) -> None:
         for name, fault in faults.items():
@@ -195,14 +180,14 @@ class ReliabilityMonitor:
             self._start = now  # a new time base: the state keeps its age
             self._base = self._quanta
             return 0, "the clock went back"
-        size = self._plan.quantum_ns
+        size = self.quantum_ns
         due = self._base - (self._start - now) // size  # rounded up: never behind the clock
         quanta, self._quanta = due - self._quanta, due
-        return quanta, "gap" if gap > self._plan.max_gap_ns else ""
+        return quanta, "gap" if gap > self.max_gap_ns else ""
 
     def _limit_mission(self, values: Dict[str, Taken]) -> str:
         """Let a mission that is too long be unknown; return why no number bounds it."""
-        left, longest = values[MISSION_END], self._plan.horizon * 3600.0
+        left, longest = values[MISSION_END], self.horizon * 3600.0
         if not isinstance(left, float) or left <= longest * _ROUNDED:
             return ""
         values[MISSION_END] = None
@@ -211,20 +196,18 @@ class ReliabilityMonitor:
         return "mission_end is above mission_time"
 
     def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
-        plan, size = self._plan, self._quantum
-        horizon, index = plan.horizon, 0
-        if plan.moving:
+        size, horizon, index = self._quantum, self.horizon, 0
+        if self.moving:
             index = GRID
             left = values[MISSION_END]
             if isinstance(left, float):
                 index = min(GRID, max(0, math.ceil(left / 3600.0 / horizon * GRID - 1e-9)))
             horizon = horizon * index / GRID
-        return Moment(quanta, quanta * size, self._quanta * size, horizon, index)
+        return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
 
     def importances(self) -> Tuple[Importance, ...]:
         """Return how much each event of the top fault tree matters now; empty for other models."""
-        top = self._plan.components[self._plan.top]
-        return top.importances() if isinstance(top, FaultTree) else ()
+        return self.components[self.top].importances()
 
     def explain(self) -> Explanation:
         """Explain the last result: what is known, what is not, and what matters most."""
@@ -235,14 +218,14 @@ class ReliabilityMonitor:
             {k: v for k, v in self._taken.items() if v is not None and k not in result.unknown},
             {name: faults.get(name, "") for name in result.unknown},
             dict(faults),
-            tuple(one for one in shares if one[0] != self._plan.top or len(shares) == 1),
+            tuple(one for one in shares if one[0] != self.top or len(shares) == 1),
             self.importances() if result.contributions else (),
             self.latched(),
         )
 
     def latched(self) -> Dict[str, int]:
         """Return model -> how often a claim was ignored that something failed works again."""
-        return {n: one.latched for n, one in self._plan.components.items() if one.latched}
+        return {n: one.latched for n, one in self.components.items() if one.latched}
 
     def fault_counts(self) -> Mapping[str, int]:
         """Return input id -> how often its value could not be used, since the start."""
@@ -287,7 +270,7 @@ class ReliabilityMonitor:
     def _why(self, one: Evidence) -> Tuple[Tuple[Tuple[str, str], ...], str]:
         """Return why a threshold is not active: inputs that are not known, or what else."""
         result = self._result
-        if not result.valid and not (self._plan.worst_case and not _trouble(result)):
+        if not result.valid and not (self.worst_case and not _trouble(result)):
             lacks = [(name, self._faults.get(name) or "not known") for name in result.unknown]
             return tuple(lacks), _trouble(result)
         limit = one.threshold.activate
@@ -302,7 +285,7 @@ class ReliabilityMonitor:
     def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> evidence that is not given because the input is not known."""
         lost = tuple(one.threshold.id for one in self._evidence if not one.active) or ("valid",)
-        uses = self._plan.uses[self._plan.top]
+        uses = self.uses
         names: List[str] = [name for name in not_known if name in uses]
         return dict.fromkeys((*self._result.unknown, *names), lost)
 
@@ -314,10 +297,3 @@ class ReliabilityMonitor:
 def _trouble(result: ReliabilityResult) -> str:
     """Return why a result is not valid, apart from unknown inputs."""
     return "" if result.reason == _UNKNOWN_INPUTS else result.reason
-
-
-def _usual(rule: Rule, factor: object) -> Tuple[Any, float, float]:
-    """Return the type and the range of values that are taken as they are."""
-    if rule.type == "bool":
-        return bool, 0.0, 1.0
-    return (float if rule.type == "float" and factor is None else None), rule.low, rule.high

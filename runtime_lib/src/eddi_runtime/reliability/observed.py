@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import Any, Dict, FrozenSet, Iterable, List, Optional, Tuple
+from typing import Any, Dict, FrozenSet, List, Optional, Tuple
 
-import numpy as np
-
-from .chain import INCONSISTENT, Chain, ChainSpec, Horizons
-from .component import AGAIN, Component, Known, reader
-from .estimate import Estimate, Moment, Values
-from .estimate import known as sure
+from .chain import INCONSISTENT, Chain, Seen
+from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader, sure
 from .missed import Missed, independent
-from .seen import KEPT, Seen
 
+KEPT = 64
+"""How many different observations of a chain are kept."""
 _ALL_VALUES = 10
 """Unknown inputs of a chain of which all values are tried."""
 _LARGEST = 64
@@ -24,29 +21,19 @@ class MarkovChain(Component):
     """A chain of the user's own, observed through verdicts that a state holds.
 
     Args:
-        spec: the chain.
+        chain: the chain.
         observe: (state, input id, negated): the verdict F excludes the state.
-        quantum: hours.
-        horizons: where to look ahead.
-        age: hours that it had run, unobserved, before the start of the mission.
         repair: after it was seen to have failed it may work again.
     """
 
     def __init__(
-        self,
-        spec: ChainSpec,
-        observe: Tuple[Tuple[int, str, bool], ...],
-        quantum: float,
-        horizons: Horizons,
-        age: float = 0.0,
-        *,
-        repair: bool = False,
+        self, chain: Chain, observe: Tuple[Tuple[int, str, bool], ...] = (), *, repair: bool = False
     ) -> None:
-        self.chain = Chain(spec, quantum, horizons, age)
+        self.chain = chain
         self._observe, self._repair = observe, repair
-        names = tuple(dict.fromkeys(name for _, name, _ in observe))
-        self._names, self._verdicts = names, reader(names)
-        self._seen: Dict[Tuple[Any, ...], Seen] = {(): self.chain.everything}
+        self._names = tuple(dict.fromkeys(name for _, name, _ in observe))
+        self._verdicts = reader(self._names)
+        self._seen: Dict[Tuple[Any, ...], Seen] = {(): chain.everything}
         self._forget()
 
     def _forget(self) -> None:
@@ -84,12 +71,12 @@ class MarkovChain(Component):
         given = dict(zip(self._names, verdicts))
         for state, name, negated in self._observe:
             if state in self.chain.fail and given[name] is negated:
-                self._report_fault(name, AGAIN)
+                self.report_fault(name, AGAIN)
         return sure(1.0, 0.0, 0.0, INCONSISTENT)
 
     def _bounded(self, moment: Moment, seen: Seen) -> Estimate:
         """Take what is seen while something that was missed may matter."""
-        if not seen.completions:
+        if self.chain.states > _LARGEST:
             return self._any_state(moment, seen)
         missed = self._missed
         if missed is None:
@@ -105,23 +92,20 @@ class MarkovChain(Component):
 
     def _any_state(self, moment: Moment, seen: Seen) -> Estimate:
         """Bound a large chain by all states that are consistent, until it is seen in one."""
-        assert seen.mask is not None
         reason = self.chain.step(moment, seen).reason
-        self._vague = bool(seen.unknown) or len(seen.mask.nonzero()[0]) > 1
+        self._vague = bool(seen.unknown) or len(seen.states) > 1
         self._lost = seen.fatal
-        return Estimate(*seen.bounds[moment.at], seen.unknown, reason)
+        return self.chain.bounded(seen, moment.at, reason)
 
     def _see(self, verdicts: Tuple[Any, ...]) -> Seen:
         given = dict(zip(self._names, verdicts))
         unknown = tuple(name for name in self._names if given[name] is None)
         consistent = self._consistent(given)
         possible = self._completions(given, unknown, consistent)
-        seen = self.chain.seen(self._mask(consistent), unknown)
-        if seen.alive and frozenset() in possible:  # no state is left: that is a failure
-            seen = seen._replace(bounds=[(low, 1.0, 0.0, 0.0) for low, _, _, _ in seen.bounds])
-        if self.chain.states <= _LARGEST:
-            whole = tuple(self.chain.observation(self._mask(one)) for one in possible)
-            seen = seen._replace(completions=whole)
+        few = self.chain.states <= _LARGEST
+        seen = Seen(self.chain, consistent)
+        seen.unknown = unknown
+        seen.completions = tuple(Seen(self.chain, one) for one in possible if few or not one)
         if len(self._seen) >= KEPT:
             self._seen.clear()
         self._seen[verdicts] = seen
@@ -141,17 +125,6 @@ class MarkovChain(Component):
         return independent(
             {self._consistent({**given, **dict(zip(unknown, one))}) for one in values}
         )
-
-    def _mask(self, states: Iterable[int]) -> np.ndarray:
-        mask = np.zeros(self.chain.states)
-        mask[list(states)] = 1.0
-        return mask
-
-    def prepare(self, horizons: Horizons) -> None:
-        """Prepare other horizons."""
-        self.chain.prepare(horizons)
-        self._seen = {(): self.chain.everything}
-        self.reset()
 
     def reset(self) -> None:
         """Return to the start of the mission."""

@@ -7,6 +7,7 @@ import sys
 from typing import Any, List, NamedTuple, Optional, Tuple, Union
 
 from ..plain_values import plain, show
+from ..reading import Absent
 
 Taken = Union[bool, float, List[Optional[bool]], None]
 
@@ -44,6 +45,8 @@ def take(rule: Rule, raw: object) -> Tuple[Taken, str]:
     """
     if raw is None:
         return None, ""
+    if type(raw) is Absent:  # isinstance asks the object
+        return None, raw.problem
     try:
         if rule.type == "bool[]":
             return _list(rule, raw)

@@ -7,11 +7,11 @@ recurses, since trees may be deep.
 
 from __future__ import annotations
 
-from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 FALSE, TRUE = 0, 1
 NODE_LIMIT = 200_000
-_COMPILED = 4000
 COHERENT = frozenset({"OR", "AND", "VOTE"})
 
 
@@ -19,7 +19,7 @@ class Gate(NamedTuple):
     """A gate: ``of`` are numbers of events, or of gates counted behind the events."""
 
     type: str
-    of: Tuple[int, ...]
+    of: tuple[int, ...]
     k: int = 0
 
 
@@ -46,7 +46,7 @@ class Module(NamedTuple):
     """
 
     variable: int
-    nodes: Tuple[Tuple[int, int, int], ...]
+    nodes: tuple[tuple[int, int, int], ...]
     root: int
 
 
@@ -54,7 +54,7 @@ class Diagram(NamedTuple):
     """The diagrams of a tree, inner modules first; the last one is the top event."""
 
     events: int
-    modules: Tuple[Module, ...]
+    modules: tuple[Module, ...]
     coherent: bool
 
     @property
@@ -67,7 +67,7 @@ def build(
     events: int,
     gates: Sequence[Gate],
     top: int,
-    first: FrozenSet[int] = frozenset(),
+    first: frozenset[int] = frozenset(),
     limit: int = NODE_LIMIT,
 ) -> Diagram:
     """Return the diagram of a tree.
@@ -90,7 +90,7 @@ def build(
         order.sort(key=lambda n: n not in first)
     exact = not coherent and bool(first.intersection(order))
     tops = frozenset({top}) if exact else _modules(events, gates, top)
-    modules: List[Module] = []
+    modules: list[Module] = []
     count = 0
     for node in sorted(n for n in used if n in tops):
         module = _Builder(events, gates, node, tops - {node}, order, limit - count).module()
@@ -101,9 +101,9 @@ def build(
     return Diagram(events, tuple(modules), coherent)
 
 
-def reached(events: int, gates: Sequence[Gate], top: int) -> List[int]:
+def reached(events: int, gates: Sequence[Gate], top: int) -> list[int]:
     """Return the numbers below the top in the order of their first visit, depth first."""
-    found: Dict[int, None] = {}
+    found: dict[int, None] = {}
     waiting = [top]
     while waiting:
         node = waiting.pop()
@@ -114,13 +114,13 @@ def reached(events: int, gates: Sequence[Gate], top: int) -> List[int]:
     return list(found)
 
 
-def _modules(events: int, gates: Sequence[Gate], top: int) -> FrozenSet[int]:
+def _modules(events: int, gates: Sequence[Gate], top: int) -> frozenset[int]:
     """Return the gates whose events occur nowhere else, the top among them (Dutuit, Rauzy)."""
-    enter: Dict[int, int] = {}
-    leave: Dict[int, int] = {}
-    last: Dict[int, int] = {}
+    enter: dict[int, int] = {}
+    leave: dict[int, int] = {}
+    last: dict[int, int] = {}
     clock = 0
-    waiting: List[Tuple[int, bool]] = [(top, False)]
+    waiting: list[tuple[int, bool]] = [(top, False)]
     while waiting:
         node, done = waiting.pop()
         clock += 1
@@ -132,8 +132,8 @@ def _modules(events: int, gates: Sequence[Gate], top: int) -> FrozenSet[int]:
             if node >= events:
                 waiting.append((node, True))
                 waiting += [(below, False) for below in reversed(gates[node - events].of)]
-    low: Dict[int, int] = {}
-    high: Dict[int, int] = {}
+    low: dict[int, int] = {}
+    high: dict[int, int] = {}
     found = {top} if top >= events else set()
     for node in sorted(enter):  # lower numbers first: gates refer backwards
         if node >= events:
@@ -153,7 +153,7 @@ class _Builder:
         events: int,
         gates: Sequence[Gate],
         top: int,
-        borders: FrozenSet[int],
+        borders: frozenset[int],
         order: Sequence[int],
         limit: int,
     ) -> None:
@@ -161,14 +161,14 @@ class _Builder:
         self._borders, self._limit = borders, limit
         self._variables, self._inner = self._visit(order)
         self._level = {variable: i for i, variable in enumerate(self._variables)}
-        self._nodes: List[Tuple[int, int, int]] = []
-        self._unique: Dict[Tuple[int, int, int], int] = {}
-        self._memo: Dict[Tuple[int, int, int], int] = {}
-        self._keys: List[Tuple[int, int, int]] = []
+        self._nodes: list[tuple[int, int, int]] = []
+        self._unique: dict[tuple[int, int, int], int] = {}
+        self._memo: dict[tuple[int, int, int], int] = {}
+        self._keys: list[tuple[int, int, int]] = []
 
-    def _visit(self, order: Sequence[int]) -> Tuple[List[int], List[int]]:
+    def _visit(self, order: Sequence[int]) -> tuple[list[int], list[int]]:
         """Return the variables in their order, and the gates of this module, lower ones first."""
-        found: Dict[int, None] = {}
+        found: dict[int, None] = {}
         waiting = [self._top]
         while waiting:
             node = waiting.pop()
@@ -190,7 +190,7 @@ class _Builder:
         nodes, root = self._kept(done[self._top])
         return Module(self._top, nodes, root)
 
-    def _gate(self, gate: Gate, done: Dict[int, int]) -> int:
+    def _gate(self, gate: Gate, done: dict[int, int]) -> int:
         below = [done[n] for n in gate.of]
         # from behind: later inputs are deeper, so each step only adds nodes on top
         if gate.type == "NOT":
@@ -228,8 +228,8 @@ class _Builder:
 
     def _ite(self, f: int, g: int, h: int) -> int:
         """Return if f then g else h, with a stack of its own."""
-        results: List[int] = []
-        tasks: List[Tuple[int, int, int, int]] = [(0, f, g, h)]
+        results: list[int] = []
+        tasks: list[tuple[int, int, int, int]] = [(0, f, g, h)]
         while tasks:
             kind, f, g, h = tasks.pop()
             if kind:  # combine: f is the level, (g, h) the key of the memo by its position
@@ -255,7 +255,7 @@ class _Builder:
     def _top_level(self, node: int) -> int:
         return self._nodes[node - 2][0] if node > 1 else len(self._variables)
 
-    def _branches(self, f: int, g: int, h: int, level: int, which: int) -> Tuple[int, int, int]:
+    def _branches(self, f: int, g: int, h: int, level: int, which: int) -> tuple[int, int, int]:
         return (
             self._branch(f, level, which),
             self._branch(g, level, which),
@@ -267,7 +267,7 @@ class _Builder:
             return node
         return self._nodes[node - 2][which]
 
-    def _kept(self, root: int) -> Tuple[Tuple[Tuple[int, int, int], ...], int]:
+    def _kept(self, root: int) -> tuple[tuple[tuple[int, int, int], ...], int]:
         """Return the nodes below the root, lower ones first, with events as variables."""
         below = set()
         waiting = [root]
@@ -285,90 +285,9 @@ class _Builder:
         return tuple(kept), number[root]
 
 
-def _simple(f: int, g: int, h: int) -> Optional[int]:
+def _simple(f: int, g: int, h: int) -> int | None:
     if f == TRUE or g == h:
         return g
     if f == FALSE:
         return h
     return f if (g, h) == (TRUE, FALSE) else None
-
-
-Evaluate = Callable[[Sequence[float]], float]
-
-
-def probability(diagram: Diagram, *, of_failure: bool = True) -> Evaluate:
-    """Compile: probabilities of the events -> that of the top event, or of its opposite.
-
-    Sums of products of what is not negative: nothing cancels, so 1e-27 keeps its digits.
-    """
-    if diagram.size > _COMPILED:
-        return _by_loop(diagram, of_failure=of_failure)
-    lines = ["def evaluate(q):"]
-    name: Dict[int, str] = {}
-    variables = sorted({node[0] for module in diagram.modules for node in module.nodes})
-    for variable in variables:
-        if variable < diagram.events:
-            lines.append(f" q{variable}=q[{variable}]")
-            lines.append(f" w{variable}=1.0-q{variable}")
-            name[variable] = f"q{variable}"
-    last = diagram.modules[-1]
-    for i, module in enumerate(diagram.modules):
-        ones = (FALSE, TRUE) if of_failure or module is not last else (TRUE, FALSE)
-        text = {ones[0]: "0.0", ones[1]: "1.0"}
-        for j, (variable, high, low) in enumerate(module.nodes):
-            value = f"v{i}_{j}"
-            lines.append(f" {value}={_sum(variable, text[high], text[low])}")
-            text[j + 2] = value
-        if module is last:
-            lines.append(f" return {text[module.root]}")
-        else:
-            lines.append(f" q{module.variable}={text[module.root]}")
-            lines.append(f" w{module.variable}=1.0-q{module.variable}")
-    names: Dict[str, Evaluate] = {}
-    exec(compile("\n".join(lines), "<fault tree>", "exec"), names)  # noqa: S102 - numbers only
-    return names["evaluate"]
-
-
-def _sum(variable: int, high: str, low: str) -> str:
-    parts = []
-    for weight, value in ((f"q{variable}", high), (f"w{variable}", low)):
-        if value != "0.0":
-            parts.append(weight if value == "1.0" else f"{weight}*{value}")
-    return "+".join(parts) or "0.0"
-
-
-def _by_loop(diagram: Diagram, *, of_failure: bool) -> Evaluate:
-    last = diagram.modules[-1]
-    inner: Dict[int, float] = {}
-
-    def evaluate(q: Sequence[float]) -> float:
-        result = 0.0
-        for module in diagram.modules:
-            values = [0.0, 1.0] if of_failure or module is not last else [1.0, 0.0]
-            for variable, high, low in module.nodes:
-                p = q[variable] if variable < diagram.events else inner[variable]
-                values.append(p * values[high] + (1.0 - p) * values[low])
-            result = inner[module.variable] = values[module.root]
-        return result
-
-    return evaluate
-
-
-def interval(diagram: Diagram, low: Sequence[float], high: Sequence[float]) -> Tuple[float, float]:
-    """Return bounds of the top event's probability for events in [low, high].
-
-    Exact for coherent trees, and where the only intervals are [0, 1] of events that come first
-    in the order; an outer bound in any case. One pass over the nodes.
-    """
-    bounds = {i: (low[i], high[i]) for i in range(diagram.events)}
-    result = (0.0, 0.0)
-    for module in diagram.modules:
-        values: List[Tuple[float, float]] = [(0.0, 0.0), (1.0, 1.0)]
-        for variable, up, down in module.nodes:
-            a, b = bounds[variable]
-            (up_low, up_high), (down_low, down_high) = values[up], values[down]
-            least = min(p * up_low + (1.0 - p) * down_low for p in (a, b))
-            most = max(p * up_high + (1.0 - p) * down_high for p in (a, b))
-            values.append((least, most))
-        result = bounds[module.variable] = values[module.root]
-    return result

@@ -5,14 +5,14 @@ Source: the collision risk of SafeDrones (Aslansefat et al. 2022).
 
 from __future__ import annotations
 
-from typing import Sequence, Tuple
+from collections.abc import Sequence
 
 import numpy as np
 
 
 def proximity(
     one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], distance: float
-) -> Tuple[float, float]:
+) -> tuple[float, float]:
     """Return the fraction of samples with less than a distance, as lower and upper bound.
 
     Args:

@@ -1,0 +1,1 @@
+"""Reliability models: chains and fault trees as sums, what is large as tables."""

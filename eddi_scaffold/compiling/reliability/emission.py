@@ -1,0 +1,260 @@
+"""The class ``Monitor`` of a reliability model, and a class for each chain and fault tree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile
+from eddi_scaffold.compiling.inputs import attribute_of, input_lines
+from eddi_scaffold.compiling.reliability import chains, trees
+from eddi_scaffold.compiling.reliability.markov import Chain, mean_times
+from eddi_scaffold.compiling.reliability.model import (
+    DYNAMIC,
+    MISSION_END,
+    Battery,
+    Component,
+    FaultTree,
+    Heat,
+    KOutOfN,
+    Markov,
+    Plan,
+    Processor,
+    Propulsion,
+    Rule,
+    Series,
+    order_chain,
+    read_plan,
+)
+from eddi_scaffold.compiling.reliability.sums import condition
+from eddi_scaffold.compiling.text import (
+    Group,
+    Item,
+    Part,
+    assignment,
+    call,
+    comment,
+    literal,
+    number,
+    returned,
+    text_literal,
+    tuple_of,
+)
+
+FORMAT = 1
+MODULES = (
+    "battery",
+    "chain",
+    "cut_sets",
+    "laws",
+    "large_chain",
+    "observed",
+    "processor",
+    "rotors",
+    "series",
+    "tree",
+    "units",
+)
+"""Modules of the runtime's part, of which a package has those that its monitor uses."""
+
+
+def lines_of(
+    model_file: ModelFile, *, states: int = chains.WRITTEN_OUT, nodes: int = trees.WRITTEN_OUT
+) -> list[str]:
+    """Return the lines of the classes.
+
+    Args:
+        model_file: the model.
+        states: of the largest chain whose sums are written out.
+        nodes: of the largest diagram whose sums are written out.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    plan = read_plan(model_file.model)
+    declared = {one.id for one in model_file.inputs}
+    for name in plan.rules:
+        if name not in declared:
+            raise ModelError("", f"the input {name!r} of the model is not declared")
+    time = chains.Time(plan.quantum / 3600.0, plan.horizon, moving=plan.moving)
+    lines: list[str] = []
+    models = []
+    for place, (name, component) in enumerate(plan.components.items()):
+        about = _about(name, component, plan)
+        classes = _Classes(place, about, time, states, nodes)
+        made = classes.made(component)
+        lines += classes.lines
+        models.append(Item(made, f"{text_literal(name)}: ", above=about))
+    lines += [*_monitor(model_file, plan), "", "    def models(self):"]
+    return [*lines, *returned(Group("{", tuple(models), "}"), 8)]
+
+
+def _about(name: str, component: Component, plan: Plan) -> str:
+    return comment(f"{type(component).__name__} {name}: {plan.places[name]}".rstrip(": "))
+
+
+def _monitor(model_file: ModelFile, plan: Plan) -> Iterator[str]:
+    yield "class Monitor(reliability.Reliability):"
+    yield f"    model_id = {text_literal(model_file.id)}"
+    yield f'    digest = "{model_file.digest}"'
+    owners = {key: plan.places[name] for key, name in plan.owners.items()}
+    yield from input_lines(model_file.inputs, owners)
+    read = [one for one in model_file.inputs if one.id in plan.rules]
+    rules = (Item(_rule(plan.rules[one.id]), f"{text_literal(one.id)}: ") for one in read)
+    yield from assignment("rules", Group("{", tuple(rules), "}"), 4)
+    yield f"    top = {text_literal(plan.top)}"
+    yield from assignment("uses", literal(plan.uses[plan.top]), 4)
+    yield f"    horizon = {number(plan.horizon)}  # h"
+    if plan.moving:
+        yield f"    moving = True  # {MISSION_END}"
+    yield f"    quantum_ns = {round(plan.quantum * 1e9)}"
+    yield f"    max_gap_ns = {round(plan.max_gap * 1e9)}"
+    if plan.thresholds:
+        found = (call("reliability.Threshold", map(literal, one)) for one in plan.thresholds)
+        yield from assignment("thresholds", tuple_of(found), 4)
+    if plan.worst_case:
+        yield "    worst_case = True"
+    yield from _values(read, plan)
+
+
+def _values(read: Sequence[InputData], plan: Plan) -> Iterator[str]:
+    """Yield the method that reads the inputs and takes usual values as they are."""
+    names = [f"v{k}" for k in range(len(read))]
+    yield from ("", "    def values(self, source):")
+    if not read:
+        yield "        return {}"
+        return
+    yield "        try:"
+    whole = tuple_of(attribute_of("source", one.attribute) for one in read)
+    unpacked = ", ".join(names) if len(names) > 1 else "(v0,)"
+    yield from assignment(f"raw = {unpacked}", whole, 12)
+    yield from ("        except Exception:", "            return super().values(source)")
+    usual = [_usual(name, plan.rules[one.id], one) for name, one in zip(names, read, strict=True)]
+    if all(usual):
+        yield from condition(usual, 8)
+        rows = (
+            Item(name, f"{text_literal(one.id)}: ") for name, one in zip(names, read, strict=True)
+        )
+        yield from returned(Group("{", tuple(rows), "}"), 12)
+    yield "        return self.taken(raw)"
+
+
+def _usual(name: str, rule: Rule, one: InputData) -> str:
+    """Return when a value is taken as it is, empty for never."""
+    if rule.type == "bool":
+        return f"type({name}) is bool"
+    if rule.type == "float" and one.factor is None:
+        return f"type({name}) is float and {number(rule.low)} <= {name} <= {number(rule.high)}"
+    return ""
+
+
+def _rule(rule: Rule) -> Part:
+    given = {key: value for key, value in rule._asdict().items() if value != _DEFAULT[key]}
+    kind = given.pop("type", "")
+    return call(
+        "reliability.Rule",
+        [text_literal(str(kind))],
+        **{key: literal(value) for key, value in given.items()},
+    )
+
+
+_DEFAULT = Rule("")._asdict()
+
+
+class _Classes:
+    """Writes the classes of a component, and the expression that makes it.
+
+    Args:
+        place: of the component in the model.
+        about: a comment.
+        time: quantum and horizon.
+        states: of the largest chain whose sums are written out.
+        nodes: of the largest diagram whose sums are written out.
+    """
+
+    def __init__(self, place: int, about: str, time: chains.Time, states: int, nodes: int) -> None:
+        self.lines: list[str] = []
+        self._place, self._about, self._time = place, about, time
+        self._states, self._nodes = states, nodes
+
+    def made(self, component: Component) -> Part:
+        if isinstance(component, Markov):
+            observe: Mapping[str, Part] = (
+                {"observe": literal(component.observe)} if component.observe else {}
+            )
+            chain = self._chain("Chain", component.chain, self._about)
+            return call("observed.MarkovChain", [chain], **observe, **_repair(component.repair))
+        if isinstance(component, Propulsion):
+            chain = self._chain("Chain", component.chain, self._about)
+            sets = tuple_of(
+                Item(literal(failed), behind=str(state))
+                for state, failed in enumerate(component.sets)
+            )
+            parts: list[Part] = [chain, sets, literal(component.inputs)]
+            return call("rotors.Propulsion", parts, **_repair(component.repair))
+        if isinstance(component, Battery):
+            return self._battery(component)
+        if isinstance(component, Processor):
+            load = {} if component.load is None else {"load": literal(component.load)}
+            age = {"age": number(component.age)} if component.age else {}
+            heat = component.heat
+            named = {"heat": _heat(heat), "temperature": text_literal(heat.temperature)}
+            numbers = [number(component.mean), number(component.shape)]
+            return call("processor.Processor", numbers, **named, **load, **age)
+        if isinstance(component, KOutOfN):
+            fields = (component.k, component.rate, component.largest, component.available)
+            return call("units.KOutOfN", map(literal, fields))
+        if isinstance(component, Series):
+            return call("series.Series", map(text_literal, component.parts))
+        return self._tree(component)
+
+    def _chain(self, name: str, chain: Chain, about: str) -> str:
+        """Write the class of a chain; return the call that makes one."""
+        name = f"{name}{self._place}"
+        self.lines += [f"# {about}"] if about else []
+        if len(chain.states) <= self._states:
+            self.lines += chains.written_out(name, chain, self._time)
+        else:
+            self.lines += chains.as_table(name, chain, self._time)
+        self.lines += ["", ""]
+        return f"{name}()"
+
+    def _battery(self, battery: Battery) -> Part:
+        names = battery.chain.states
+        arcs = tuple_of(
+            Item(literal(arc), behind=f"{names[arc[0]]} to {names[arc[1]]}")
+            for arc in battery.chain.arcs
+        )
+        lives = tuple_of(
+            Item(number(life), behind=name)
+            for name, life in zip(names, mean_times(battery.chain), strict=True)
+        )
+        heat = battery.heat
+        aged: dict[str, Part] = {}
+        if heat is not None:
+            aged = {"heat": _heat(heat), "temperature": text_literal(heat.temperature)}
+        positional: list[Part] = [
+            text_literal(battery.level),
+            arcs,
+            lives,
+            number(self._time.horizon),
+        ]
+        return call("battery.Battery", positional, **_repair(battery.repair), **aged)
+
+    def _tree(self, tree: FaultTree) -> Part:
+        orders = []
+        for i, event in enumerate(tree.events):
+            if event.law in DYNAMIC:
+                about = comment(f"{event.law} {event.name}: {event.place}".rstrip(": "))
+                orders.append((i, self._chain(f"Order{i}of", order_chain(event), about)[:-2]))
+        name = f"Tree{self._place}"
+        self.lines += [f"# {self._about}", *trees.class_lines(name, tree, orders, self._nodes)]
+        self.lines += ["", ""]
+        return f"{name}()"
+
+
+def _repair(repair: bool) -> dict[str, Part]:
+    return {"repair": "True"} if repair else {}
+
+
+def _heat(heat: Heat) -> Part:
+    return call("laws.Arrhenius", map(number, (heat.energy, heat.reference, heat.hottest)))

@@ -1,0 +1,146 @@
+"""The class of a fault tree: laws of its events, and its diagram as sums of products."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from eddi_scaffold.compiling.reliability.diagram import FALSE, TRUE, Diagram
+from eddi_scaffold.compiling.reliability.model import Event, FaultTree
+from eddi_scaffold.compiling.text import (
+    Group,
+    Item,
+    assignment,
+    comment,
+    literal,
+    number,
+    returned,
+    text_literal,
+    tuple_of,
+)
+
+WRITTEN_OUT = 4000
+"""Nodes of a diagram up to which its sums are written out; a loop is slower, but has no text."""
+_Nodes = Sequence[tuple[int, int, int]]
+
+
+def class_lines(
+    name: str, tree: FaultTree, orders: Sequence[tuple[int, str]], limit: int
+) -> Iterator[str]:
+    """Yield the lines of the class.
+
+    Args:
+        name: of the class.
+        tree: the tree.
+        orders: (event that stands for a dynamic gate, class of its chain).
+        limit: nodes up to which sums are written out.
+    """
+    events, diagram = tree.events, tree.diagram
+    yield f"class {name}({'tree.FaultTree' if diagram else 'cut_sets.BoundedTree'}):"
+    yield from assignment("names", tuple_of(text_literal(one.name) for one in events), 4)
+    observed = tuple((i, one.input) for i, one in enumerate(events) if one.input is not None)
+    models = tuple((i, one.model) for i, one in enumerate(events) if one.law == "model")
+    for key, rows in (("observed", observed), ("models", models)):
+        if rows:
+            yield from assignment(key, literal(rows), 4)
+    if orders:
+        made = (tuple_of([str(i), one]) for i, one in orders)
+        yield from assignment("orders", tuple_of(made), 4)
+    if tree.repair:
+        yield "    repair = True"
+    written = diagram is not None and diagram.size <= limit
+    if tree.cut_sets is not None:
+        yield "    # Minimal cut sets, by the numbers of the events."
+        sets = (Item(literal(one)) for one in tree.cut_sets)
+        yield from assignment("sets", tuple_of(sets), 4)
+    elif diagram is not None:
+        if not diagram.coherent:
+            yield "    grows = False"
+        if not written or (not diagram.coherent and (observed or models)):
+            yield "    # Nodes (variable, high, low) of each module, and its root."
+            yield from assignment("modules", literal(_table(diagram)), 4)
+    yield from _laws(events)
+    if diagram is not None and written:
+        yield from ("", "    def failure(self, q):", *_sums(events, diagram, of_failure=True))
+        yield from ("", "    def survival(self, q):", *_sums(events, diagram, of_failure=False))
+
+
+def _table(diagram: Diagram) -> tuple[object, ...]:
+    """Return the modules with variables that count those before behind the events."""
+    number_of = {module.variable: diagram.events + i for i, module in enumerate(diagram.modules)}
+    return tuple(
+        (
+            tuple(
+                (number_of.get(variable, variable), up, down) for variable, up, down in one.nodes
+            ),
+            one.root,
+        )
+        for one in diagram.modules
+    )
+
+
+def _laws(events: Sequence[Event]) -> Iterator[str]:
+    values = [_law(event) for event in events]
+    yield ""
+    yield "    def laws(self, age, horizon):"
+    if any("until" in text for text in values):
+        yield "        until = age + horizon"
+    if any("expm1" in text for text in values):
+        yield "        expm1 = tree.expm1"
+    rows = (Item(text, behind=_about(one)) for text, one in zip(values, events, strict=True))
+    yield from returned(Group("[", tuple(rows), "]"), 8)
+
+
+def _law(event: Event) -> str:
+    before = number(event.age)
+    if event.law == "exponential":
+        rate = number(-event.values[0])
+        if event.input is not None:
+            return f"-expm1({rate} * horizon)"
+        return f"-expm1({rate} * {f'({before} + until)' if event.age else 'until'})"
+    if event.law == "weibull":
+        scale, shape = map(number, event.values)
+        whole = f"{before} + age" if event.age else "age"
+        if event.input is None:
+            return f"tree.weibull(0.0, {whole} + horizon, {scale}, {shape})"
+        return f"tree.weibull({whole}, horizon, {scale}, {shape})"
+    return number(event.values[0]) if event.law == "fixed" else "0.0"
+
+
+def _about(event: Event) -> str:
+    return comment(f"{event.name}: {event.place}" if event.place else event.name)
+
+
+def _sums(events: Sequence[Event], diagram: Diagram, *, of_failure: bool) -> Iterator[str]:
+    """Yield sums of products of what is not negative: nothing cancels, 1e-27 keeps its digits."""
+    if len(events) == 1:
+        yield f"        q0 = q[0]  # {_about(events[0])}".rstrip("# ")
+    else:
+        yield "        ("
+        for i, one in enumerate(events):
+            yield f"            q{i},  # {_about(one)}".rstrip("# ")
+        yield "        ) = q"
+    complements: set[int] = set()
+    last = diagram.modules[-1]
+    for place, module in enumerate(diagram.modules):
+        if module is last and not of_failure:
+            value = {FALSE: "1.0", TRUE: "0.0"}
+        else:
+            value = {FALSE: "0.0", TRUE: "1.0"}
+        for i, (variable, high, low) in enumerate(module.nodes):
+            if value[low] != "0.0" and variable not in complements:
+                complements.add(variable)
+                yield f"        w{variable} = 1.0 - q{variable}"
+            value[i + 2] = f"n{place}_{i}"
+            yield f"        n{place}_{i} = {_sum(variable, value[high], value[low])}"
+        if module is last:
+            yield f"        return {value[module.root]}"
+        else:
+            yield f"        q{module.variable} = {value[module.root]}"
+
+
+def _sum(variable: int, high: str, low: str) -> str:
+    parts = []
+    for weight, value in ((f"q{variable}", high), (f"w{variable}", low)):
+        if value != "0.0":
+            parts.append(weight if value == "1.0" else f"{weight} * {value}")
+    return " + ".join(parts) or "0.0"

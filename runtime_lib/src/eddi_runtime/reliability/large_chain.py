@@ -1,0 +1,222 @@
+"""Chains of many states: exponentials of matrices by numpy when the monitor starts.
+
+Without subtractions, so that 1e-18 keeps its digits. Sources: uniformisation (Jensen 1953), scaling
+and squaring of non-negative matrices, and the elimination of Grassmann, Taksar and Heyman (1985).
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import accumulate
+from typing import Dict, FrozenSet, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from .chain import Belief, Chain, Look, Row, Seen
+
+_TERMS = 25
+_BLOCK = 16
+"""Steps of one quantum that are looked at in one product while the observation stays the same."""
+_LARGEST = {True: 500, False: 64}
+"""States up to which this is done; of a chain that is observed, each observation has matrices."""
+_KEPT = 64
+"""How many observations have them at a time."""
+
+
+class LargeChain(Chain):
+    """The belief over the states of a chain, moved by products with matrices.
+
+    Attributes:
+        count: number of states.
+        initial: number of the state at the start.
+        arcs: (from, to, rate in 1/h); parallel ones add up, those of fail states are left out.
+        endless: states that may live for ever.
+        age: hours that it had run, unobserved, before the start of the mission.
+        hours: of one quantum.
+        horizon: hours; that of one of ``steps`` steps that are prepared.
+    """
+
+    count: int
+    initial = 0
+    arcs: Tuple[Tuple[int, int, float], ...]
+    endless: Tuple[int, ...] = ()
+    age = 0.0
+    hours: float
+    horizon: float
+
+    def __init__(self) -> None:
+        self.states = self.count
+        fail = frozenset(self.fail)
+        q = np.zeros((self.states, self.states))
+        for source, target, rate in self.arcs:
+            if source not in fail and source != target:
+                q[source, target] += rate
+        self._tau = tau = mean_times(q, fail, self.endless)
+        np.fill_diagonal(q, -q.sum(axis=1))
+        self._now = propagator(q, self.age)[self.initial].copy()
+        self.first = tuple(self._now.tolist())
+        self._step = propagator(q, self.hours)
+        ends = np.zeros((self.states, 2))
+        ends[:, 1] = 1.0
+        ends[list(self.fail)] = (1.0, 0.0)
+        endless = np.isinf(tau)
+        rest = [np.where(endless, 0.0, tau), endless.astype(float), np.ones(self.states)]
+        step = propagator(q, self.horizon)
+        views = [step @ ends]
+        if self.steps > 1:
+            views = list(accumulate(range(self.steps), lambda view, _: step @ view, initial=ends))
+        # failed, alive, mean life, weight of endless states and of all: one product with a belief
+        self._looks = [np.column_stack([view, *rest]) for view in views]
+        self._found: Dict[int, List[Row]] = {}
+        self._matrices: Dict[Seen, Tuple[List[np.ndarray], Optional[np.ndarray], np.ndarray]] = {}
+        self.everything = Seen(self, range(self.states))
+        self._place = 0
+        self._block: List[List[float]] = []
+        self.reset()
+
+    def rows(self, at: int) -> List[Row]:
+        """Return what lies ahead of each state for one of the prepared horizons."""
+        found = self._found.get(at)
+        if found is None:
+            failed, alive = np.minimum(self._looks[at][:, :2], 1.0).T.tolist()
+            found = self._found[at] = list(zip(failed, alive, self._tau.tolist()))
+        return found
+
+    def weights(self) -> Belief:
+        """Return the belief as it is, of any weight."""
+        self._propagate(self._place, self._seen)
+        self._place, self._block = 0, []
+        found: List[float] = self._now.tolist()
+        return found
+
+    def believe(self, belief: Belief) -> None:
+        """Take another belief over the states."""
+        self._place, self._block = 0, []
+        self._now = np.array(belief)
+
+    def reset(self) -> None:
+        """Return to the start of the mission."""
+        self._seen = self.everything
+        super().reset()
+
+    def look(self, belief: Belief, at: int) -> Look:
+        """Return what lies ahead of a belief, not divided by its weight."""
+        found: List[float] = np.dot(belief, self._looks[at]).tolist()
+        return found
+
+    def after(self, beliefs: List[Belief], quanta: int) -> List[Belief]:
+        """Return several beliefs when time has passed unobserved."""
+        moved = np.array(beliefs)
+        for power in self._factors(quanta, self.everything):
+            moved = moved @ power
+        found: List[Belief] = moved.tolist()
+        return found
+
+    def moved(self, quanta: int, at: int, seen: Seen) -> Look:
+        """Return the look ahead; the next ones come with it if this step saw what the last did."""
+        place = self._place + quanta
+        # between two steps nothing was observed: with a mask, only single quanta are alike
+        again = seen is self._seen
+        if again and self._block and (quanta < 2 or seen.whole):
+            if place < _BLOCK:
+                self._place = place
+                return self._block[place]
+            self._propagate(place, seen)
+        else:
+            self._propagate(self._place, self._seen)
+            self._propagate(quanta, self.everything)
+            if not seen.whole:
+                self._now *= self._prepared(seen)[2]
+        self._seen, self._place, self._block = seen, 0, []
+        block = self._prepared(seen)[1] if again else None
+        if block is not None:
+            self._block = self._now.dot(block).reshape(_BLOCK, -1).tolist()
+            return self._block[0]
+        look: List[float] = self._now.dot(self._looks[at]).tolist()
+        return look
+
+    def _propagate(self, quanta: int, seen: Seen) -> None:
+        for power in self._factors(quanta, seen):
+            self._now = self._now.dot(power)
+
+    def _factors(self, quanta: int, seen: Seen) -> List[np.ndarray]:
+        """Return the powers of one quantum that make up several, the observation in each."""
+        powers = self._prepared(seen)[0]
+        while len(powers) < quanta.bit_length():
+            powers.append(_squared(powers[-1], whole=seen.whole))
+        return [power for bit, power in enumerate(powers) if quanta >> bit & 1]
+
+    def _prepared(self, seen: Seen) -> Tuple[List[np.ndarray], Optional[np.ndarray], np.ndarray]:
+        """Return powers of one quantum with what is seen, looks ahead in the next steps, mask."""
+        found = self._matrices.get(seen)
+        if found is None:
+            if len(self._matrices) > _KEPT:
+                self._matrices.clear()
+            mask, block, step = np.array(seen.mask), None, self._step
+            if len(self._looks) == 1 and self.states <= _LARGEST[seen.whole]:
+                step = step if seen.whole else step * mask
+                looks = accumulate(range(_BLOCK - 1), lambda a, _: step @ a, initial=self._looks[0])
+                block = np.concatenate(list(looks), axis=1)
+            found = self._matrices[seen] = [step], block, mask
+        return found
+
+
+def _squared(power: np.ndarray, *, whole: bool = True) -> np.ndarray:
+    square: np.ndarray = power @ power
+    if whole:  # rows of probabilities; with a mask they have less weight
+        square /= square.sum(axis=1, keepdims=True)
+    return square
+
+
+def propagator(q: np.ndarray, hours: float) -> np.ndarray:
+    """Return exp(q hours) by Horner in a non-negative matrix and squarings.
+
+    Entries are non-negative and rows sum to one by construction; each entry keeps its relative
+    accuracy, however small it is.
+    """
+    fastest = float(-q.diagonal().min(initial=0.0))
+    size = len(q)
+    if fastest * hours <= 0.0:
+        return np.eye(size)
+    squarings = max(0, math.ceil(math.log2(fastest * hours)))
+    step = fastest * math.ldexp(hours, -squarings)
+    jump = q / fastest
+    jump.flat[:: size + 1] += 1.0
+    np.maximum(jump, 0.0, out=jump)
+    result = np.eye(size)
+    for k in range(_TERMS, 0, -1):
+        result = (step / k) * (jump @ result)
+        result.flat[:: size + 1] += 1.0
+    result /= result.sum(axis=1, keepdims=True)
+    for _ in range(squarings):
+        result = _squared(result)
+    return result
+
+
+def mean_times(rates: np.ndarray, fail: FrozenSet[int], endless: Sequence[int]) -> np.ndarray:
+    """Return the mean time to failure in hours from each state; 0 in a fail state.
+
+    Without subtractions, so that rates of any ratio lose nothing.
+
+    Args:
+        rates: from row to column, 1/h, nothing on the diagonal.
+        fail: states without arcs.
+        endless: states from which failure is not certain.
+    """
+    rates = rates.copy()
+    tau = np.full(len(rates), math.inf)
+    ends = sorted(fail)
+    tau[ends] = 0.0
+    order = [i for i in range(len(rates)) if i not in fail.union(endless)]
+    cost = np.ones(len(rates))
+    exits = {}
+    for position in range(len(order) - 1, -1, -1):
+        state, rest = order[position], order[:position]
+        exits[state] = float(rates[state, rest].sum() + rates[state, ends].sum())
+        share = rates[rest, state] / exits[state]
+        cost[rest] += share * cost[state]
+        rates[rest] += np.outer(share, rates[state])
+    for position, state in enumerate(order):
+        before = order[:position]
+        tau[state] = (cost[state] + rates[state, before] @ tau[before]) / exits[state]
+    return tau

@@ -1,0 +1,94 @@
+"""How things age: the law of Weibull, heat by Arrhenius, and inputs whose limit is declared."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Optional, Tuple
+
+from .component import Component, Values
+
+BOLTZMANN = 8.617333262e-5
+"""eV/K."""
+_KELVIN = 273.15
+_HOTTEST = 700.0
+_LARGEST = 709.0
+_NEW = 1e-9
+
+
+def hazard(age: float, ahead: float, scale: float, shape: float) -> float:
+    """Return ((age + ahead) / scale) ** shape - (age / scale) ** shape without cancellation.
+
+    Args:
+        age: as ``scale``, at least 0.
+        ahead: the time that counts.
+        scale: above 0.
+        shape: above 0.
+
+    Returns:
+        The hazard; ``inf`` when it is larger than any number.
+    """
+    try:
+        if age <= _NEW * ahead:
+            return float(((age + ahead) / scale) ** shape - (age / scale) ** shape)
+        return float((age / scale) ** shape * math.expm1(shape * math.log1p(ahead / age)))
+    except OverflowError:  # what lies behind is nothing beside it, or both are beyond all numbers
+        exponent = shape * math.log((age + ahead) / scale)
+        return math.inf if exponent > _LARGEST else math.exp(exponent)
+
+
+class Arrhenius(NamedTuple):
+    """Law of Arrhenius: ageing at a temperature, relative to a reference.
+
+    Source: S. Arrhenius 1889; as acceleration factor in JEDEC JEP122 and IEC 61709.
+
+    Attributes:
+        energy: activation energy in eV.
+        reference: temperature in degC at which the factor is 1.
+        hottest: temperature in degC that counts while the true one is not known.
+    """
+
+    energy: float
+    reference: float
+    hottest: float
+
+    def factor(self, temperature: float) -> float:
+        """Return the acceleration factor at a temperature in degC; finite for every one."""
+        warmer = 1.0 / (self.reference + _KELVIN) - 1.0 / (temperature + _KELVIN)
+        return math.exp(min(self.energy / BOLTZMANN * warmer, _HOTTEST))
+
+    def limit(self, name: str) -> Limit:
+        """Return the range of a temperature input."""
+        return Limit(name, self.hottest, f"t_max ({self.hottest:g} degC)")
+
+
+class Limit:
+    """The range of an input up to a declared limit, which a sensor may be seen to contradict.
+
+    A value above the limit is not believed, so the input is unknown; but neither is the limit then:
+    until the next value that is believed, the input may be as large as what was seen.
+
+    Args:
+        name: of the input.
+        largest: the declared limit.
+        shown: the limit for people, such as ``t_max (85 degC)``.
+    """
+
+    def __init__(self, name: str, largest: float, shown: str) -> None:
+        self.name, self._largest, self._shown = name, largest, shown
+        self._worst = largest
+
+    def most(self, values: Values, owner: Component) -> Tuple[float, bool]:
+        """Return the value of the input, or the worst that it may be, and whether it is known."""
+        value: Optional[float] = values[self.name]
+        if value is None:
+            return self._worst, False
+        if value > self._largest:
+            self._worst = value
+            owner.report_fault(self.name, f"{value:g} is above {self._shown}; it counts as unknown")
+            return value, False
+        self._worst = self._largest
+        return value, True
+
+    def reset(self) -> None:
+        """Trust the limit again."""
+        self._worst = self._largest

@@ -1,0 +1,129 @@
+"""Compiled reliability models: the text, what of a hostile model is in it, what it imports."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import ModelFile
+from eddi_scaffold.compiling.execution import build
+from runtime_lib.tests.reliability.reliability_models import (
+    chain,
+    compiled,
+    event,
+    model_file,
+    monitor,
+    quad,
+    tree,
+)
+from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY, CPU, UNITS
+
+ARCS = [[i, j, 0.1 / (1 + i + 2 * j)] for i in range(8) for j in range(8) if i != j]
+DENSE = chain(ARCS, 8, [7], observe=[[0, "new", False], [7, "ok", True]])
+LARGE = {**chain([[i, i + 1, 0.5] for i in range(11)], 12, [11], age=2.0), "name": "large"}
+GO = {"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.5}
+HOSTILE = ['"""', "\\", "\n", "__import__('os')", "class", "self", "é", "\ud800", "x" * 500, "#"]
+
+
+def whole(**model: Any) -> ModelFile:
+    """Return a model with every type of component."""
+    parts = [BATTERY, CPU, UNITS, quad(0.01), DENSE, LARGE]
+    events = [event("model", model=part["name"]) for part in parts]
+    events += [event("exponential", 0.01, age=3.0), event("weibull", 50.0, 2.0, input="w")]
+    events += [event("PAND", 0.1, 0.2), event("fixed", 0.25, input="f"), event("POR", 0.1, 0.2)]
+    gates = [{"type": "XOR", "of": [0, 1, 2, 3]}, {"type": "OR", "of": [*range(4, 11), 11]}]
+    series = {"name": "all", "type": "series", "of": ["tree"]}
+    inputs = ["level", "t", "u", "n", "m0", "m1", "m2", "m3", "new", "ok", "w", "f", "mission_end"]
+    parts = [*parts, tree(events, gates), series]
+    return model_file(parts, inputs, thresholds=[GO], on_unknown="worst_case", **model)
+
+
+def hostile() -> ModelFile:
+    events = [{**event("exponential", 0.1, input=one), "name": one} for one in HOSTILE]
+    events[0]["place"] = '"""\nimport os'
+    named = {**chain([[0, 1, 0.1]], 2, [1]), "states": ['"""', "\n"], "name": "\n#", "place": "\\"}
+    top = tree([*events, event("model", model="\n#")], [{"type": "OR", "of": list(range(11))}])
+    made = model_file([named, top], HOSTILE, thresholds=[{**GO, "id": '"\n'}])
+    inputs = (replace(one, attribute=f"value {k}") for k, one in enumerate(made.inputs))
+    return replace(made, inputs=tuple(inputs))
+
+
+MODELS = [
+    whole(mission_end=False),
+    whole(mission_end=True),
+    model_file([quad(0.01)], ["m0", "m1", "m2", "m3"]),
+    hostile(),
+]
+
+
+@pytest.mark.parametrize("made", MODELS)
+def test_the_formatter_changes_nothing(tmp_path: Path, made: ModelFile) -> None:
+    path = tmp_path / "compiled.py"
+    path.write_text(compile_model(made))
+    command = ["ruff", "format", "--diff", "--isolated", "--line-length", "100", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.returncode) == ("", 0), done.stderr
+
+
+@pytest.mark.parametrize("made", MODELS)
+def test_the_text_is_for_python_3_8(made: ModelFile) -> None:
+    ast.parse(compile_model(made), feature_version=(3, 8))
+
+
+def test_nothing_of_a_hostile_model_becomes_code() -> None:
+    text = compile_model(hostile())
+    assert text.isascii()
+    names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    assert "__import__" not in names
+    one = build(hostile())
+    source = SimpleNamespace(**{f"value {k}": False for k in range(len(HOSTILE))})
+    assert one.execute_step(source, 0).valid
+    vars(source)["value 2"] = True
+    assert one.execute_step(source, 0).p_fail == 1.0
+
+
+def test_two_monitors_of_one_text_are_independent() -> None:
+    module = compiled([quad(0.01)], ["m0", "m1", "m2", "m3"], states=8)
+    one, other = module.Monitor(), module.Monitor()
+    working: dict[str, Any] = dict.fromkeys(("m0", "m1", "m2", "m3"), True)
+    assert one.execute_step(SimpleNamespace(**{**working, "m1": False}), 0).p_fail == 1.0
+    assert other.execute_step(SimpleNamespace(**working), 0).p_fail < 0.05
+    assert one.execute_step(SimpleNamespace(**working), 10**8).p_fail == 1.0
+
+
+def test_an_attribute_that_cannot_be_read_is_unknown() -> None:
+    class Hostile:
+        def __getattr__(self, name: str) -> Any:
+            raise RuntimeError(name)
+
+    one = monitor([quad(0.01)], ["m0", "m1", "m2", "m3"])
+    found = one.execute_step(Hostile(), 0)
+    assert found.unknown == ("m0", "m1", "m2", "m3")
+    assert one.faults()["m0"] == "reading it raised RuntimeError"
+
+
+def test_very_many_units_are_counted() -> None:
+    one = monitor([{**UNITS, "k": 4990, "rate": 1e-3, "max": None}], ["n"])
+    known = one.execute_step(SimpleNamespace(n=5000), 0)
+    fewer = one.execute_step(SimpleNamespace(n=4995), 0)
+    assert 0.0 < known.p_fail < fewer.p_fail < 1.0
+    assert known.p_fail + known.reliability == pytest.approx(1.0, rel=1e-9)
+
+
+def test_only_what_a_model_uses_is_imported() -> None:
+    """Chains of few states need no numpy."""
+    small = compile_model(model_file([quad(0.01), DENSE], ["m0", "m1", "m2", "m3", "new", "ok"]))
+    assert "from eddi_runtime.reliability import chain, observed, rotors\n" in small
+    script = f"import sys; exec({small!r}, {{'__file__': ''}}); print('numpy' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "False\n"
