@@ -159,6 +159,7 @@ def _event(name: str, key: str, tree: FaultTree) -> dict[str, Any]:
         "model": law.model,
         "input": input_id(name, key) if event.observed else None,
         **_age(tree.age if event.age is None else event.age),
+        **({"place": event.place.path} if event.place.path else {}),
     }
 
 
