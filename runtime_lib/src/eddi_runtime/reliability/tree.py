@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import List, Optional, Sequence, Tuple, Type
+from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple, Type
 
-from .chain import Chain
 from .component import AGAIN, NAN, Component, Estimate, Importance, Known, Moment, Values, sure
 from .laws import hazard
+
+if TYPE_CHECKING:  # a tree without dynamic gates has no chain
+    from .chain import Chain
 
 expm1 = math.expm1
 Module = Tuple[Tuple[Tuple[int, int, int], ...], int]
