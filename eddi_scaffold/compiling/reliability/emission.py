@@ -84,7 +84,7 @@ def lines_of(
         made = classes.made(component)
         lines += classes.lines
         models.append(Item(made, f"{text_literal(name)}: ", above=about))
-    lines += [*_monitor(model_file, plan), "", "    def models(self):"]
+    lines += [*_monitor(model_file, plan), "", "    def _models(self):"]
     return [*lines, *returned(Group("{", tuple(models), "}"), 8)]
 
 
@@ -119,7 +119,7 @@ def _monitor(model_file: ModelFile, plan: Plan) -> Iterator[str]:
 def _values(read: Sequence[InputData], plan: Plan) -> Iterator[str]:
     """Yield the method that reads the inputs and takes usual values as they are."""
     names = [f"v{k}" for k in range(len(read))]
-    yield from ("", "    def values(self, source):")
+    yield from ("", "    def _read(self, source):")
     if not read:
         yield "        return {}"
         return
@@ -127,7 +127,7 @@ def _values(read: Sequence[InputData], plan: Plan) -> Iterator[str]:
     whole = tuple_of(attribute_of("source", one.attribute) for one in read)
     unpacked = ", ".join(names) if len(names) > 1 else "(v0,)"
     yield from assignment(f"raw = {unpacked}", whole, 12)
-    yield from ("        except Exception:", "            return super().values(source)")
+    yield from ("        except Exception:", "            return super()._read(source)")
     usual = [_usual(name, plan.rules[one.id], one) for name, one in zip(names, read, strict=True)]
     if all(usual):
         yield from condition(usual, 8)
@@ -135,7 +135,7 @@ def _values(read: Sequence[InputData], plan: Plan) -> Iterator[str]:
             Item(name, f"{text_literal(one.id)}: ") for name, one in zip(names, read, strict=True)
         )
         yield from returned(Group("{", tuple(rows), "}"), 12)
-    yield "        return self.taken(raw)"
+    yield "        return self._believed(raw)"
 
 
 def _usual(name: str, rule: Rule, one: InputData) -> str:

@@ -61,7 +61,7 @@ class Reliability:
     max_gap_ns: int
 
     def __init__(self) -> None:
-        self.components = self.models()
+        self.components = self._models()
         self._sources = [spec for spec in self.inputs if spec.id in self.rules]
         self._steps = [(name, one.step) for name, one in self.components.items()]
         self._parts = tuple(self.components.values())
@@ -70,18 +70,18 @@ class Reliability:
         self._quantum = self.quantum_ns / _HOUR_NS
         self.reset()
 
-    def models(self) -> Dict[str, Component]:
+    def _models(self) -> Dict[str, Component]:
         """Return the models by name; each behind those that it uses."""
         raise NotImplementedError
 
-    def values(self, source: object) -> Dict[str, Taken]:
+    def _read(self, source: object) -> Dict[str, Taken]:
         """Return the value of each input, None where it is not known; never raises.
 
         Compiled monitors return usual values at once.
         """
-        return self.taken([read(source, spec.attribute, spec.id) for spec in self._sources])
+        return self._believed([read(source, spec.attribute, spec.id) for spec in self._sources])
 
-    def taken(self, raws: Sequence[object]) -> Dict[str, Taken]:
+    def _believed(self, raws: Sequence[object]) -> Dict[str, Taken]:
         """Return values of the inputs of ``rules`` as they are believed, and keep what is wrong."""
         values: Dict[str, Taken] = {}
         for raw, spec in zip(raws, self._sources):
@@ -125,7 +125,7 @@ class Reliability:
         self._source = eddi_input
         now = step_time(t_ns)
         self._faults = {}
-        values = self.values(eddi_input)
+        values = self._read(eddi_input)
         beyond = self._limit_mission(values) if self.moving else ""
         self._taken = values
         quanta, reason = self._pass(now)
