@@ -10,7 +10,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from eddi_runtime.monitor import kinds
+
+from eddi_scaffold.compiling.compilation import KINDS
 
 pytestmark = pytest.mark.slow
 
@@ -76,7 +77,7 @@ def test_the_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
             assert done.stdout == output, command
 
 
-@pytest.mark.parametrize("kind", kinds())
+@pytest.mark.parametrize("kind", sorted(KINDS))
 def test_the_methods_of_each_kind_of_monitor_are_listed(kind: str) -> None:
     module = importlib.import_module(f"eddi_runtime.{kind}.monitor")
     (monitor,) = (one for one in vars(module).values() if getattr(one, "kind", None) == kind)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import ast
 import hashlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from eddi_scaffold.compiling.bayesian_network import emission as bayesian_network
 from eddi_scaffold.compiling.consert import emission as consert
 from eddi_scaffold.compiling.document import ModelError, ModelFile
 from eddi_scaffold.compiling.event import emission as event
 from eddi_scaffold.compiling.expressions import emission as expressions
-from eddi_scaffold.compiling.parts import parts_of
 from eddi_scaffold.compiling.reliability import emission as reliability
 from eddi_scaffold.compiling.safeml import emission as safeml
 from eddi_scaffold.compiling.text import WIDTH, comment
@@ -71,37 +70,45 @@ def whole_text(
         about += ["", f"Model: {comment(source)} {comment(path) if isinstance(path, str) else ''}"]
     lines = [*expressions.expression_lines(model_file.inputs), *lines]
     body = "\n".join(lines)
-    if "expressions" in parts_of(model_file):
+    used = _used(body)
+    if "expressions" in used:
         parts = {**parts, "expressions": expressions.FORMAT}
-    constants = [f"{name} = {text}" for name, text in _CONSTANTS.items() if _uses(body, name)]
+    constants = [f"{name} = {text}" for name, text in _CONSTANTS.items() if name in used]
     below = "\n".join([*constants, "", "", *lines]) + "\n"
     formats = {"eddi_runtime": CORE_FORMAT, **parts}
     needs = ", ".join(f"{name}: {one}" for name, one in formats.items())
-    names = ["InputSpec", *parts] if _uses(body, "InputSpec") else [*parts]
-    imports = _imports(f"{runtime}eddi_runtime.", model_file.kind, body)
+    names = ["InputSpec", *parts] if "InputSpec" in used else [*parts]
+    modules = [one for one in _MODULES.get(model_file.kind, ()) if one in used]
     docstring = "\n".join(map(str.rstrip, about)).replace("\\", "?").replace('"', "'")
     return (
         f'"""{docstring}{chr(10) if len(about) > 1 else ""}"""\n\n'
         f"{f'from {runtime} import' if runtime else 'import'} eddi_runtime\n"
         f"from {runtime}eddi_runtime import {', '.join(names)}\n"
-        f"{imports}\n"
+        f"{_imported(f'{runtime}eddi_runtime.{model_file.kind}', modules)}\n"
         f"eddi_runtime.needs(__file__, {{{needs}}})\n"
         f"# sha256 of the lines below: {hashlib.sha256(below.encode()).hexdigest()}\n" + below
     )
 
 
-def _imports(runtime: str, kind: str, body: str) -> str:
-    """Return the import of those modules of a kind's part that a text uses."""
-    if kind not in _MODULES:
+def _used(body: str) -> set[str]:
+    """Return the names that a text calls, takes attributes of, or has as numbers.
+
+    Variables that are called as inputs of the model are none of them.
+    """
+    found = set(_CONSTANTS) & set(re.findall(r"\w+", body))
+    for node in ast.walk(ast.parse(body)):
+        owner = node.func if isinstance(node, ast.Call) else getattr(node, "value", None)
+        if isinstance(node, ast.Call | ast.Attribute) and isinstance(owner, ast.Name):
+            found.add(owner.id)
+    return found
+
+
+def _imported(part: str, modules: Sequence[str]) -> str:
+    """Return the import of modules of a part of the runtime."""
+    if not modules:
         return ""
-    names = {one.id for one in ast.walk(ast.parse(body)) if isinstance(one, ast.Name)}
-    modules = [one for one in _MODULES[kind] if one in names]
-    flat = f"from {runtime}{kind} import {', '.join(modules)}\n"
-    if len(flat) > WIDTH + 1:
-        lines = "".join(f"    {one},\n" for one in modules)
-        return f"from {runtime}{kind} import (\n{lines})\n"
-    return flat if modules else ""
-
-
-def _uses(body: str, name: str) -> bool:
-    return re.search(rf"\b{name}\b", body) is not None
+    flat = f"from {part} import {', '.join(modules)}\n"
+    if len(flat) <= WIDTH + 1:
+        return flat
+    lines = "".join(f"    {one},\n" for one in modules)
+    return f"from {part} import (\n{lines})\n"

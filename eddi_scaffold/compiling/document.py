@@ -8,14 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, NoReturn
 
 FORMAT = 1
-_DATA_FILE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 RESERVED_ATTRIBUTES = frozenset(
     {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
     | {"update_expression"}
@@ -146,21 +143,6 @@ def digest_of(document: Mapping[str, Any]) -> str:
 
 def _no_constant(text: str) -> NoReturn:
     raise ValueError(f"{text} is not JSON")
-
-
-def files_in(folder: Path) -> Callable[[str], bytes]:
-    """Return what reads the bulk files of a model in a folder, and no other file."""
-
-    def read(name: str) -> bytes:
-        if _DATA_FILE.fullmatch(name) is None:
-            raise ModelError("", f"{name!r} is not the name of a file next to the model")
-        try:
-            return (folder / name).read_bytes()
-        except OSError as problem:
-            reason = problem.strerror or str(problem)
-            raise ModelError("", f"cannot read {folder / name}: {reason}") from None
-
-    return read
 
 
 def _in_memory(files: Mapping[str, bytes]) -> Callable[[str], bytes]:

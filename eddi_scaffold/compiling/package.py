@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import ModelError, files_in, parse_model
+from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.regions.generated import listed_generated, replace_generated
 
 _COMPILED = "compiled.py"
@@ -36,7 +36,7 @@ def write_compiled(root: Path) -> str | None:
 
     try:
         document = model.read_text("utf-8")
-        found = parse_model(document, names[_MODEL], files_in(target.parent))
+        found = parse_model(document, names[_MODEL])
         text = compile_model(found, "." if vendored else "")
     except (ModelError, UnicodeDecodeError) as refused:
         problem = str(refused)

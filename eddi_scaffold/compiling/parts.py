@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterable, Mapping
-
-from eddi_scaffold.compiling.document import ModelFile
 
 PARTS: Mapping[str, tuple[str, ...]] = {
     "bayesian_network": ("clock", "thresholds"),
@@ -13,6 +12,18 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "event": ("clock", "expressions"),
     "expressions": (),
     "reliability": ("clock", "thresholds"),
+    "reliability/battery": ("reliability/chain", "reliability/laws"),
+    "reliability/chain": ("reliability",),
+    "reliability/cut_sets": ("reliability/tree",),
+    "reliability/large_chain": ("reliability/chain",),
+    "reliability/laws": ("reliability",),
+    "reliability/missed": ("reliability/chain",),
+    "reliability/observed": ("reliability/chain", "reliability/missed"),
+    "reliability/processor": ("reliability/laws",),
+    "reliability/rotors": ("reliability/chain",),
+    "reliability/series": ("reliability",),
+    "reliability/tree": ("reliability/laws",),
+    "reliability/units": ("reliability",),
     "safeml": ("clock",),
     "testing": (),
     "thresholds": (),
@@ -23,12 +34,19 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 """
 
 
-def parts_of(model_file: ModelFile) -> tuple[str, ...]:
-    """Return the parts of the runtime that the monitor of a model needs, sorted."""
-    wanted = [model_file.kind]
-    if any(one.expression is not None for one in model_file.inputs):
-        wanted.append("expressions")
-    return with_needed(wanted)
+def needed_by(text: str) -> tuple[str, ...]:
+    """Return the parts of the runtime that a compiled monitor needs, sorted.
+
+    Args:
+        text: of ``compiled.py``.
+    """
+    wanted: list[str] = []
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            runtime, _, part = node.module.partition(".")
+            if runtime == "eddi_runtime":
+                wanted += [f"{part}/{one.name}" if part else one.name for one in node.names]
+    return with_needed(one for one in wanted if one in PARTS)
 
 
 def with_needed(parts: Iterable[str]) -> tuple[str, ...]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eddi_runtime import EDDIInputBase
+from eddi_runtime import ModelError as NotRunning
 from eddi_runtime import __version__ as runtime_version
-from eddi_runtime.documents import ModelError as RuntimeError_
 
-from eddi_scaffold.compiling.document import ModelError, canonical, digest_of
+from eddi_scaffold.compiling.document import ModelError, canonical, digest_of, parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import JsonValue, Kind, Model
-from eddi_scaffold.monitors.execution import monitor_of
 from eddi_scaffold.problems import EddiError, Place, error
 
 
@@ -48,8 +48,8 @@ def model_document(
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:
-        monitor = monitor_of(text, "the model", kind.functions.data_files(model))
+        monitor = build(parse_model(text, "the model", kind.functions.data_files(model)))
         EDDIInputBase().bind(monitor.inputs)
-    except (ModelError, RuntimeError_) as refused:  # what will run it has the last word
+    except (ModelError, NotRunning) as refused:  # what will run it has the last word
         raise EddiError(error("K028", refused.reason, place)) from None
     return text

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
-from eddi_scaffold.monitors.execution import monitor_of
 from eddi_scaffold.replay.node import SECOND, GivenInput, ReplayedNode
 from eddi_scaffold.replay.playing import Part
 from eddi_scaffold.replay.publishing import Publications
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor:
     """Return the monitor as its package would load it; hand-written code is not in it."""
     files = monitor.kind.functions.data_files(monitor.model)
-    return monitor_of(monitor.model_json, monitor.model.name, files)
+    made: RuntimeMonitor = build(parse_model(monitor.model_json, monitor.model.name, files))
+    return made
 
 
 def rhythm(monitor: BoundMonitor) -> Rhythm:

@@ -11,7 +11,6 @@ from eddi_scaffold.compiling.document import (
     ModelError,
     canonical,
     check_document,
-    files_in,
     parse_model,
 )
 from eddi_scaffold.compiling.execution import build
@@ -143,20 +142,6 @@ def test_extreme_bounds_are_doubles():
 def test_canonical_text_survives_json():
     assert json.loads(canonical(good())) == good()
     assert canonical(good()).isascii()
-
-
-def test_files_beside_the_model_are_in_its_folder_only(tmp_path):
-    folder = tmp_path / "config"
-    folder.mkdir()
-    (tmp_path / "outside.npy").write_bytes(b"secret")
-    (folder / "rows.npy").write_bytes(b"rows")
-    data = files_in(folder)
-    assert data("rows.npy") == b"rows"
-    for name in ("../outside.npy", str(tmp_path / "outside.npy"), "", ".", "a\\b.npy"):
-        with pytest.raises(ModelError, match="is not the name of a file next to the model"):
-            data(name)
-    with pytest.raises(ModelError, match=r"cannot read .*gone\.npy: No such file"):
-        data("gone.npy")
 
 
 def test_files_of_a_model_in_memory():

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_runtime.documents import ModelError
-
+from eddi_scaffold.compiling.document import ModelError, parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.block import read_block, rewritten
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.checking import check_files
@@ -21,7 +21,6 @@ from eddi_scaffold.language.analysis import analyse
 from eddi_scaffold.language.report import as_json, as_text
 from eddi_scaffold.language.targets import generate
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.execution import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.monitors.model_survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
@@ -349,7 +348,7 @@ def _model_files(folder: Path) -> Made:
 
     def attempt(sample: Sample) -> Steps:
         with contextlib.suppress(ModelError, UnicodeDecodeError):
-            monitor_of(sample.data.decode(), sample.name, {})
+            build(parse_model(sample.data.decode(), sample.name, {}))
         yield
 
     return samples, attempt

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
 
+from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.parts import parts_of
+from eddi_scaffold.compiling.parts import needed_by
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
@@ -30,7 +31,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
     files = dict(monitor.kind.functions.data_files(monitor.model))
     answers["package_data"] = ["model.json", *sorted(files)]
-    answers["parts"] = list(parts_of(parse_model(monitor.model_json)))
+    answers["parts"] = list(needed_by(compile_model(parse_model(monitor.model_json))))
     return PackageAnswers(monitor.package, answers, files), []
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from eddi_scaffold import __version__
+from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.parts import parts_of
+from eddi_scaffold.compiling.parts import needed_by
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.config.schema import Config, SimulatorOutput
@@ -71,8 +72,8 @@ def support_answers(
     """Return the answers of messages, launcher, runtime and metapackage."""
     texts = messages_of(monitors.values())
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
-    models = (parse_model(str(one["model_json"])) for one in monitors.values())
-    parts = {part for model in models for part in parts_of(model)}
+    models = [parse_model(str(one["model_json"])) for one in monitors.values()]
+    parts = {part for model in models for part in needed_by(compile_model(model))}
     listed = sorted(monitors)
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:

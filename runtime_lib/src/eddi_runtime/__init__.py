@@ -1,14 +1,14 @@
 """Runtime monitors generated from Executable Digital Dependability Identities (SESAME D7.2).
 
-``load("config/model.json")`` compiles a model and returns its monitor; ``execute_step`` evaluates
-it once. Pure Python 3.8; only the parts below ``eddi_runtime.transports`` know ROS.
+``compiled.py`` of a generated package is the monitor: its class inherits from the part of its kind
+here, and ``execute_step`` evaluates it once. Pure Python 3.8; only what is below
+``eddi_runtime.transports`` knows ROS.
 """
 
 from .access import by_id, by_key, by_name, joined
-from .compatibility import needs
-from .documents import ModelError
+from .compatibility import ModelError, needs
 from .inputs import EDDIInputBase, InputSpec, InputState
-from .monitor import Monitor, load
+from .monitor import Monitor
 from .version import __version__
 
 FORMATS = (1,)
@@ -26,6 +26,5 @@ __all__ = [
     "by_key",
     "by_name",
     "joined",
-    "load",
     "needs",
 ]

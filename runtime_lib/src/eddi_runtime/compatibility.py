@@ -6,10 +6,23 @@ import hashlib
 from types import ModuleType
 from typing import Mapping
 
-from .documents import ModelError
 from .version import __version__
 
 _MARK = b"\n# sha256 of the lines below: "
+
+
+class ModelError(ValueError):
+    """A monitor cannot run.
+
+    Attributes:
+        path: the file of the compiled monitor, or another name for where it came from.
+        reason: what is wrong, one sentence without a full stop.
+    """
+
+    def __init__(self, path: str, reason: str) -> None:
+        super().__init__(f"{path}: {reason}" if path else reason)
+        self.path = path
+        self.reason = reason
 
 
 def needs(file: str, formats: Mapping[ModuleType, int]) -> None:

@@ -1,14 +1,9 @@
-"""What every monitor offers, and how one is made from a model file."""
+"""What every monitor offers."""
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-from functools import lru_cache
-from pathlib import Path
 from typing import (
     Any,
-    Callable,
     Iterable,
     List,
     Mapping,
@@ -20,9 +15,7 @@ from typing import (
     Union,
 )
 
-from .documents import ModelError
 from .inputs import InputSpec
-from .model_file import ModelFile, read_model
 
 Tree = Tuple[str, Mapping[str, Any]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
@@ -47,9 +40,6 @@ class Standing(NamedTuple):
     active: bool
     lacks: Tuple[Tuple[str, str], ...] = ()
     reason: str = ""
-
-
-_FOLDER = [str(Path(__file__).parent)]
 
 
 class Monitor(Protocol):
@@ -120,56 +110,3 @@ class Monitor(Protocol):
 
     def reset(self) -> None:
         """Forget everything of former steps."""
-
-
-def load(path: Union[str, Path], hooks: Any = None) -> Monitor:
-    """Read a model file and compile its monitor.
-
-    Args:
-        path: the model file.
-        hooks: object with a person's methods, for kinds that have an editable module.
-
-    Raises:
-        ModelError: the file cannot be used; the message has path and reason.
-    """
-    return build(read_model(path), hooks)
-
-
-def build(model_file: ModelFile, hooks: Any = None) -> Monitor:
-    """Compile the monitor of a model that was read.
-
-    Raises:
-        ModelError: the kind is not known, or its part of the model is wrong.
-    """
-    make = _builder(model_file)
-    try:
-        return make(model_file, hooks)
-    except ModelError as problem:
-        raise ModelError(model_file.path, problem.reason) from None
-
-
-_NO_KINDS = frozenset({"expressions", "node", "transports"})
-"""Folders beside those of the kinds."""
-
-
-@lru_cache(maxsize=None)
-def kinds() -> Tuple[str, ...]:
-    """Return the kinds of this runtime: each is a module of its own that offers ``build``."""
-    found = (module.name for module in pkgutil.iter_modules(_FOLDER) if module.ispkg)
-    return tuple(sorted(name for name in found if name not in _NO_KINDS))
-
-
-def _builder(model_file: ModelFile) -> Callable[[ModelFile, Any], Monitor]:
-    kind = model_file.kind
-    if kind not in kinds():
-        known = ", ".join(kinds())
-        reason = f"the kind {kind!r} is not known to this runtime, only {known}"
-        raise ModelError(model_file.path, reason)
-    try:
-        make: Callable[[ModelFile, Any], Monitor] = importlib.import_module(
-            f".{kind}", __package__
-        ).build
-    except ImportError as problem:
-        reason = f"the kind {kind!r} needs {problem.name or 'a module'}, which is not installed"
-        raise ModelError(model_file.path, reason) from None
-    return make

@@ -5,6 +5,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from eddi_runtime import ModelError as RuntimeModelError
 from eddi_runtime.bayesian_network import (
     BayesianNetworkMonitor,
     BayesianNetworkOutput,
@@ -15,7 +16,6 @@ from eddi_runtime.bayesian_network import (
     Outcome,
 )
 from eddi_runtime.bayesian_network import outputs as out
-from eddi_runtime.documents import ModelError as RuntimeModelError
 
 from eddi_scaffold.compiling.bayesian_network import programs
 from eddi_scaffold.compiling.document import ModelError, check_document, digest_of

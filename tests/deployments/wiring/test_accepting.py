@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from eddi_runtime import EDDIInputBase
 
-from eddi_scaffold.monitors.execution import monitor_of
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import run
 from tests.deployments.wiring.test_wiring import CONSERT
@@ -57,7 +58,7 @@ class Message:
 def test_a_default_is_in_use_until_the_first_message(tmp_path: Path) -> None:
     config = written(tmp_path, UNSAFE, ", parameters: [{model: base.yml}]")
     (made,), _ = monitors_of(None, [config])
-    monitor = monitor_of(made.model_json, "model", {})
+    monitor = build(parse_model(made.model_json))
     told = EDDIInputBase()
     vars(told)["E"] = True  # as the generated class begins
     told.bind(monitor.inputs)

@@ -6,7 +6,7 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from ..clock import step_time
-from ..documents import ModelError
+from ..compatibility import ModelError
 from ..inputs import InputSpec, accepted
 from ..monitor import Standing, Tree
 from ..reading import Absent, read

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
-from ..documents import ModelError
+from ..compatibility import ModelError
 
 Array = Any
 """An array of the backend: ``numpy.ndarray``, ``cupy.ndarray`` or ``torch.Tensor``."""

@@ -14,7 +14,7 @@ import rospy
 import rospy.client
 import rospy.names
 
-from ...documents import ModelError
+from ...compatibility import ModelError
 from .master import Peer, Refused, Unreachable, answers_as
 
 _ADVICE = "run `eddi-scaffold upgrade`, or `copier recopy --trust` in the package"
