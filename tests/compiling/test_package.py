@@ -1,0 +1,88 @@
+"""The file in a package: written from its model.json, whatever a person did to it."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.compiling.package import write_compiled
+from eddi_scaffold.regions.generated import record_generated
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "examples/two-conserts/expected/src/eddi_monitor/conserta"
+COMPILED = "src/conserta/compiled.py"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(PACKAGE, tmp_path / "conserta"))
+
+
+def test_it_is_written_again(package: Path) -> None:
+    before = (package / COMPILED).read_bytes()
+    (package / COMPILED).unlink()
+    assert write_compiled(package) is None
+    assert (package / COMPILED).read_bytes() == before
+    assert not (package / ".eddi" / "rejects").exists()
+
+
+def test_the_edit_of_a_person_is_kept_aside(package: Path) -> None:
+    before = (package / COMPILED).read_bytes()
+    (package / COMPILED).write_text("mine = 1\n")
+    assert write_compiled(package) is None
+    assert (package / COMPILED).read_bytes() == before
+    kept = package / ".eddi" / "rejects" / f"{COMPILED}.edited"
+    assert kept.read_text() == "mine = 1\n"
+    record_generated(package)
+    assert write_compiled(package) is None
+    assert len(list(kept.parent.iterdir())) == 1
+
+
+def test_a_damaged_model_gives_a_file_that_says_so(package: Path) -> None:
+    model = package / "config" / "model.json"
+    model.write_text(model.read_text("utf-8").replace("RtE_E0", "RtE_E1"))
+    problem = write_compiled(package)
+    assert problem is not None
+    assert problem.startswith("config/model.json: the content was changed")
+    code = "import sys; sys.path.insert(0, 'src'); import conserta.compiled"
+    runtime = str(ROOT / "runtime_lib" / "src")
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=package,
+        env={"PYTHONPATH": runtime},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "ModelError" in done.stderr.splitlines()[-1]
+    assert "the content was changed" in done.stderr.splitlines()[-1]
+
+
+def test_other_packages_have_none(tmp_path: Path) -> None:
+    launcher = shutil.copytree(PACKAGE.parent / "eddi_monitor_launcher", tmp_path / "launcher")
+    before = sorted(path.name for path in Path(launcher).rglob("*"))
+    assert write_compiled(Path(launcher)) is None
+    assert sorted(path.name for path in Path(launcher).rglob("*")) == before
+
+
+def test_the_command_never_fails_a_task(package: Path) -> None:
+    """A failing task would make Copier drop hand edits."""
+    tool = str(ROOT / "eddi_scaffold" / "compiling")
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-S", tool, *words]
+        return subprocess.run(command, cwd=package, capture_output=True, text=True, check=False)
+
+    done = run("write")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    (package / "config" / "model.json").write_text("{")
+    done = run("write")
+    assert done.returncode == 0
+    assert done.stderr.startswith("error: config/model.json: the file is damaged")
+    assert run("-h").returncode == 0
+    assert run("read").returncode == 2
