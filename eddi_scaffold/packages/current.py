@@ -10,8 +10,10 @@ from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.generated import (
+    answers_digest,
     changed_generated,
     listed_generated,
+    recorded_answers,
     recorded_generated,
 )
 from eddi_scaffold.regions.store import without_sentinel
@@ -42,7 +44,7 @@ def is_current(target: Path, package: PackageAnswers, template: Template, source
         return False
     if any(tree.files.get(name, _NO_FILE).data != data for name, data in package.files.items()):
         return False
-    return _is_whole(target, tree)
+    return recorded_answers(target) == answers_digest(target) and _is_whole(target, tree)
 
 
 _NOTHING = object()

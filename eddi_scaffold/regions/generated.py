@@ -22,6 +22,7 @@ GENERATED = "generated.txt"
 """File of a package's records that every rendering has."""
 _MANIFEST = "manifest.json"
 _EDITED = "edited.txt"
+_ANSWERS = ".copier-answers.yml"
 
 
 def listed_generated(root: Path) -> list[str]:
@@ -69,10 +70,27 @@ def record_generated(root: Path) -> bool:
     }
     if not digests:
         return False
-    text = json.dumps({"sha256": digests}, indent=1, sort_keys=True) + "\n"
+    record = {"answers": answers_digest(root), "sha256": digests}
+    text = json.dumps(record, indent=1, sort_keys=True) + "\n"
     changed = write_file(root, f"{EDDI}/{_MANIFEST}", text.encode())
     note.unlink(missing_ok=True)
     return changed
+
+
+def answers_digest(root: Path) -> str:
+    """Return the SHA-256 of a package's answers, without where the templates lay."""
+    text = read_text(root / _ANSWERS)
+    kept, origin = [], False
+    for line in (text if isinstance(text, str) else "").split("\n"):
+        origin = line.startswith("_") or (origin and line[:1] in {" ", ""})
+        if not origin:
+            kept.append(line)
+    return hashlib.sha256("\n".join(kept).encode()).hexdigest()
+
+
+def recorded_answers(root: Path) -> str:
+    """Return the digest of the answers of the last finished rendering, empty without one."""
+    return str(_manifest(root).get("answers", ""))
 
 
 def changed_generated(root: Path) -> list[str]:
@@ -128,12 +146,18 @@ def _matching(root: Path, line: str) -> list[str]:
 
 
 def _recorded(root: Path) -> dict[str, str]:
+    found = _manifest(root).get("sha256")
+    names = found if isinstance(found, dict) else {}
+    return {name: str(digest) for name, digest in names.items() if inside(root, name)}
+
+
+def _manifest(root: Path) -> dict[str, object]:
     text = read_text(root / EDDI / _MANIFEST)
     try:
-        found = json.loads(text)["sha256"] if isinstance(text, str) else {}
-        return {name: str(digest) for name, digest in found.items() if inside(root, name)}
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        found = json.loads(text) if isinstance(text, str) else {}
+    except (ValueError, RecursionError):
         return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _digest(path: Path) -> str | None:
@@ -146,11 +170,13 @@ def _digest(path: Path) -> str | None:
 __all__ = [
     "GENERATED",
     "SENTINEL",
+    "answers_digest",
     "changed_generated",
     "forget_generated",
     "listed_generated",
     "note_edits",
     "record_generated",
+    "recorded_answers",
     "recorded_generated",
     "replace_generated",
     "save_generated_edits",

@@ -56,6 +56,12 @@ def test_nothing_is_rendered_twice(generate: Callable[[], list[str]], tmp_path: 
     assert tree(tmp_path / "ws") == before
 
 
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), "utf-8")
+
+
 CHANGES: dict[str, Callable[[Path], object]] = {
     "a generated file is gone": lambda p: (p / "setup.py").unlink(),
     "a generated file was edited": lambda p: (p / "setup.py").write_text("# mine\n"),
@@ -63,6 +69,7 @@ CHANGES: dict[str, Callable[[Path], object]] = {
     "an editable file is gone": lambda p: (p / "src/conserta/EDDIInput.py").unlink(),
     "the record of files is gone": lambda p: (p / ".eddi/manifest.json").unlink(),
     "the last rendering is gone": lambda p: shutil.rmtree(p / ".eddi/base"),
+    "its answers were edited": lambda p: edit(p / ".copier-answers.yml", "'10.0'", "'20.0'"),
     "a program cannot be run": lambda p: (p / "scripts/RosNode.py").chmod(0o644),
 }
 

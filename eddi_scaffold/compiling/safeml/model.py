@@ -139,7 +139,7 @@ def read_safeml(model_file: ModelFile) -> SafeMLData:
 def _axes(model: Mapping[str, Any]) -> Axes | None:
     if "axes" not in model:
         reason = "the model has no 'axes', an older eddi-scaffold made it"
-        raise ModelError("", f"{reason}: run `eddi-scaffold generate` again")
+        raise ModelError("", f"{reason}: give `eddi-scaffold upgrade` the model again, with -m")
     if model["axes"] is None:
         return None
     axes = take(model, "axes", dict, "the model")

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from eddi_scaffold import __version__
 from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.parts import needed_by
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
@@ -21,7 +21,7 @@ from eddi_scaffold.platforms.ros1 import templates
 from eddi_scaffold.platforms.ros1.messages import messages_of
 from eddi_scaffold.platforms.ros1.names import LAUNCHER, METAPACKAGE, RUNTIME
 from eddi_scaffold.platforms.ros1.outputs import publication_answers, rows
-from eddi_scaffold.problems import Problem, error
+from eddi_scaffold.problems import EddiError, Place, Problem, error
 
 _RELEASE = ".".join(__version__.split(".")[:3])
 """Version of the packages that all monitors share: they come with the generator."""
@@ -72,8 +72,7 @@ def support_answers(
     """Return the answers of messages, launcher, runtime and metapackage."""
     texts = messages_of(monitors.values())
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
-    models = [parse_model(str(one["model_json"])) for one in monitors.values()]
-    parts = {part for model in models for part in needed_by(compile_model(model))}
+    parts = {part for name, one in monitors.items() for part in _parts(name, one)}
     listed = sorted(monitors)
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
@@ -110,6 +109,18 @@ def support_answers(
             templates.RUNTIME, RUNTIME, "Runtime library of the EDDI monitors", parts=sorted(parts)
         ),
     ]
+
+
+def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:
+    """Return the parts of the runtime that a monitor needs.
+
+    Raises:
+        EddiError: its model cannot be compiled, perhaps of an older release (K028).
+    """
+    try:
+        return needed_by(compile_model(parse_model(str(answers["model_json"]))))
+    except ModelError as refused:
+        raise EddiError(error("K028", refused.reason, Place(package))) from None
 
 
 def _used(monitor: BoundMonitor, source_id: str) -> bool:

@@ -159,7 +159,9 @@ def test_damaged_models_are_refused(change, reason):
 def test_a_model_of_an_older_generator_is_refused():
     made = document(ROWS)
     del made["model"]["axes"]
-    with pytest.raises(ModelError, match=r"older eddi-scaffold made it: run `eddi-scaffold gen"):
+    with pytest.raises(
+        ModelError, match=r"older eddi-scaffold made it: give `eddi-scaffold upgrade`"
+    ):
         compile_model(check_document(signed(made)))
 
 
