@@ -1,0 +1,87 @@
+"""Packages of the last version that compiled models on the robot come over, edits in place."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.checkouts import HERE, git
+
+BEFORE = "9439789"
+pytestmark = pytest.mark.slow
+
+
+class Templates:
+    """A clone of this repository with two versions."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        known = ["git", "-C", str(HERE), "cat-file", "-e", f"{BEFORE}^{{commit}}"]
+        if subprocess.run(known, capture_output=True, check=False).returncode:
+            pytest.skip("the history of this checkout does not reach back so far")
+        command = ["git", "clone", "--quiet", "--shared", str(HERE), str(path)]
+        subprocess.run(command, check=True, capture_output=True)
+        git(path, "tag", "v0.1.0", BEFORE)
+        git(path, "tag", "v0.2.0", "HEAD")
+
+    def eddi(self, version: str, *words: object, cwd: Path) -> str:
+        """Run the command line of a version; return what it printed."""
+        git(self.path, "checkout", "--quiet", version)
+        environment = {**os.environ, "PYTHONPATH": f"{self.path}:{self.path}/runtime_lib/src"}
+        command = [sys.executable, "-m", "eddi_scaffold", *map(str, words)]
+        done = subprocess.run(
+            command, cwd=cwd, env=environment, capture_output=True, text=True, check=False
+        )
+        return f"{done.returncode} {done.stdout}{done.stderr}"
+
+
+def test_they_come_over(tmp_path: Path) -> None:
+    templates = Templates(tmp_path / "templates")
+    examples = templates.path / "examples"
+    conserts, events = examples / "two-conserts", examples / "motor-watch"
+    first = ("-m", conserts / "two_conserts.xml", "-c", conserts / "consert_a_config.yml")
+    second = ("-m", events / "motor_watch.events", "-c", events / "motor_config.yml")
+    third = ("-m", conserts / "two_conserts.xml", "-c", conserts / "consert_b_config.yml")
+    workspace = tmp_path / "ws"
+    (workspace / "src").mkdir(parents=True)
+    for files in (first, second):
+        done = templates.eddi("v0.1.0", "generate", "-w", workspace, *files, cwd=tmp_path)
+        assert done.startswith("0 "), done
+    packages = workspace / "src" / "eddi_monitor"
+    code = packages / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    code.write_text(code.read_text().replace("= RtE_E0.data\n", "= RtE_E0.data and mine()\n"))
+    manifest = packages / "eddi_runtime" / "package.xml"
+    manifest.write_text(manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>"))
+    git(workspace, "init", "--quiet")
+    git(workspace, "add", "--all")
+    git(workspace, "commit", "--quiet", "--message", "old")
+
+    refused = templates.eddi("v0.2.0", "generate", "-w", workspace, *third, cwd=tmp_path)
+    assert refused.startswith("2 "), refused
+    assert "[G024]" in refused
+
+    copier = [str(Path(sys.executable).with_name("copier")), "update", "--trust", "--defaults"]
+    where = packages / "conserta"
+    subprocess.run(
+        [*copier, "--vcs-ref", "v0.2.0", "."], cwd=where, check=True, capture_output=True
+    )
+    compiled = where / "src" / "conserta" / "compiled.py"
+    assert "class Monitor(consert.ConSert):" in compiled.read_text("utf-8")
+    assert code.read_text().count("RtE_E0.data and mine()") == 1
+    git(workspace, "add", "--all")
+    git(workspace, "commit", "--quiet", "--message", "conserta")
+
+    done = templates.eddi("v0.2.0", "upgrade", "-w", workspace, cwd=tmp_path)
+    assert done.startswith("0 "), done
+    assert code.read_text().count("RtE_E0.data and mine()") == 1
+    assert manifest.read_text().count("<!-- ours -->") == 1
+    assert (packages / "motor_watch" / "src" / "motor_watch" / "compiled.py").is_file()
+    assert not list(packages.rglob("*.rej"))
+    done = templates.eddi("v0.2.0", "status", "-w", workspace, cwd=tmp_path)
+    assert done.startswith("0 "), done
+    done = templates.eddi("v0.2.0", "generate", "-w", workspace, *third, cwd=tmp_path)
+    assert done.startswith("0 "), done
