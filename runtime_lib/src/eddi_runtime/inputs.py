@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import traceback
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from .plain_values import one_line
@@ -339,6 +338,8 @@ def _invalid(problem: Exception, before: InputState) -> InputState:
 
 
 def _traceback(problem: BaseException) -> str:
+    import traceback  # noqa: PLC0415 - 3 ms of every start, for what rarely happens
+
     try:
         return "".join(traceback.format_exception(type(problem), problem, problem.__traceback__))
     except Exception:  # noqa: BLE001 - an exception may fail to print itself

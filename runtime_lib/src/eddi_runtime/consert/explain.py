@@ -7,7 +7,6 @@ sets that are kept as the bits of whole numbers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Dict, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 from .graph import Graph
@@ -34,8 +33,7 @@ class Reason(NamedTuple):
     text: str
 
 
-@dataclass(frozen=True)
-class Explanation:
+class Explanation(NamedTuple):
     """Why one guarantee is as it is after the last step.
 
     Attributes:
