@@ -147,7 +147,7 @@ DEEP = f"x = {'-' * 200_000}1\n"
         ({"scripts/RosNode.py": f"x = 0x{'f' * 9000}\n"}, "A001", "a number with too many digits"),
         ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),
         ({"other/EDDIInput.py": "x = 1\n"}, "A003", "several EDDIInput.py"),
-        ({"ConSertA.yml": None}, "A004", "no model is in the package"),
+        ({"ConSertA.yml": None}, "A004", "the package contains no model"),
     ],
 )
 def test_what_cannot_be_adopted(

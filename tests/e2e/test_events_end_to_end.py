@@ -64,7 +64,7 @@ def test_from_two_topics_to_the_guarantee(built, roscore, tmp_path):
         assert "Traceback" not in said, said
     assert {message["id"] for message in messages} == {"MotorFit"}
     assert {tuple(sorted(set(message) - {"header"})) for message in messages} == {
-        ("active", "cleared", "id", "raised", "verdict")
+        ("accepted", "active", "cleared", "id", "raised", "verdict")
     }
     assert sum(message["raised"] for message in messages) == 2
     assert all(message["active"] == (message["verdict"] == TRUE) for message in messages)
