@@ -1,8 +1,8 @@
 """Size and speed of what runs on the robot, beside that of an earlier version, in one run.
 
 For one monitor of each kind: lines and files of the runtime library in a ROS 1 workspace, and of a
-plain package the time from the start of Python to the first step, the time of a step, and the
-resident memory, each above bare Python. Both versions generate the packages themselves.
+plain package the time from the first import to the first step, the time of a step with the inputs at
+their defaults, and the resident memory, each above bare Python. Both versions generate the packages themselves.
 
     python benchmarks/runtime_size.py [--quick] [--json] [--old COMMIT]
 """
@@ -34,13 +34,15 @@ EXAMPLES = {
 }
 
 PROBE = """
-import resource, sys, time
+import time
 def resident():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with open("/proc/self/statm") as pages:
+        return int(pages.read().split()[1]) * 4
 before = resident(), time.perf_counter()
+from {package}.EDDIInput import EDDIInput
 from {package}.EDDIMonitor import EDDIMonitor
-monitor = EDDIMonitor()
-monitor.execute_step(None)
+monitor, values = EDDIMonitor(), EDDIInput()
+monitor.execute_step(values)
 started = time.perf_counter() - before[1]
 memory = resident() - before[0]
 count, took = 1, 0.0
@@ -48,7 +50,7 @@ while took < {seconds}:
     count *= 2
     begin = time.perf_counter()
     for _ in range(count):
-        monitor.execute_step(None)
+        monitor.execute_step(values)
     took = time.perf_counter() - begin
 print(started, took / count, memory)
 """
