@@ -1,8 +1,9 @@
 """Size and speed of what runs on the robot, beside that of an earlier version, in one run.
 
 For one monitor of each kind: lines and files of the runtime library in a ROS 1 workspace, and of a
-plain package the time from the first import to the first step, the time of a step with the inputs at
-their defaults, and the resident memory, each above bare Python. Both versions generate the packages themselves.
+plain package the time from the first import to the first step, the time of a step with the inputs
+at their defaults, and the resident memory, all of these above bare Python. Each version generates
+the packages itself.
 
     python benchmarks/runtime_size.py [--quick] [--json] [--old COMMIT]
 """

@@ -226,7 +226,7 @@ def _about(name: str, data: ConSertData) -> str:
 
 def _judgement(k: int, leaf: Leaf, value: str) -> list[str]:
     """Return the lines that judge a variable: common values here, the rest by the runtime."""
-    judged = f"self.judge({k}, {value})"
+    judged = f"1 if {value} is None else self.judge({k}, {value})"
     if isinstance(leaf, BinaryLeaf):
         return [
             f"        if {value} is True:",

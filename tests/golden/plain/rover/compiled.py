@@ -7,7 +7,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: a12440685af4361217fd1dd4601a0ca094388e11cd9100ef7f7a571c52bd750d
+# sha256 of the lines below: 99aa8c5ca690b2949b7affca0a2f01130d885172a7bee39aa68286490d3d5aa4
 INF = float("inf")
 
 
@@ -60,7 +60,7 @@ class Monitor(consert.ConSert):
         if MapKnown is True:
             MapKnown = 2
         else:
-            MapKnown = 0 if MapKnown is False else self.judge(0, MapKnown)
+            MapKnown = 0 if MapKnown is False else 1 if MapKnown is None else self.judge(0, MapKnown)
         # Distance
         if type(Distance) is float or type(Distance) is int:
             if 2.5 <= Distance <= INF:
@@ -68,22 +68,22 @@ class Monitor(consert.ConSert):
             else:
                 Distance = 0 if Distance == Distance else 1  # NaN is unknown
         else:
-            Distance = self.judge(1, Distance)
+            Distance = 1 if Distance is None else self.judge(1, Distance)
         # 2nd sensor-ok
         if v2 is True:
             v2 = 2
         else:
-            v2 = 0 if v2 is False else self.judge(2, v2)
+            v2 = 0 if v2 is False else 1 if v2 is None else self.judge(2, v2)
         # class
         if v3 is True:
             v3 = 2
         else:
-            v3 = 0 if v3 is False else self.judge(3, v3)
+            v3 = 0 if v3 is False else 1 if v3 is None else self.judge(3, v3)
         # Mode
         if type(Mode) is str:
             Mode = 2 if Mode in {"crawl", "no"} else 0
         else:
-            Mode = self.judge(4, Mode)
+            Mode = 1 if Mode is None else self.judge(4, Mode)
         # And All
         All = Distance if Distance < v2 else v2
         if MapKnown < All:

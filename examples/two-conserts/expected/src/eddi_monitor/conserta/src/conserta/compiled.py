@@ -7,7 +7,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: f9a21c3ba8729242c4970e1b667c9c7141344457a2386bd9b0bbce3b9e6ffdbb
+# sha256 of the lines below: e37fb136cbc0c21243eb1a376e045df0a4be0bccf7c09c82745c96b7cbc4c8eb
 
 
 class Monitor(consert.ConSert):
@@ -40,12 +40,12 @@ class Monitor(consert.ConSert):
         if RtE_A_D0 is True:
             RtE_A_D0 = 2
         else:
-            RtE_A_D0 = 0 if RtE_A_D0 is False else self.judge(0, RtE_A_D0)
+            RtE_A_D0 = 0 if RtE_A_D0 is False else 1 if RtE_A_D0 is None else self.judge(0, RtE_A_D0)
         # RtE_A_E0: //@odeProductPackages.0/@conSerts.0/@runtimeEvidence.0
         if RtE_A_E0 is True:
             RtE_A_E0 = 2
         else:
-            RtE_A_E0 = 0 if RtE_A_E0 is False else self.judge(1, RtE_A_E0)
+            RtE_A_E0 = 0 if RtE_A_E0 is False else 1 if RtE_A_E0 is None else self.judge(1, RtE_A_E0)
         # And System_A_AND: //@odeProductPackages.0/@conSerts.0/@consertGates.0
         System_A_AND = RtE_A_E0 if RtE_A_E0 < RtE_A_D0 else RtE_A_D0
         return (

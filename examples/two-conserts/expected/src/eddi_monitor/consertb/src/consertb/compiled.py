@@ -7,7 +7,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: 73b715218ca923afcb38e416f010c1db4595e8b284086c922e5c8335e01132b7
+# sha256 of the lines below: c7a461568847730a4a8e87b4c75df1c5e69e79a22215128bb51f7fb720ce8e94
 
 
 class Monitor(consert.ConSert):
@@ -36,7 +36,7 @@ class Monitor(consert.ConSert):
         if RtE_A_E0 is True:
             RtE_A_E0 = 2
         else:
-            RtE_A_E0 = 0 if RtE_A_E0 is False else self.judge(0, RtE_A_E0)
+            RtE_A_E0 = 0 if RtE_A_E0 is False else 1 if RtE_A_E0 is None else self.judge(0, RtE_A_E0)
         return (
             RtE_A_E0 == 2,  # System_A_G0_c2: //@odeProductPackages.0/@conSerts.1/@guarantees.0
         )
