@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import linecache
 from collections.abc import Callable
+from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
 from pathlib import PurePath
 from types import ModuleType
@@ -29,7 +30,7 @@ def build(model_file: ModelFile, hooks: Any = None) -> Any:
     return made() if hooks is None else made(hooks)
 
 
-class _Files:
+class _Files(Loader):
     """Gives a module in memory its data files, as loaders of files do (PEP 302)."""
 
     def __init__(self, data: Callable[[str], bytes]) -> None:
@@ -56,6 +57,6 @@ def module_of(text: str, model_id: str, data: Callable[[str], bytes] = _no_data)
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     module = ModuleType(_NAME)
     module.__file__ = name
-    module.__spec__ = ModuleSpec(_NAME, _Files(data), origin=name)  # type: ignore[arg-type]
+    module.__spec__ = ModuleSpec(_NAME, _Files(data), origin=name)
     exec(compile(text, name, "exec"), vars(module))  # noqa: S102 - our own text, in the generator
     return module

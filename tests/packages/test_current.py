@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -32,7 +33,7 @@ def generate(
     rendered: list[str] = []
     render = generation.render
 
-    def counted(answers, *more):  # type: ignore[no-untyped-def]
+    def counted(answers: Mapping[str, object], *more: Any) -> object:
         rendered.append(str(answers["package"]))
         return render(answers, *more)
 

@@ -138,7 +138,7 @@ def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
     """
     for made in vars(compiled).values():
         if isinstance(made, type) and "horizon" in vars(made):
-            made.horizon = hours  # type: ignore[attr-defined]  # it was just asked
+            type.__setattr__(made, "horizon", hours)
     monitor: Reliability = compiled.Monitor()
     return monitor
 

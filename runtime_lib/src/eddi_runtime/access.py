@@ -98,13 +98,13 @@ def gather(message: Any, path: Sequence[Step]) -> List[Any]:
 
 
 def _part(items: Any, step: Sequence[Union[str, int]]) -> List[Any]:
-    items = items.tolist() if hasattr(items, "tolist") else list(items)
+    there: List[Any] = items.tolist() if hasattr(items, "tolist") else list(items)
     if len(step) == 1:
-        return items  # type: ignore[no-any-return]  # a list of whatever a message holds
+        return there
     first, last = int(step[1]), int(step[2])
-    if last >= len(items):
-        raise LookupError(f"[{first}..{last}] is beyond the {len(items)} elements")
-    return items[first : last + 1]  # type: ignore[no-any-return]  # the same
+    if last >= len(there):
+        raise LookupError(f"[{first}..{last}] is beyond the {len(there)} elements")
+    return there[first : last + 1]
 
 
 def _followed(item: Any, path: Sequence[Step]) -> Any:

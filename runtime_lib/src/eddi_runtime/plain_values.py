@@ -16,16 +16,19 @@ def plain(raw: object) -> Union[bool, int, float, str, None]:
     Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
     that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called.
     """
+    if raw is None or type(raw) is float or type(raw) is bool:
+        return raw
+    if type(raw) is int or type(raw) is str:
+        return raw
     kind = type(raw)
-    if kind is bool:
-        return raw  # type: ignore[return-value]  # "is bool" does not narrow object
     numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
     if issubclass(kind, getattr(numpy, "generic", ())):  # nor while another thread imports it
         return _plain_numpy(raw, kind, numpy)
-    if issubclass(kind, float):
-        return float.__float__(raw)  # type: ignore[arg-type]  # a float, by the line above
-    if issubclass(kind, int):
-        return int.__int__(raw)  # type: ignore[arg-type]  # an int, by the line above
+    # "isinstance" also believes "__class__": it only tells mypy what "issubclass" has found.
+    if issubclass(kind, float) and isinstance(raw, float):
+        return float.__float__(raw)
+    if issubclass(kind, int) and isinstance(raw, int):
+        return int.__int__(raw)
     if issubclass(kind, str):
         return str.__str__(raw)
     return None

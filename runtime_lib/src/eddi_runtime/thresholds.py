@@ -27,13 +27,13 @@ class Evidence:
     def __init__(self, threshold: Threshold) -> None:
         self.threshold, self.id = threshold, threshold.id
         self.active = False
-        self._since: Optional[int] = None
+        self._since: Optional[float] = None
 
-    def step(self, now: int, value: float, *, usable: bool) -> bool:
+    def step(self, now: float, value: float, *, usable: bool) -> bool:
         """Return whether the evidence is active.
 
         Args:
-            now: nanoseconds; after a jump back the time to hold begins anew.
+            now: nanoseconds; after a jump back the time to hold begins anew. NaN is no time.
             value: in the worst case; NaN never satisfies a comparison.
             usable: the number may be trusted.
         """

@@ -97,8 +97,7 @@ class Claims:
         self._bounds, self._timely = bounds, now == now  # noqa: PLR0124 - the test for NaN
         for at_least, hold_ns, step, (low, high) in zip(*self._plan, bounds):
             usable = self._timely or not hold_ns
-            # a float only where it is NaN, and that is not used
-            step(now, -low if at_least else high, usable=usable)  # type: ignore[arg-type]
+            step(now, -low if at_least else high, usable=usable)
 
     def lose(self, reason: str) -> None:
         """Let nothing be active, whatever the probabilities are."""

@@ -79,11 +79,12 @@ class DirectReader:
             return None
         if value is not None:
             raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")
-        if not issubclass(type(raw), (list, tuple)):
-            raw = _list_of_array(raw)
-        if not raw:
-            return None
-        return finding(raw, self._states, virtual=self._virtual)  # type: ignore[arg-type]  # a list
+        values: Sequence[object]
+        if issubclass(type(raw), (list, tuple)) and isinstance(raw, (list, tuple)):
+            values = raw
+        else:
+            values = _list_of_array(raw)
+        return finding(values, self._states, virtual=self._virtual) if values else None
 
 
 def _list_of_array(raw: Any) -> List[object]:

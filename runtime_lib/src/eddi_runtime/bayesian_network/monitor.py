@@ -145,10 +145,10 @@ class BayesianNetworkMonitor(Monitor):
             except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, no evidence
                 last.raw = tuple([None if one is value else one for one in last.raw])
                 found = absent(now)
-            if type(found) is int:
+            if isinstance(found, int):
                 states[position] = found
             else:
-                weights[position] = found  # type: ignore[assignment]  # a list, then
+                weights[position] = found
         if answer is not NO_ANSWER:
             answer.put(self._positions, self._missing, states, weights)
         last.states, last.weights = states, weights

@@ -154,15 +154,15 @@ class Discretiser:
     def accepted(self, raw: object, reading: Reading) -> str:
         """Return the key by which a value counted as what was read of it; empty for none."""
         state, value = self._judged(raw)
-        if value is None:
+        number = plain(raw)
+        if value is None or not isinstance(number, (float, int)):
             policy = self._declared.policy
             speaks = policy == "prior" or (state == _ABSENT and reading != self._missing)
             unknown = state in (_ABSENT, self._missing)
             return f"missing: {policy}" if unknown and speaks else ""
-        number = plain(raw)
         if number in (math.inf, -math.inf):
             return "allow_inf: true"
-        return "" if self._low <= number <= self._high else "out_of_range: clamp"  # type: ignore[operator]  # a number
+        return "" if self._low <= number <= self._high else "out_of_range: clamp"
 
     def fault(self, raw: object) -> Optional[str]:
         """Return what is wrong with a value; None for a usable or a missing one."""
@@ -200,9 +200,9 @@ class Discretiser:
             state = special.get(value)
             if state is not None:
                 return state, None
-        if not self._binning or type(value) not in (float, int):
-            return _ABSENT, None
-        return self._number(float(value))  # type: ignore[arg-type]  # a number
+        if self._binning and (type(value) is float or type(value) is int):
+            return self._number(float(value))
+        return _ABSENT, None
 
     def _number(self, value: float) -> Tuple[int, Optional[float]]:
         if value != value:  # noqa: PLR0124 - the test for NaN

@@ -372,7 +372,7 @@ def _standing(
 def _state(source: object, input_id: str) -> Optional[Reason]:
     """Return the reason of ``EDDIInputBase`` for an input without a value, if any."""
     try:
-        found: Any = source.states.get(input_id)  # type: ignore[attr-defined]  # asked, not known
+        found = getattr(source, "states", {}).get(input_id)
         if found is None or found.state == "ok":
             return None
         return Reason(str(found.state), str(found.reason))

@@ -54,7 +54,7 @@ def number(raw: object) -> float:
     """Return a raw value as a number, NaN for UNKNOWN; never raises."""
     value = known_value(raw)
     try:
-        return float(value) if type(value) in (float, int) else math.nan  # type: ignore[arg-type]
+        return float(value) if type(value) is float or type(value) is int else math.nan
     except OverflowError:  # a whole number beyond any double
         return math.nan
 
@@ -76,10 +76,10 @@ def literal(raw: object, literals: Sequence[str]) -> int:
 def scaled(raw: object, num: int, den: int) -> object:
     """Return a number in another unit, None where no double holds it; what is none as it is."""
     value = known_value(raw)
-    if type(value) not in (float, int):
+    if type(value) is not float and type(value) is not int:
         return raw
     try:
-        return value * num / den  # type: ignore[operator]  # a number, by the line above
+        return value * num / den
     except OverflowError:
         return None
 
