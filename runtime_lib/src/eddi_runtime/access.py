@@ -75,7 +75,7 @@ def follow(message: Any, path: Iterable[Step]) -> Any:
     return message
 
 
-def gather(message: Any, path: Sequence[Step]) -> List[Any]:
+def gather(message: object, path: Sequence[Step]) -> List[object]:
     """Return all values at the end of a path with ``["*"]``, every element of a list.
 
     ``["*", first, last]`` is a part of a list, both ends included. An element that cannot be
@@ -97,8 +97,8 @@ def gather(message: Any, path: Sequence[Step]) -> List[Any]:
     return [follow(message, path)]
 
 
-def _part(items: Any, step: Sequence[Union[str, int]]) -> List[Any]:
-    there: List[Any] = items.tolist() if hasattr(items, "tolist") else list(items)
+def _part(items: Any, step: Sequence[Union[str, int]]) -> List[object]:
+    there: List[object] = items.tolist() if hasattr(items, "tolist") else list(items)
     if len(step) == 1:
         return there
     first, last = int(step[1]), int(step[2])
@@ -107,7 +107,7 @@ def _part(items: Any, step: Sequence[Union[str, int]]) -> List[Any]:
     return there[first : last + 1]
 
 
-def _followed(item: Any, path: Sequence[Step]) -> Any:
+def _followed(item: object, path: Sequence[Step]) -> object:
     try:
         return follow(item, path)
     except (AttributeError, LookupError):

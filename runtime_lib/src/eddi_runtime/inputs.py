@@ -17,7 +17,6 @@ UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above every limit until the next one comes."""
 
 _NO_AGES: Dict[str, float] = {}
-_NO_MESSAGES: Dict[str, Sequence[Any]] = {}
 
 
 class InputSpec(NamedTuple):
@@ -82,7 +81,7 @@ class Messages(List[Any]):
 _NEW = InputState("missing", "no message yet")
 
 
-def accepted(specs: Sequence[InputSpec], eddi_input: Any) -> Tuple[str, ...]:
+def accepted(specs: Sequence[InputSpec], eddi_input: object) -> Tuple[str, ...]:
     """Return ``input: key`` for each key of the inputs that is in use in this step; never raises.
 
     Where the messages are not watched (``states``), no input is known to rest on such a key.
@@ -125,9 +124,9 @@ class EDDIInputBase:
         self.states: Dict[str, InputState] = {}
         self.__specs: Dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = _NO_AGES
-        self.__new: Optional[Mapping[str, Sequence[Any]]] = None
+        self.__new: Optional[Mapping[str, Sequence[object]]] = None
         self.__expressions: Dict[str, Any] = {}
-        self.__messages: Mapping[str, Any] = _NO_AGES
+        self.__messages: Mapping[str, object] = _NO_AGES
         self.__now: Optional[int] = None
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
@@ -140,7 +139,7 @@ class EDDIInputBase:
     def begin_step(
         self,
         ages: Optional[Mapping[str, float]] = None,
-        new: Optional[Mapping[str, Sequence[Any]]] = None,
+        new: Optional[Mapping[str, Sequence[object]]] = None,
         t_ns: Optional[int] = None,
     ) -> None:
         """Begin a step.
@@ -160,7 +159,7 @@ class EDDIInputBase:
         self,
         input_id: str,
         process: Callable[..., object],
-        simulator_outputs: Mapping[str, Any],
+        simulator_outputs: Mapping[str, object],
         requires: Sequence[str],
     ) -> None:
         """Call ``process`` with the messages it requires; never raises.
@@ -191,7 +190,7 @@ class EDDIInputBase:
         self,
         input_id: str,
         process: Callable[..., object],
-        simulator_outputs: Mapping[str, Any],
+        simulator_outputs: Mapping[str, object],
         requires: Sequence[str],
     ) -> None:
         """Call ``process`` once for each new message of the first id; never raises.
@@ -219,7 +218,7 @@ class EDDIInputBase:
         self,
         input_id: str,
         process: Callable[..., object],
-        simulator_outputs: Mapping[str, Any],
+        simulator_outputs: Mapping[str, object],
         requires: Sequence[str],
     ) -> None:
         """Call ``process`` in every step, whatever has come; never raises.
@@ -262,10 +261,10 @@ class EDDIInputBase:
     def __received(
         self,
         spec: Optional[InputSpec],
-        simulator_outputs: Mapping[str, Any],
+        simulator_outputs: Mapping[str, object],
         requires: Sequence[str],
         before: InputState,
-    ) -> Tuple[List[Any], InputState]:
+    ) -> Tuple[List[object], InputState]:
         """Return the latest messages, and whether they are there and fresh."""
         messages = [simulator_outputs.get(name) for name in requires]
         if any(message is None for message in messages):
@@ -296,7 +295,7 @@ class EDDIInputBase:
         self,
         attribute: str,
         process: Callable[..., object],
-        messages: Sequence[Any],
+        messages: Sequence[object],
         requires: Sequence[str],
     ) -> Tuple[Messages, Optional[Exception]]:
         """Return the value of each new message, and what was raised last."""
@@ -314,7 +313,7 @@ class EDDIInputBase:
         return values, problem
 
 
-def _missing(messages: Sequence[Any], requires: Sequence[str], before: InputState) -> InputState:
+def _missing(messages: Sequence[object], requires: Sequence[str], before: InputState) -> InputState:
     absent = [name for name, message in zip(requires, messages) if message is None]
     return InputState("missing", f"no message of {', '.join(absent)}", None, before.errors)
 

@@ -23,7 +23,7 @@ class FakeClock:
         self.now += seconds
 
 
-def inputs(monitor: Monitor, values: Mapping[str, Any]) -> SimpleNamespace:
+def inputs(monitor: Monitor, values: Mapping[str, object]) -> SimpleNamespace:
     """Return an object with the given values by input id; the other inputs are None.
 
     Raises:

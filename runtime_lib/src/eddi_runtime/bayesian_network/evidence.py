@@ -29,7 +29,7 @@ class InconsistentEvidenceError(ValueError):
     """The evidence has probability zero: it is impossible in the network."""
 
 
-def finding(values: Sequence[Any], states: Sequence[str], *, virtual: bool = True) -> Finding:
+def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = True) -> Finding:
     """Return the finding in one number per state.
 
     All zero: nothing. One other than zero: that state for sure, whatever the number. Several:
@@ -44,23 +44,24 @@ def finding(values: Sequence[Any], states: Sequence[str], *, virtual: bool = Tru
     Raises:
         EvidenceError: a value is no number, NaN, infinite or negative, or their count is wrong.
     """
-    count = len(values)
+    numbers: Sequence[Any] = values  # what is none raises TypeError, or is found by its type
+    count = len(numbers)
     if count != len(states):
         raise EvidenceError(f"{count} values for {len(states)} states")
-    zeros = values.count(0.0)
+    zeros = numbers.count(0.0)
     if zeros == count:
         return None
     if virtual and zeros == count - 1:
         try:  # the usual case, four times faster
-            largest = max(values)
+            largest = max(numbers)
             if 0.0 < largest < math.inf:
-                return values.index(largest)
+                return numbers.index(largest)
         except TypeError:
             pass
-    elif virtual and set(map(type, values)) == {float} and min(values) >= 0.0:
-        largest = max(values)
-        if sum(values) < math.inf:  # so none is NaN
-            return [number / largest for number in values]
+    elif virtual and set(map(type, numbers)) == {float} and min(numbers) >= 0.0:
+        largest = max(numbers)
+        if sum(numbers) < math.inf:  # so none is NaN
+            return [number / largest for number in numbers]
     return _judged([_number(value, state) for value, state in zip(values, states)], virtual=virtual)
 
 

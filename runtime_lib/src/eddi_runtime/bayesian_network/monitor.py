@@ -211,7 +211,7 @@ class BayesianNetworkMonitor(Monitor):
         found.update((one.id, one.active) for one in self.claims())
         return {**found, "status": self.status_name()}
 
-    def message(self, output: Any) -> Union[Tree, List[Tree], None]:
+    def message(self, output: object) -> Union[Tree, List[Tree], None]:
         """Return an output as a ``BayesianNetworkOutput`` tree; None when there is no posterior."""
         tree, self._output_faults = out.output_message(output)
         return tree

@@ -56,7 +56,7 @@ class BayesianNetworkOutput(_Record):
 class Monitor:
     """The base class of D7.2's monitors."""
 
-    def execute_step(self, eddi_input: Any, t_ns: Optional[int] = None) -> Any:
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> object:
         """Evaluate once.
 
         Raises:
@@ -82,7 +82,7 @@ def as_json(output: Sequence[BayesianNetworkOutput]) -> Optional[List[Dict[str, 
     ]
 
 
-def output_message(output: Any) -> Tuple[Union[Tree, List[Tree], None], Tuple[str, ...]]:
+def output_message(output: object) -> Tuple[Union[Tree, List[Tree], None], Tuple[str, ...]]:
     """Return the ``BayesianNetworkOutput`` tree of an output and what was wrong; never raises.
 
     None when no posterior is given; what a person's code has spoilt is left out and named.
@@ -90,7 +90,7 @@ def output_message(output: Any) -> Tuple[Union[Tree, List[Tree], None], Tuple[st
     if not output and isinstance(output, (list, tuple)):
         return None, ()
     faults: List[str] = []
-    if not issubclass(type(output), (list, tuple)):
+    if not (issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple))):
         return None, ("the output is not a list; nothing is published",)
     trees: List[Tree] = []
     for one in output:

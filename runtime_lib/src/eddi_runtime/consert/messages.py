@@ -8,7 +8,7 @@ from ..monitor import Tree
 from ..plain_values import plain
 
 
-def output_message(output: Any, published: Sequence[str]) -> Tuple[Tree, Tuple[str, ...]]:
+def output_message(output: object, published: Sequence[str]) -> Tuple[Tree, Tuple[str, ...]]:
     """Return the ``ConSertOutput`` tree of an output and what was wrong with it; never raises.
 
     Args:
@@ -16,8 +16,10 @@ def output_message(output: Any, published: Sequence[str]) -> Tuple[Tree, Tuple[s
         published: ids that are published as not active when the output is no list at all.
     """
     faults: List[str] = []
-    rows = output
-    if not issubclass(type(output), (list, tuple)):
+    rows: Sequence[object]
+    if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
+        rows = output
+    else:
         faults.append("the output is not a list; nothing is published as active")
         rows = [{"id": one, "active": False} for one in published]
     trees = [_row_tree(row, faults) for row in rows]

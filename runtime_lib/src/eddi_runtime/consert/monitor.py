@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from typing import (
-    Any,
     Dict,
     Iterable,
     List,
@@ -291,7 +290,7 @@ class ConSert:
         """Return the same: there is nothing but verdicts."""
         return self.series(output)
 
-    def message(self, output: Any) -> Tree:
+    def message(self, output: object) -> Tree:
         """Return an output as a ``ConSertOutput`` tree; never raises.
 
         Only a bool is taken as active: a row that a person's code has spoilt is published as not

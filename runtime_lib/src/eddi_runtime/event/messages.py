@@ -12,7 +12,7 @@ FALSE, UNKNOWN, TRUE = 0, 1, 2
 
 
 def output_messages(
-    output: Any, accepted: Mapping[str, Sequence[str]]
+    output: object, accepted: Mapping[str, Sequence[str]]
 ) -> Tuple[List[Tree], Tuple[str, ...]]:
     """Return the ``EventOutput`` trees of an output and what was wrong with it; never raises.
 
@@ -20,7 +20,7 @@ def output_messages(
         output: what ``execute_step`` gave, or what a person's code made of it.
         accepted: event -> acceptances in use.
     """
-    if not issubclass(type(output), (list, tuple)):
+    if not (issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple))):
         return [], ("the output is not a list; nothing is published",)
     faults: List[str] = []
     trees = [_tree(row, accepted, faults) for row in output]

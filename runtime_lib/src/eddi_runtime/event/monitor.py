@@ -115,7 +115,9 @@ class EventMonitor(Conditions):
             found.append(value if spec.factor is None else scaled(value, *spec.factor))
         return tuple(found)
 
-    def reduce(self, number: int, function: Callable[..., Any], *raws: object) -> object:
+    def reduce(
+        self, number: int, function: Callable[..., Union[float, bool]], *raws: object
+    ) -> object:
         """Return a reduction of lists, and keep why it is not known."""
         value, self._reasons[number] = reduced(function, raws)
         return value
@@ -139,7 +141,7 @@ class EventMonitor(Conditions):
         """Return the same: there is nothing but verdicts."""
         return self.series(output)
 
-    def message(self, output: Any) -> List[Tree]:
+    def message(self, output: object) -> List[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
         trees, self._output_faults = output_messages(output, self._accepted())
         return trees

@@ -20,7 +20,7 @@ class Unknown(Exception):  # noqa: N818 - no error: a reason
 
 
 def reduced(
-    function: Callable[..., Union[float, bool]], raws: Sequence[Any]
+    function: Callable[..., Union[float, bool]], raws: Sequence[object]
 ) -> Tuple[Union[float, bool, None], str]:
     """Return the value of a reduction, None for UNKNOWN, and why it is not known; never raises.
 
@@ -126,7 +126,7 @@ def limited(values: Sequence[float], low: float, high: float) -> List[float]:
     return known(values, (low, high), infinite=True)
 
 
-def length_of(columns: Sequence[Sequence[Any]], wanted: Optional[Tuple[int, int]] = None) -> int:
+def length_of(columns: Sequence[Sequence[object]], wanted: Optional[Tuple[int, int]] = None) -> int:
     """Return how many elements parallel lists have.
 
     Raises:

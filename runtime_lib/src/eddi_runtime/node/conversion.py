@@ -30,9 +30,9 @@ class MessageClasses(NamedTuple):
     """
 
     module: Any
-    fields: Callable[[Any], Iterable[Tuple[str, str]]]
-    type_name: Callable[[Any], str]
-    stamp: Callable[[], Any]
+    fields: Callable[[object], Iterable[Tuple[str, str]]]
+    type_name: Callable[[object], str]
+    stamp: Callable[[], object]
 
 
 class MessageError(TypeError):
@@ -139,7 +139,7 @@ class Converter:
             return [self.message(tree) for tree in trees]
         return self.message(trees)
 
-    def type_name(self, message: Any) -> str:
+    def type_name(self, message: object) -> str:
         """Return ``package/Name`` of a message or of its class."""
         return self._classes.type_name(message)
 

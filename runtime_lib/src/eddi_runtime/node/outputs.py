@@ -33,7 +33,7 @@ def channels(outputs: Iterable[Output]) -> Iterator[Channel]:
             yield Channel("status", output.status_topic, output.status_type)
 
 
-def picked(message: Any, channel: Channel) -> Any:
+def picked(message: object, channel: Channel) -> object:
     """Return what goes to a topic: the message, or the one value of it that is asked for.
 
     Raises:
@@ -48,7 +48,7 @@ def picked(message: Any, channel: Channel) -> Any:
     return channel.type(data=value)
 
 
-def beside(monitor: Any, name: str) -> Trees:
+def beside(monitor: object, name: str) -> Trees:
     """Return the message of that name that a monitor gives beside the result of a step.
 
     Raises:
@@ -62,7 +62,7 @@ def beside(monitor: Any, name: str) -> Trees:
 
 
 def check_outputs(
-    converter: Converter, result: Trees, monitor: Any, outputs: Iterable[Output]
+    converter: Converter, result: Trees, monitor: object, outputs: Iterable[Output]
 ) -> None:
     """Check that the messages of the workspace can carry what the monitor publishes.
 
@@ -84,7 +84,7 @@ def check_outputs(
                 raise MessageError(f"{channel.topic} carries {declared}, the monitor makes {made}")
 
 
-def each(messages: Any) -> List[Any]:
+def each(messages: object) -> List[object]:
     """Return what one step gives as a list."""
     if messages is None:
         return []

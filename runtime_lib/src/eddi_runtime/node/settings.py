@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from typing import Any, List, Mapping, NamedTuple, Optional, Tuple
+from typing import List, Mapping, NamedTuple, Optional, Tuple
 
 ON_MASTER_LOSS = ("reregister", "exit")
 STARTUP_GRACE_S = 10.0
@@ -38,7 +38,7 @@ def _number(value: object) -> Optional[float]:
 
 
 def settings(
-    given: Mapping[str, Any], frequency: float, startup_grace: float = STARTUP_GRACE_S
+    given: Mapping[str, object], frequency: float, startup_grace: float = STARTUP_GRACE_S
 ) -> Tuple[Settings, List[str]]:
     """Return the settings and what is wrong with the given private parameters.
 
@@ -49,7 +49,7 @@ def settings(
     """
     wrong: List[str] = []
 
-    def check(name: str, expected: str, value: Any, fits: bool) -> None:
+    def check(name: str, expected: str, value: object, fits: bool) -> None:
         if not fits:
             wrong.append(f"parameter ~{name}: {expected} expected, got {value!r}")
 
@@ -71,11 +71,11 @@ def settings(
     loss = given.get("on_master_loss", "reregister")
     check("on_master_loss", " or ".join(ON_MASTER_LOSS), loss, loss in ON_MASTER_LOSS)
     size = given.get("queue_size", 1)
-    whole = isinstance(size, int) and not isinstance(size, bool)
-    check("queue_size", "a whole number >= 1", size, whole and size >= 1)
+    count = size if isinstance(size, int) and not isinstance(size, bool) else 0
+    check("queue_size", "a whole number >= 1", size, count >= 1)
     grace = given.get("startup_grace", startup_grace)
     wait = _number(grace)
     check("startup_grace", "seconds >= 0", grace, wait is not None and wait >= 0.0)
     if wrong or hertz is None or seconds is None or wait is None:
         return Settings(frequency), wrong
-    return Settings(hertz, diagnostics, seconds, loss, size, wait), wrong
+    return Settings(hertz, bool(diagnostics), seconds, str(loss), count, wait), wrong

@@ -243,7 +243,7 @@ class Reliability:
         """Return valid and each evidence."""
         return {"valid": output.valid, **output.evidence}
 
-    def message(self, output: Any) -> Tree:
+    def message(self, output: object) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
         return out.output_message(self.model_id, given, self.accepted())

@@ -225,7 +225,7 @@ class SafeML:
         """Return verdict and omission."""
         return {"odd_violation": output.odd_violation, "omission": output.omission}
 
-    def message(self, output: Any) -> Tree:
+    def message(self, output: object) -> Tree:
         """Return a result as a ``SafeMLOutput`` tree; never raises.
 
         What hand-written code has spoilt is published as an omission; ``output_faults`` reports it.

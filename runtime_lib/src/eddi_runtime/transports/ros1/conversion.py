@@ -8,7 +8,7 @@ import rospy
 from ...node.conversion import Converter, MessageClasses
 
 
-def stamp() -> Any:
+def stamp() -> object:
     """Return the time for a header: ROS time, wall time while there is none (no /clock yet)."""
     if rospy.rostime.is_rostime_initialized():
         now = rospy.Time.now()
@@ -17,9 +17,10 @@ def stamp() -> Any:
     return rospy.Time.from_sec(time.time())
 
 
-def ros_type(message: Any) -> str:
+def ros_type(message: object) -> str:
     """Return ``package/Name`` of a ROS message or of its class."""
-    return str(message._type)  # noqa: SLF001 - genpy's interface, in spite of its name
+    known: Any = message
+    return str(known._type)  # noqa: SLF001 - genpy's interface, in spite of its name
 
 
 def _fields(cls: Any) -> Iterable[Tuple[str, str]]:

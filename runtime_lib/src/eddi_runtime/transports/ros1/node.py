@@ -94,7 +94,7 @@ class MonitorNode:
         self._ending = Ending()
         self._ros_time: Any = None
 
-    def create_ros_msg(self, eddi_output: Any) -> Any:
+    def create_ros_msg(self, eddi_output: object) -> object:
         """Return the ROS message of one output of ``EDDIMonitor.execute_step``.
 
         A list when one step gives several messages, None when it gives none.
@@ -146,7 +146,7 @@ class MonitorNode:
             self._health.log_error("report", one_line(caught), traceback.format_exc())
 
     def _evaluate(
-        self, receipts: Mapping[str, Receipt], new: Mapping[str, List[Any]], now: float
+        self, receipts: Mapping[str, Receipt], new: Mapping[str, List[object]], now: float
     ) -> Any:
         self.simulator_values = {name: receipt.message for name, receipt in receipts.items()}
         ages = {name: receipt.age_at(now) for name, receipt in receipts.items()}

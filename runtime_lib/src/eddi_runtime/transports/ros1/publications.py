@@ -36,7 +36,7 @@ class Publications:
         """Names of the messages that somebody was promised beside the result."""
         return [name for name in self._publishers if name]
 
-    def publish(self, message: Any, of: str = "") -> None:
+    def publish(self, message: object, of: str = "") -> None:
         """Publish on every topic of the result, or of a message beside it.
 
         Args:

@@ -6,7 +6,7 @@ A start that cannot work ends here, so that the ROS graph never sees a broken no
 import sys
 import time
 from contextlib import contextmanager
-from typing import Any, Dict, Iterator, Sequence
+from typing import Dict, Iterator, Sequence
 
 import rosgraph
 import rosgraph.names
@@ -96,13 +96,13 @@ def refuse_duplicate(master: Peer, node: str) -> None:
         raise StartError(f"a node with the name {node} is running at {uri}; nothing was started")
 
 
-def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str, Any]:
+def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str, object]:
     """Return the private parameters: the master's, then those of the command line."""
     try:
         given = master.call("getParam", node)
     except (Refused, Unreachable):
         given = {}
-    parameters: Dict[str, Any] = dict(given) if isinstance(given, dict) else {}
+    parameters: Dict[str, object] = dict(given) if isinstance(given, dict) else {}
     try:
         parameters.update(rospy.client.load_command_line_node_params(list(argv)))
     except rospy.ROSInitException as error:

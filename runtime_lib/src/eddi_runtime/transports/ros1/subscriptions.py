@@ -25,10 +25,10 @@ class _Slot:
         self._lock = lock
         self._arrived = arrived
         self._greeted: Dict[str, object] = {}
-        self._queue: Deque[Any] = deque(maxlen=_MAX_QUEUED)
+        self._queue: Deque[object] = deque(maxlen=_MAX_QUEUED)
         self.dropped = 0
 
-    def receive(self, message: Any) -> None:
+    def receive(self, message: object) -> None:
         """Store one message; runs in a thread of rospy."""
         now = time.monotonic()
         header = getattr(message, "_connection_header", None) or {}
@@ -46,14 +46,14 @@ class _Slot:
                 self._queue.append(message)
         self._arrived()
 
-    def taken(self) -> List[Any]:
+    def taken(self) -> List[object]:
         """Return the queued messages, oldest first, and forget them; the caller has the lock."""
         messages = list(self._queue)
         self._queue.clear()
         return messages
 
 
-def _stamped_age(message: Any) -> float:
+def _stamped_age(message: object) -> float:
     """Return how old a message is by its header; one from the future may be of any age, too."""
     made = getattr(getattr(message, "header", None), "stamp", None)
     if not made or not rospy.rostime.is_rostime_initialized():  # a stamp of zero is no time
@@ -97,7 +97,7 @@ class Subscriptions:
         with self._lock:
             return self._receipts()
 
-    def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[Any]]]:
+    def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[object]]]:
         """Return the last messages, and those since the last call of inputs that take each of them.
 
         At one instant: one that came between the two would be new without having been received.
