@@ -91,7 +91,7 @@ class ReplayedNode:
     """
 
     def __init__(
-        self, eddi_input: Any, running: RuntimeMonitor, step: Callable[..., Any] | None = None
+        self, eddi_input: Any, running: RuntimeMonitor[Any], step: Callable[..., Any] | None = None
     ) -> None:
         self._running = running
         self._execute = step or running.execute_step

@@ -50,12 +50,12 @@ class Packaged:
     by_hand: frozenset[str]
     new: Callable[[], tuple[Any, Any]]
 
-    def from_messages(self) -> tuple[RuntimeMonitor, ReplayedNode]:
+    def from_messages(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
         """Return its monitor, and a node that is given messages."""
         eddi_monitor, eddi_input = self.new()
         return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
 
-    def from_values(self) -> tuple[RuntimeMonitor, ReplayedNode]:
+    def from_values(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
         """Return its monitor, and a node whose inputs are given values.
 
         Hand-written lines get a message with the value where one has room for nothing else.

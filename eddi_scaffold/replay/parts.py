@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
 
-def compiled(monitor: BoundMonitor) -> RuntimeMonitor:
+def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
     """Return the monitor as its package would load it; hand-written code is not in it."""
     files = monitor.kind.functions.data_files(monitor.model)
-    made: RuntimeMonitor = build(parse_model(monitor.model_json, monitor.model.name, files))
+    made: RuntimeMonitor[Any] = build(parse_model(monitor.model_json, monitor.model.name, files))
     return made
 
 
@@ -39,7 +39,7 @@ def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
     return frozenset(topic for one in monitors for topic in Publications(one, one.topic).topics)
 
 
-Made = tuple["RuntimeMonitor", ReplayedNode]
+Made = tuple["RuntimeMonitor[Any]", ReplayedNode]
 """A monitor that runs, and a node of it."""
 
 

@@ -39,7 +39,7 @@ class Part:
     """
 
     name: str
-    running: RuntimeMonitor
+    running: RuntimeMonitor[Any]
     node: ReplayedNode
     rhythm: Rhythm
     sources: Mapping[str, Sequence[str]]

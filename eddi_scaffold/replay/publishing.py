@@ -68,7 +68,7 @@ class Publications:
         return frozenset(one.topic for one in self.channels)
 
     def messages(
-        self, running: RuntimeMonitor, output: Any, wanted: Collection[str]
+        self, running: RuntimeMonitor[Any], output: Any, wanted: Collection[str]
     ) -> list[tuple[str, Message]]:
         """Return topic and message of all that a step publishes on the wanted topics."""
         made: dict[str, Sequence[Message]] = {}
@@ -83,7 +83,7 @@ class Publications:
         return published
 
 
-def _make_messages(running: RuntimeMonitor, output: Any, of: str) -> Sequence[Message]:
+def _make_messages(running: RuntimeMonitor[Any], output: Any, of: str) -> Sequence[Message]:
     """Return the result of a step, or one of its additional messages, as messages."""
     trees = getattr(running, f"{of}_message")() if of else running.message(output)
     listed = trees if isinstance(trees, list) else [] if trees is None else [trees]

@@ -102,7 +102,7 @@ def picture(title: str, play: Play) -> str:
     return plot(title, [*tracks_of("inputs", inputs), *tracks_of("outputs", outputs)])
 
 
-def _omission(running: RuntimeMonitor) -> str:
+def _omission(running: RuntimeMonitor[Any]) -> str:
     """Return why there is no verdict, as text for people, where a kind provides it."""
     omission = getattr(running, "omission", None)
     return "" if omission is None else str(omission()[1])
@@ -123,7 +123,7 @@ def _facts(output: object) -> dict[str, Value]:
     return found
 
 
-def _beside(running: RuntimeMonitor, reason: str) -> str:
+def _beside(running: RuntimeMonitor[Any], reason: str) -> str:
     """Return the reason for people where no input that is waited for has it after its name."""
     if not reason or hasattr(running, "omission") or reason == _NO_OTHER:
         return ""
@@ -157,7 +157,7 @@ def _shown(value: Value) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _blocking(running: RuntimeMonitor) -> str:
+def _blocking(running: RuntimeMonitor[Any]) -> str:
     blocked, faults = running.blocked(), running.faults()
     why = _omission(running)
     reasons = {name: faults.get(name) or why for name in blocked}

@@ -52,7 +52,7 @@ def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
     raise _not_one("the name", wanted, len(found), names)
 
 
-def follow(message: Any, path: Iterable[Step]) -> Any:
+def follow(message: object, path: Iterable[Step]) -> object:
     """Return the value at the end of a path in a message.
 
     A step is the name of a field, an index, ``[key, wanted]`` (see ``by_key``), or
@@ -62,17 +62,18 @@ def follow(message: Any, path: Iterable[Step]) -> Any:
         LookupError: an element is not there, or not alone.
         AttributeError: a message has no such field.
     """
+    there: Any = message
     for step in path:
         if isinstance(step, str):
-            message = getattr(message, step)
+            there = getattr(there, step)
         elif isinstance(step, int):
-            message = message[step]
+            there = there[step]
         elif len(step) == 2:
-            message = by_key(message, str(step[0]), step[1])
+            there = by_key(there, str(step[0]), step[1])
         else:
             values, names, wanted = (str(part) for part in step)
-            message = by_name(getattr(message, values), getattr(message, names), wanted)
-    return message
+            there = by_name(getattr(there, values), getattr(there, names), wanted)
+    return there
 
 
 def gather(message: object, path: Sequence[Step]) -> List[object]:
@@ -119,14 +120,15 @@ def _not_one(key: str, wanted: object, count: int, there: Sequence[str]) -> Look
     return LookupError(f"{what} {key} {wanted!r}; there: {', '.join(there) or 'nothing'}")
 
 
-def joined(*parts: Any) -> List[Any]:
+def joined(*parts: object) -> List[float]:
     """Return the numbers of several parts as one list, in this order.
 
     A part is a number, a sequence of numbers, or a message of ``std_msgs`` with ``layout`` and
     ``data``, whose ``data_offset`` is honoured.
     """
-    numbers: List[Any] = []
-    for part in parts:
+    numbers: List[float] = []
+    given: Iterable[Any] = parts
+    for part in given:
         data = part.data[part.layout.data_offset :] if hasattr(part, "layout") else part
         if hasattr(data, "__iter__"):
             numbers.extend(data)

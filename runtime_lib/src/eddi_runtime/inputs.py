@@ -3,7 +3,19 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Tuple,
+    Union,
+)
 
 from .plain_values import one_line
 
@@ -17,6 +29,17 @@ UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above every limit until the next one comes."""
 
 _NO_AGES: Dict[str, float] = {}
+
+
+class Computed(Protocol):
+    """What computes one input from messages (``eddi_runtime.expressions.Expression``)."""
+
+    names: Mapping[str, Tuple[str, str]]
+
+    def value(
+        self, t: int, messages: Mapping[str, object], ages: Mapping[str, float]
+    ) -> Union[bool, float, str, None]:
+        """Evaluate once and return the input's value, None for UNKNOWN."""
 
 
 class InputSpec(NamedTuple):
@@ -44,7 +67,7 @@ class InputSpec(NamedTuple):
     factor: Optional[Tuple[int, int]] = None
     default: Any = None
     every_message: bool = False
-    expression: Optional[Callable[[], Any]] = None
+    expression: Optional[Callable[[], Computed]] = None
     accepts: Tuple[str, ...] = ()
 
 
@@ -125,7 +148,7 @@ class EDDIInputBase:
         self.__specs: Dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = _NO_AGES
         self.__new: Optional[Mapping[str, Sequence[object]]] = None
-        self.__expressions: Dict[str, Any] = {}
+        self.__expressions: Dict[str, Computed] = {}
         self.__messages: Mapping[str, object] = _NO_AGES
         self.__now: Optional[int] = None
 
@@ -272,7 +295,7 @@ class EDDIInputBase:
         ages = [self.__ages.get(name, 0.0) for name in requires]
         return messages, _aged(ages, None if spec is None else spec.max_age, before)
 
-    def expression(self, input_id: str) -> Any:
+    def expression(self, input_id: str) -> Union[bool, float, str, None]:
         """Return what the expression of an input gives in this step, None for UNKNOWN.
 
         Once in a step and only below ``update_expression``: it moves the expression's windows.
@@ -280,7 +303,7 @@ class EDDIInputBase:
         compiled = self.__expressions.get(input_id)
         if compiled is None:
             return None
-        values: Dict[str, Any] = {}
+        values: Dict[str, object] = {}
         ages: Dict[str, float] = {}
         for word, (kind, name) in compiled.names.items():
             if kind == "message":

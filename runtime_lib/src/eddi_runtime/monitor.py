@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from typing import (
-    Any,
     Iterable,
     List,
     Mapping,
@@ -12,13 +11,21 @@ from typing import (
     Protocol,
     Sequence,
     Tuple,
+    TypeVar,
     Union,
 )
 
 from .inputs import InputSpec
 
-Tree = Tuple[str, Mapping[str, Any]]
+Field = Union[str, bool, int, float, Sequence["Field"], "Tree"]
+Tree = Tuple[str, Mapping[str, Field]]
 """A message without ROS: (name, field -> str, bool, int, float, list or Tree)."""
+
+Json = Union[str, bool, int, float, None, Sequence["Json"], Mapping[str, "Json"]]
+"""What ``json`` can write."""
+
+Output = TypeVar("Output")
+"""What a step of one kind of monitor gives."""
 
 Value = Union[bool, float, str, None]
 """A named result for people and plots; None is unknown."""
@@ -42,7 +49,7 @@ class Standing(NamedTuple):
     reason: str = ""
 
 
-class Monitor(Protocol):
+class Monitor(Protocol[Output]):
     """One compiled model. Not thread-safe: the thread that steps it also asks it.
 
     Attributes:
@@ -57,7 +64,7 @@ class Monitor(Protocol):
     kind: str
     inputs: Tuple[InputSpec, ...]
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Any:
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
         """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are.
 
         Args:
@@ -66,19 +73,19 @@ class Monitor(Protocol):
                 machine's monotonic clock. Kinds that know no time ignore it.
         """
 
-    def as_json(self, output: Any) -> Any:
+    def as_json(self, output: Output) -> Json:
         """Return what ``execute_step`` gave as ``json`` can write it."""
 
-    def series(self, output: Any) -> Mapping[str, Value]:
+    def series(self, output: Output) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""
 
-    def decided(self, output: Any) -> Mapping[str, Value]:
+    def decided(self, output: Output) -> Mapping[str, Value]:
         """Return what of an output is a verdict: truth values, states, whether it is valid.
 
         Always the same names; numbers whose last digit changes in every step are not in it.
         """
 
-    def message(self, output: Any) -> Union[Tree, List[Tree], None]:
+    def message(self, output: object) -> Union[Tree, List[Tree], None]:
         """Return what ``execute_step`` gave as a message tree with checked values.
 
         A list of trees when one step gives several messages; None when nothing is to be published.

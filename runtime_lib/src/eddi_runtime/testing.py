@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any, Iterable, Iterator, Mapping
+from typing import Iterable, Iterator, Mapping
 
-from .monitor import Monitor
+from .monitor import Monitor, Output
 
 
 class FakeClock:
@@ -23,7 +23,7 @@ class FakeClock:
         self.now += seconds
 
 
-def inputs(monitor: Monitor, values: Mapping[str, object]) -> SimpleNamespace:
+def inputs(monitor: Monitor[Output], values: Mapping[str, object]) -> SimpleNamespace:
     """Return an object with the given values by input id; the other inputs are None.
 
     Raises:
@@ -36,7 +36,7 @@ def inputs(monitor: Monitor, values: Mapping[str, object]) -> SimpleNamespace:
     return SimpleNamespace(**{attributes[one]: values.get(one) for one in attributes})
 
 
-def script(monitor: Monitor, rows: Iterable[Mapping[str, Any]]) -> Iterator[Any]:
+def script(monitor: Monitor[Output], rows: Iterable[Mapping[str, object]]) -> Iterator[Output]:
     """Yield the output of one step for each row of values by input id."""
     for row in rows:
         yield monitor.execute_step(inputs(monitor, row))

@@ -77,8 +77,8 @@ class Methods:
         outputs: nodes that are flagged as outputs, as far as that is known before the first step.
     """
 
-    def __init__(self, hooks: Any, nodes: Sequence[NodeSpec], *, virtual: bool) -> None:
-        self._hooks = hooks
+    def __init__(self, hooks: object, nodes: Sequence[NodeSpec], *, virtual: bool) -> None:
+        self._hooks: Any = hooks
         self._virtual = virtual
         self._data = _Data()
         self._states = [node.states for node in nodes]

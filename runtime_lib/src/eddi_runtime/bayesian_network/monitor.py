@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from ..clock import step_time
 from ..compatibility import ModelError
 from ..inputs import InputSpec, accepted
-from ..monitor import Standing, Tree
+from ..monitor import Json, Standing, Tree
 from ..reading import Absent, read
 from . import outputs as out
 from .claims import ERROR, UNKNOWN, Claim, Claims
@@ -65,7 +65,7 @@ class BayesianNetworkMonitor(Monitor):
     relevance = False
     remembered = 1024
 
-    def __init__(self, hooks: Any = None) -> None:
+    def __init__(self, hooks: Optional[object] = None) -> None:
         """Make the monitor.
 
         Args:
@@ -179,7 +179,7 @@ class BayesianNetworkMonitor(Monitor):
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
         return self._engine.infer(states, weights) if rows is _UNKNOWN else rows
 
-    def as_json(self, output: Output) -> Optional[List[Dict[str, Any]]]:
+    def as_json(self, output: Output) -> Optional[List[Dict[str, Json]]]:
         """Return an output as JSON; None when no posterior was given."""
         return out.as_json(output)
 
@@ -257,7 +257,7 @@ class BayesianNetworkMonitor(Monitor):
         """Return the last result of each threshold, in the order of the configuration."""
         return [] if self._claims is None else self._claims.rows()
 
-    def beside_json(self) -> Dict[str, Any]:
+    def beside_json(self) -> Dict[str, Json]:
         """Return the results in addition to the posteriors, as ``json`` can write them."""
         return out.evidence_json(self.facts(), self.claims()) if self._claims is not None else {}
 

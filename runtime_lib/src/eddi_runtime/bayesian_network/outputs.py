@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
-from ..monitor import Tree
+from ..monitor import Field, Json, Tree
 from ..plain_values import plain
 from .claims import Claim
 from .knowledge import Facts
@@ -65,7 +65,7 @@ class Monitor:
         raise NotImplementedError
 
 
-def as_json(output: Sequence[BayesianNetworkOutput]) -> Optional[List[Dict[str, Any]]]:
+def as_json(output: Sequence[BayesianNetworkOutput]) -> Optional[List[Dict[str, Json]]]:
     """Return an output as ``json`` writes it; None when no posterior was given."""
     if not output:
         return None
@@ -113,7 +113,7 @@ def status_message(
     relevance: Mapping[str, float],
 ) -> Tree:
     """Return the ``BayesianNetworkStatus`` tree without header."""
-    fields = {
+    fields: Dict[str, Field] = {
         "bayesian_network_id": network_id,
         "status": status,
         "unobserved": list(unobserved),
@@ -127,7 +127,7 @@ def status_message(
     return "BayesianNetworkStatus", fields
 
 
-def evidence_json(facts: Facts, claims: Sequence[Claim]) -> Dict[str, Any]:
+def evidence_json(facts: Facts, claims: Sequence[Claim]) -> Dict[str, Json]:
     """Return the thresholds as ``json`` can write them; a bound that was not computed is None."""
     rows = [one._asdict() for one in claims]
     for row in rows:
@@ -142,7 +142,7 @@ def evidence_json(facts: Facts, claims: Sequence[Claim]) -> Dict[str, Any]:
 
 def evidence_message(network_id: str, facts: Facts, claims: Sequence[Claim]) -> Tree:
     """Return the ``BayesianNetworkEvidence`` tree without header."""
-    fields = {
+    fields: Dict[str, Field] = {
         "bayesian_network_id": network_id,
         "valid": facts.valid,
         "unknown_inputs": list(facts.unknown_inputs),

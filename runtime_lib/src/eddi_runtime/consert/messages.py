@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from ..monitor import Tree
+from ..monitor import Field, Tree
 from ..plain_values import plain
 
 
@@ -41,11 +41,11 @@ def status_message(
         rows: (guarantee id, truth value, missing inputs) of each guarantee.
         accepted: acceptances in use.
     """
-    guarantees = [
+    guarantees: List[Tree] = [
         ("GuaranteeStatus", {"id": name, "verdict": verdict, "missing": missing})
         for name, verdict, missing in rows
     ]
-    fields = {
+    fields: Dict[str, Field] = {
         "model_id": model_id,
         "model_digest": digest,
         "guarantees": guarantees,

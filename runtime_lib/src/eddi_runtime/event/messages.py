@@ -35,9 +35,10 @@ def _tree(row: Any, accepted: Mapping[str, Sequence[str]], faults: List[str]) ->
     except Exception:  # noqa: BLE001 - a person's code may have put anything there
         faults.append("a row of the output is not as execute_step gives it; it is left out")
         return None
-    if not isinstance(name, str) or not known or not all(type(f) is bool for f in flags.values()):
+    sound = {key: flag for key, flag in flags.items() if isinstance(flag, bool)}
+    if not isinstance(name, str) or not known or len(sound) < len(flags):
         faults.append("a row of the output has values of wrong types; it is left out")
         return None
     truth = UNKNOWN if verdict is None else TRUE if verdict else FALSE
-    fields = {"id": name, "verdict": truth, **flags, "accepted": list(accepted.get(name, ()))}
-    return "EventOutput", fields
+    accepts = list(accepted.get(name, ()))
+    return "EventOutput", {"id": name, "verdict": truth, **sound, "accepted": accepts}

@@ -6,7 +6,7 @@ The window state lives here, so that a regenerated package and a hand-written re
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Sequence, Tuple, Union
 
 from ..access import Step, follow, gather
 from ..plain_values import one_line
@@ -36,7 +36,7 @@ class Expression(Conditions):
     states: Tuple[str, ...] = ()
     names: Mapping[str, Tuple[str, str]]
     reason: str
-    step: Callable[[int, Mapping[str, Any], Mapping[str, float]], Tuple[Value, ...]]
+    step: Callable[[int, Mapping[str, object], Mapping[str, float]], Tuple[Value, ...]]
 
     def __init__(self) -> None:
         self.reset()
@@ -50,7 +50,7 @@ class Expression(Conditions):
     def value(
         self,
         t: int,
-        messages: Mapping[str, Any],
+        messages: Mapping[str, object],
         ages: Optional[Mapping[str, float]] = None,
     ) -> Union[bool, float, int, str, None]:
         """Evaluate once and return the input's value, None for UNKNOWN; never raises.
@@ -77,7 +77,9 @@ class Expression(Conditions):
             return float(found[0])
         return round(found[0]) if math.isfinite(found[0]) else None
 
-    def field(self, messages: Mapping[str, Any], word: str, path: Path, *checks: Check) -> Any:
+    def field(
+        self, messages: Mapping[str, object], word: str, path: Path, *checks: Check
+    ) -> object:
         """Return a value of a message, None when it cannot be read; the first reason is kept."""
         message = messages.get(word)
         if message is None:
@@ -96,11 +98,11 @@ class Expression(Conditions):
     def reduce(
         self,
         number: int,
-        function: Callable[..., Any],
-        messages: Mapping[str, Any],
+        function: Callable[..., Union[float, bool]],
+        messages: Mapping[str, object],
         word: str,
-        *fields: Sequence[Any],
-    ) -> Any:
+        *fields: Sequence[object],
+    ) -> object:
         """Return a reduction of a message; that of the same message as before is not done anew.
 
         Args:
@@ -113,7 +115,8 @@ class Expression(Conditions):
         message = messages.get(word)
         before, value = self._reduced.get(number, (None, None))
         if message is None or message is not before:
-            raws = [self.field(messages, word, *one) for one in fields]
+            asked: Sequence[Sequence[Any]] = fields
+            raws = [self.field(messages, word, *one) for one in asked]
             value, reason = reduced(function, raws)
             if message is not None:
                 self.reason = self.reason or reason
@@ -121,7 +124,7 @@ class Expression(Conditions):
         return value
 
 
-def read_path(message: Any, path: Path) -> Any:
+def read_path(message: object, path: Path) -> object:
     """Return a field of a message; a time or duration of ROS is its seconds.
 
     Raises:
@@ -134,9 +137,10 @@ def read_path(message: Any, path: Path) -> Any:
     return value if to_sec is None else to_sec()
 
 
-def _is_measurement(message: Any, value: Any, check: Check) -> bool:
+def _is_measurement(message: object, value: Any, check: Check) -> bool:
     """Return whether a message marks a value of it as measured."""
     if check[0] == "unless":
         return bool(follow(message, check[1]) != check[2])
-    low, high = (follow(message, path) for path in check[1:])
+    limits: Iterator[Any] = (follow(message, path) for path in check[1:])
+    low, high = limits
     return bool(math.isinf(value) or low <= value <= high)

@@ -83,7 +83,7 @@ def root(x: float) -> float:
     return math.sqrt(x) if 0.0 <= x < math.inf else math.nan
 
 
-def column(raw: Any, name: str, convert: Callable[[object], Any] = number_of) -> List[Any]:
+def column(raw: object, name: str, convert: Callable[[object], float] = number_of) -> List[float]:
     """Return a list as a column of floats or truth values.
 
     Raises:
@@ -91,7 +91,7 @@ def column(raw: Any, name: str, convert: Callable[[object], Any] = number_of) ->
     """
     if raw is None:
         raise Unknown(f"no {name}")
-    items = raw.tolist() if hasattr(raw, "tolist") else raw
+    items: Any = raw.tolist() if hasattr(raw, "tolist") else raw
     if isinstance(items, str) or not hasattr(items, "__len__"):
         raise Unknown(f"{name} is no list")
     if len(items) > MAX_ELEMENTS:

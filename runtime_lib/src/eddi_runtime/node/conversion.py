@@ -10,8 +10,10 @@ import math
 import numbers
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
-Convert = Callable[[object], Any]
-Trees = Union[Tuple[str, Any], List[Tuple[str, Any]], None]
+from ..monitor import Tree
+
+Convert = Callable[[object], object]
+Trees = Union[Tree, List[Tree], None]
 """What one step of a monitor gives: one message tree, several, or none."""
 
 _INTEGERS = {f"{sign}int{bits}": (sign, bits) for sign in ("", "u") for bits in (8, 16, 32, 64)}
@@ -105,7 +107,7 @@ class Converter:
         self._classes = classes
         self._plans: Dict[str, Tuple[Any, Dict[str, Convert], Optional[str]]] = {}
 
-    def message(self, tree: Tuple[str, Any]) -> Any:
+    def message(self, tree: Tree) -> object:
         """Build one message.
 
         Raises:
@@ -127,7 +129,7 @@ class Converter:
             getattr(built, header).stamp = self._classes.stamp()
         return built
 
-    def messages(self, trees: Trees) -> Any:
+    def messages(self, trees: Trees) -> object:
         """Build what one step gives: a message, a list of them, or None.
 
         Raises:
@@ -175,7 +177,7 @@ class Converter:
         convert_one = self._convert(field, element)
         size = int(length) if length else None
 
-        def convert(value: object) -> List[Any]:
+        def convert(value: object) -> List[object]:
             if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
                 raise _wrong(field, kind, value)
             return [convert_one(item) for item in value]
@@ -183,7 +185,7 @@ class Converter:
         return convert
 
     def _nested(self, field: str, kind: str) -> Convert:
-        def convert(value: object) -> Any:
+        def convert(value: object) -> object:
             if not isinstance(value, tuple) or len(value) != 2:
                 raise _wrong(field, kind, value)
             built = self.message(value)

@@ -3,6 +3,8 @@
 import time
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from ..inputs import EDDIInputBase, InputSpec
+from ..monitor import Monitor, Output
 from .logs import LOG
 from .receipts import Receipt
 from .report import (
@@ -72,13 +74,17 @@ class Health:
     """
 
     def __init__(
-        self, monitor: Any, eddi_input: Any, period: float, startup_grace: float = 0.0
+        self,
+        monitor: Monitor[Output],
+        eddi_input: EDDIInputBase,
+        period: float,
+        startup_grace: float = 0.0,
     ) -> None:
-        self._monitor = monitor
+        self._monitor: Monitor[Any] = monitor
         self._eddi_input = eddi_input
         self._period = period
         self._grace = startup_grace
-        self._inputs: Tuple[Any, ...] = tuple(monitor.inputs)
+        self._inputs = tuple(monitor.inputs)
         self._seen = _Seen(time.monotonic())
         self._reasons = _Reasons()
         self._changes = Changes()
@@ -209,7 +215,7 @@ class Health:
         return report(identity, facts, reasons.monitor, node)
 
     def _fact(
-        self, spec: Any, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
+        self, spec: InputSpec, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
     ) -> InputFact:
         here = [receipts[name] for name in spec.requires if name in receipts]
         whole = len(here) == len(spec.requires)
@@ -224,13 +230,13 @@ class Health:
         )
 
 
-def _sources(spec: Any, seen: _Seen, topics: Mapping[str, str]) -> Tuple[SourceFact, ...]:
+def _sources(spec: InputSpec, seen: _Seen, topics: Mapping[str, str]) -> Tuple[SourceFact, ...]:
     """Return the topics of an input, with the ages that they had in the step."""
     ages = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
     return tuple(SourceFact(topics.get(name, name), ages.get(name)) for name in spec.requires)
 
 
-def _latched(spec: Any, receipts: Mapping[str, Receipt]) -> bool:
+def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:
     return any(name in receipts and receipts[name].latched for name in spec.requires)
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec, accepted
-from ..monitor import Standing, Tree
+from ..monitor import Json, Standing, Tree
 from ..reading import read
 from ..thresholds import Evidence, Threshold
 from . import result as out
@@ -231,7 +231,7 @@ class Reliability:
         """Return input id -> how often its value could not be used, since the start."""
         return self._counts
 
-    def as_json(self, output: ReliabilityResult) -> Mapping[str, Any]:
+    def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
         """Return a result with its names; what is not finite becomes None."""
         return out.as_json(output)
 

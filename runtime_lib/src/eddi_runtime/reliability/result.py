@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Mapping, NamedTuple, Sequence, Tuple, Union
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
-from ..monitor import Tree
+from ..monitor import Field, Json, Tree
 
 Value = Union[bool, float, str, None]
 
@@ -44,7 +44,7 @@ class ReliabilityResult(NamedTuple):
 _NUMBERS = ("p_fail", "p_fail_low", "p_fail_high", "reliability", "mttf")
 
 
-def as_json(result: ReliabilityResult) -> Dict[str, Any]:
+def as_json(result: ReliabilityResult) -> Dict[str, Json]:
     """Return a result as ``json`` can write it; what is not finite becomes None."""
     numbers = {name: _finite(getattr(result, name)) for name in _NUMBERS}
     return {
@@ -72,7 +72,11 @@ def output_message(model: str, result: ReliabilityResult, accepted: Sequence[str
         result: of the last step.
         accepted: acceptances in use.
     """
-    fields = {
+    evidence: List[Tree] = [
+        ("ReliabilityEvidence", {"id": name, "active": active})
+        for name, active in result.evidence.items()
+    ]
+    fields: Dict[str, Field] = {
         "model": model,
         "valid": result.valid,
         "p_fail": result.p_fail,
@@ -83,10 +87,7 @@ def output_message(model: str, result: ReliabilityResult, accepted: Sequence[str
         "horizon_seconds": result.horizon * 3600.0,
         "unknown_inputs": list(result.unknown),
         "reason": result.reason,
-        "evidence": [
-            ("ReliabilityEvidence", {"id": name, "active": active})
-            for name, active in result.evidence.items()
-        ],
+        "evidence": evidence,
         "accepted": list(accepted),
     }
     return "ReliabilityOutput", fields

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from functools import partial
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from .arrays import NUMPY, Array, Backend
 class Torch(Backend):
     """PyTorch, on the first CUDA device where there is one."""
 
-    def __init__(self, module: Any) -> None:
+    def __init__(self, module: ModuleType) -> None:
         device = module.device("cuda" if module.cuda.is_available() else "cpu")
         self.name = "torch"
         self.array = lambda values: module.as_tensor(np.ascontiguousarray(values), device=device)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from functools import partial
+from types import ModuleType
 from typing import Any, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
@@ -31,7 +32,7 @@ class Backend:
         positions: sorted flat array, keys -> for each key how many elements are <= it.
     """
 
-    def __init__(self, module: Any = np, name: str = "numpy") -> None:
+    def __init__(self, module: ModuleType = np, name: str = "numpy") -> None:
         self.name = name
         self.array: Any = module.asarray
         self.numpy: Any = getattr(module, "asnumpy", module.asarray)

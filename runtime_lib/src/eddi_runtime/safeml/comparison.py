@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping, Optional
+from typing import Callable, Mapping, Optional, SupportsFloat
 
 from .anderson_darling import AndersonDarling
 from .arrays import NUMPY, Array, Backend
@@ -48,6 +48,6 @@ class Comparison:
         flat = rows.reshape(-1, self.m)
         return self.backend.ranks(flat, flat, equal=True).reshape(rows.shape)
 
-    def value(self, statistic: Any) -> float:
+    def value(self, statistic: SupportsFloat) -> float:
         """Return a statistic on its usual scale: D = n m D / (n m) for Kolmogorov-Smirnov."""
         return float(statistic) / (self.n * self.m) if self.metric == "ks" else float(statistic)

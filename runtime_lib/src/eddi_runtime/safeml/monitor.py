@@ -235,7 +235,7 @@ class SafeML:
         sound = isinstance(omission, bool) and isinstance(violation, bool)
         self._output_faults = () if sound else (_SPOILT,)
         fields = {
-            "omission": omission if sound else True,
+            "omission": omission is not False or not sound,
             "odd_violation": violation is True,
             "significance_level": self.significance_level,
         }

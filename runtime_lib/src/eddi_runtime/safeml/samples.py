@@ -28,7 +28,7 @@ class Taken(NamedTuple):
     fault: str = ""
 
 
-def take(value: Any, features: int, *, single: bool) -> Taken:
+def take(value: object, features: int, *, single: bool) -> Taken:
     """Read samples out of a value; never raises an Exception.
 
     Args:

@@ -1,6 +1,7 @@
 """Messages as genpy makes their classes, and the time that stands in their headers."""
 
 import time
+from types import ModuleType
 from typing import Any, Iterable, Tuple
 
 import rospy
@@ -27,7 +28,7 @@ def _fields(cls: Any) -> Iterable[Tuple[str, str]]:
     return zip(cls.__slots__, cls._slot_types)
 
 
-def converter(messages: Any) -> Converter:
+def converter(messages: ModuleType) -> Converter:
     """Return what makes messages of a package; rospy itself counts ``header.seq``.
 
     Args:

@@ -6,9 +6,9 @@ caller for minutes.
 
 import http.client
 import xmlrpc.client
-from typing import Any, Optional, Tuple, Union
+from typing import Any, Dict, Optional, Tuple, Union
 
-Address = Union[str, Tuple[str, Any]]
+Address = Union[str, Tuple[str, Dict[str, str]]]
 TIMEOUT_S = 2.0
 
 
@@ -17,7 +17,7 @@ class _Transport(xmlrpc.client.Transport):
         super().__init__()
         self._timeout = timeout
 
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+    def make_connection(self, host: Address) -> http.client.HTTPConnection:
         connection = super().make_connection(host)
         connection.timeout = self._timeout
         return connection

@@ -9,10 +9,11 @@ from ...node.outputs import Channel, channels, each, picked
 from ...node.topics import Output
 
 
-def check_serialises(message: Any) -> None:
+def check_serialises(message: object) -> None:
     """Raise what rospy would raise once somebody listens; for messages made by hand."""
-    if message is not None:
-        message.serialize(BytesIO())
+    made: Any = message
+    if made is not None:
+        made.serialize(BytesIO())
 
 
 class Publications:
