@@ -137,9 +137,12 @@ class EDDIInputBase:
     """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None.
 
     Attributes:
+        processing: takes the latest messages by SimulatorOutput id; generated classes have it.
         states: input id -> how the last ``processing`` went. For reports only: monitors decide
             by the values of the attributes.
     """
+
+    processing: Callable[[Mapping[str, Any]], object]
 
     # Two underscores: an input may be called anything else, `_ages` as well.
 

@@ -49,6 +49,13 @@ class Standing(NamedTuple):
     reason: str = ""
 
 
+class Steps(Protocol):
+    """What a node steps: the generated ``EDDIMonitor``, or a monitor itself."""
+
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> object:
+        """Evaluate once, see ``Monitor``."""
+
+
 class Monitor(Protocol[Output]):
     """One compiled model. Not thread-safe: the thread that steps it also asks it.
 

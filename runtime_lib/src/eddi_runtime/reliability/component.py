@@ -63,7 +63,7 @@ def sure(p: float, reliability: float, mttf: float, reason: str = "") -> Estimat
     return _new(Estimate, (p, p, reliability, mttf, (), reason))
 
 
-def reader(names: Sequence[str]) -> Callable[[Values], Tuple[Any, ...]]:
+def reader(names: Sequence[str]) -> Callable[[Values], Tuple[object, ...]]:
     """Return what reads the values of some inputs as a tuple."""
     if len(names) == 1:
         (name,) = names

@@ -6,7 +6,7 @@ caller for minutes.
 
 import http.client
 import xmlrpc.client
-from typing import Any, Dict, Optional, Tuple, Union
+from typing import Dict, Optional, Tuple, Union
 
 Address = Union[str, Tuple[str, Dict[str, str]]]
 TIMEOUT_S = 2.0
@@ -45,7 +45,7 @@ class Peer:
         self._caller = caller
         self._timeout = timeout
 
-    def call(self, method: str, *arguments: object) -> Any:
+    def call(self, method: str, *arguments: object) -> object:
         """Call one method of the ROS master or slave API and return its value.
 
         Raises:

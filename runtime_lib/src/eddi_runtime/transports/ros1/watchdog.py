@@ -126,8 +126,10 @@ class Watchdog:
             uri = None  # a dead registration of our name
         publishing = _own_topics()
         try:
-            nodes = dict(self._master.call("getSystemState")[0])
-            types = dict(self._master.call("getTopicTypes"))
+            state: Any = self._master.call("getSystemState")
+            nodes = dict(state[0])
+            kinds: Any = self._master.call("getTopicTypes")
+            types = dict(kinds)
         except (Unreachable, Refused):
             return
         # Any single call may have made a new master know the node, but not all of its topics.
@@ -190,7 +192,7 @@ def reregister(master: Peer, node: str, own_uri: str) -> None:
     for topic, kind in topics.get_publications():
         master.call("registerPublisher", topic, kind, own_uri)
     for topic, kind in topics.get_subscriptions():
-        publishers: List[str] = master.call("registerSubscriber", topic, kind, own_uri)
+        publishers = master.call("registerSubscriber", topic, kind, own_uri)
         own.call("publisherUpdate", topic, publishers)
     for service, uri in services.get_services():
         master.call("registerService", service, uri, own_uri)
