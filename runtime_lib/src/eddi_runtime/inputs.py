@@ -65,7 +65,7 @@ class InputSpec(NamedTuple):
     requires: Tuple[str, ...] = ()
     max_age: Union[float, str, None] = None
     factor: Optional[Tuple[int, int]] = None
-    default: Any = None
+    default: object = None
     every_message: bool = False
     expression: Optional[Callable[[], Computed]] = None
     accepts: Tuple[str, ...] = ()
@@ -142,7 +142,7 @@ class EDDIInputBase:
             by the values of the attributes.
     """
 
-    processing: Callable[[Mapping[str, Any]], object]
+    processing: Callable[[Mapping[str, object]], object]
 
     # Two underscores: an input may be called anything else, `_ages` as well.
 

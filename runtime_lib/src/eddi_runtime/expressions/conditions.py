@@ -30,7 +30,7 @@ class Conditions:
     windows: Tuple[Any, ...] = ()
     last: Optional[int]
     since: int
-    outputs: Tuple[Any, ...]
+    outputs: Tuple[object, ...]
 
     def __init__(self) -> None:
         self.restart()

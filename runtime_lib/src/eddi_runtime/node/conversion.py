@@ -8,6 +8,7 @@ here, and a message is always filled completely.
 import contextlib
 import math
 import numbers
+from types import ModuleType
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 from ..monitor import Tree
@@ -31,7 +32,7 @@ class MessageClasses(NamedTuple):
         stamp: returns the present time for a header.
     """
 
-    module: Any
+    module: ModuleType
     fields: Callable[[object], Iterable[Tuple[str, str]]]
     type_name: Callable[[object], str]
     stamp: Callable[[], object]

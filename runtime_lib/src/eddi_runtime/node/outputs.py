@@ -2,7 +2,7 @@
 
 from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
-from ..access import follow
+from ..access import Step, follow
 from .conversion import Converter, MessageError, Trees
 from .topics import Output
 
@@ -21,7 +21,7 @@ class Channel(NamedTuple):
     of: str
     topic: str
     type: Any
-    field: Tuple[Any, ...] = ()
+    field: Tuple[Step, ...] = ()
     only: Optional[str] = None
 
 

@@ -1,6 +1,6 @@
 """What is known about the last message of an input."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..inputs import UNKNOWN_AGE
 
@@ -16,7 +16,7 @@ class Receipt(NamedTuple):
             latching publisher, and no header says when it was made.
     """
 
-    message: Any
+    message: object
     at: float
     received: int
     age: float = 0.0

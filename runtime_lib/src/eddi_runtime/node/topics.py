@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple, Optional, Tuple
 
+from ..access import Step
+
 DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
 
 
@@ -45,6 +47,6 @@ class Output(NamedTuple):
     type: Any
     status_topic: Optional[str] = None
     status_type: Any = None
-    field: Tuple[Any, ...] = ()
+    field: Tuple[Step, ...] = ()
     only: Optional[str] = None
     of: str = ""

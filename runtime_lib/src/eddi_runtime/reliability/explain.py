@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Mapping, NamedTuple, Tuple
+from typing import List, Mapping, NamedTuple, Tuple
 
 from .component import Importance
 from .result import ReliabilityResult
@@ -24,7 +24,7 @@ class Explanation(NamedTuple):
     """
 
     result: ReliabilityResult
-    known: Mapping[str, Any]
+    known: Mapping[str, object]
     unknown: Mapping[str, str]
     faults: Mapping[str, str]
     contributions: Tuple[Tuple[str, float], ...]
