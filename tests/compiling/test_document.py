@@ -5,9 +5,11 @@ import copy
 import json
 
 import pytest
+from eddi_runtime import EDDIInputBase
 
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import (
+    RESERVED_ATTRIBUTES,
     ModelError,
     canonical,
     check_document,
@@ -166,3 +168,8 @@ def test_what_json_cannot_hold_is_damage():
 def test_an_expression_says_what_its_words_mean(names):
     with pytest.raises(ModelError, match=r"'expression' of .* has no 'names'"):
         check_document(signed(change(["inputs", 0, "expression"], {"names": names})))
+
+
+def test_no_input_hides_a_member_of_the_base_class():
+    members = {name for name in vars(EDDIInputBase) if not name.startswith("_")}
+    assert RESERVED_ATTRIBUTES - {"processing", "states"} == members

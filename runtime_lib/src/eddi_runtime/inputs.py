@@ -19,12 +19,6 @@ from typing import (
 
 from .plain_values import one_line
 
-RESERVED_ATTRIBUTES = frozenset(
-    {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
-    | {"update_expression"}
-)
-"""Members of ``EDDIInputBase``: no input can be held in an attribute of these names."""
-
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above every limit until the next one comes."""
 
