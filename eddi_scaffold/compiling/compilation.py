@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from eddi_scaffold.compiling.bayesian_network import emission as bayesian_network
 from eddi_scaffold.compiling.consert import emission as consert
@@ -70,15 +69,20 @@ def whole_text(
         about += ["", f"Model: {comment(source)} {comment(path) if isinstance(path, str) else ''}"]
     lines = [*expressions.expression_lines(model_file.inputs), *lines]
     body = "\n".join(lines)
-    used = _used(body)
+    optional = _MODULES.get(model_file.kind, ())
+    used = _used(body, ("InputSpec", "expressions", *optional))
     if "expressions" in used:
         parts = {**parts, "expressions": expressions.FORMAT}
-    constants = [f"{name} = {text}" for name, text in _CONSTANTS.items() if name in used]
+    constants = [
+        f"{name} = {text}"
+        for name, text in _CONSTANTS.items()
+        if name in body and re.search(rf"\b{name}\b", body) is not None
+    ]
     below = "\n".join([*constants, "", "", *lines]) + "\n"
     formats = {"eddi_runtime": CORE_FORMAT, **parts}
     needs = ", ".join(f"{name}: {one}" for name, one in formats.items())
     names = ["InputSpec", *parts] if "InputSpec" in used else [*parts]
-    modules = [one for one in _MODULES.get(model_file.kind, ()) if one in used]
+    modules = [one for one in optional if one in used]
     docstring = "\n".join(map(str.rstrip, about)).replace("\\", "?").replace('"', "'")
     return (
         f'"""{docstring}{chr(10) if len(about) > 1 else ""}"""\n\n'
@@ -90,17 +94,14 @@ def whole_text(
     )
 
 
-def _used(body: str) -> set[str]:
-    """Return the names that a text calls, takes attributes of, or has as numbers.
+def _used(body: str, names: Iterable[str]) -> set[str]:
+    """Return those names that a text calls, or takes attributes of.
 
     Variables that are called as inputs of the model are none of them.
     """
-    found = set(_CONSTANTS) & set(re.findall(r"\w+", body))
-    for node in ast.walk(ast.parse(body)):
-        owner = node.func if isinstance(node, ast.Call) else getattr(node, "value", None)
-        if isinstance(node, ast.Call | ast.Attribute) and isinstance(owner, ast.Name):
-            found.add(owner.id)
-    return found
+    there = [name for name in names if name in body]  # quick: most of a large text is numbers
+    pattern = r"(?<![\w.])(?<!def ){}[.(]"
+    return {name for name in there if re.search(pattern.format(name), body) is not None}
 
 
 def _imported(part: str, modules: Sequence[str]) -> str:

@@ -235,6 +235,7 @@ def ladder(levels):
     return [f"e{k}" for k in range(2 * levels + 2)], [], gates, ["G", "H"], edges
 
 
+@pytest.mark.slow
 def test_a_chain_of_50_000_gates():
     count = 50_000
     gates = [f"g{k}&" for k in range(count)]

@@ -92,7 +92,13 @@ def play(case: Case, folder: Path) -> tuple[int, str]:
 CASES = [case for path in sorted(FOLDER.glob("*.txt")) for case in read_cases(path)]
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.title.replace(" ", "_"))
+SLOW = {"B301 a table that takes long"}
+PLAYED = [
+    pytest.param(case, marks=[pytest.mark.slow] if case.title in SLOW else []) for case in CASES
+]
+
+
+@pytest.mark.parametrize("case", PLAYED, ids=[case.title.replace(" ", "_") for case in CASES])
 def test_text_of_the_diagnostic(case: Case, tmp_path: Path) -> None:
     status, printed = play(case, tmp_path)
     if os.environ.get("UPDATE_DIAGNOSTICS"):

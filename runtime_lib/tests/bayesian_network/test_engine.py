@@ -60,6 +60,7 @@ def test_posteriors_are_exact(seed, count):
             assert rows is None or furthest(rows, want) < 1e-12
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 10**9))
 def test_larger_networks_and_both_tiers_agree(seed):
     pytest.importorskip("numpy")

@@ -64,6 +64,7 @@ def evidence(case, net, engine):
     return states, weights
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tables", [True, False])
 def test_posteriors(tables):
     oracle = yaml.safe_load(shared("bn/oracle.yml").read_text("utf-8"))

@@ -74,6 +74,7 @@ THRESHOLDS = [
 MORE = {"on_unknown": "worst_case", "horizon": 1.0, "thresholds": THRESHOLDS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_evidence_with_an_unknown_input_holds_for_every_value_that_it_may_have(kind):
     part, ranges = KINDS[kind]

@@ -58,6 +58,7 @@ def random_tree(chance, coherent):
     return events, gates
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coherent", [True, False])
 def test_random_trees_equal_enumeration(coherent):
     chance = random.Random(7)

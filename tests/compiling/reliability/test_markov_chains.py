@@ -124,6 +124,7 @@ CLOSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CLOSED)
 def test_rotors_equal_their_closed_form(name):
     motors = CONFIGURATIONS[name]

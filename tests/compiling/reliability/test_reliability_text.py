@@ -106,6 +106,7 @@ def test_an_attribute_that_cannot_be_read_is_unknown() -> None:
     assert one.faults()["m0"] == "reading it raised RuntimeError"
 
 
+@pytest.mark.slow
 def test_very_many_units_are_counted() -> None:
     one = monitor([{**UNITS, "k": 4990, "rate": 1e-3, "max": None}], ["n"])
     known = one.execute_step(SimpleNamespace(n=5000), 0)

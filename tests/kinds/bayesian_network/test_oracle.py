@@ -47,6 +47,7 @@ def row(network: Network, wanted: str) -> list[float]:
     return list(node.table[index * width : (index + 1) * width])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", cases("posteriors"), ids=ident)
 def test_posteriors(case: dict[str, Any]) -> None:
     model = read_path(shared("bn") / case["file"])

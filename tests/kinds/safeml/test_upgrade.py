@@ -86,7 +86,9 @@ def test_a_package_that_cannot_be_compiled_is_not_written(tmp_path: Path) -> Non
     document["sha256"] = digest_of(document)
     group.present["scope"]["model_json"] = json.dumps(document)
     before = (tmp_path / "out" / "scope" / "compiled.py").read_bytes()
-    with pytest.raises(EddiError, match=r"no 'axes', an older .* give `eddi-scaffold upgrade` the model"):
+    with pytest.raises(
+        EddiError, match=r"no 'axes', an older .* give `eddi-scaffold upgrade` the model"
+    ):
         write_packages(group.root, targets(group, None, [])[0], own_template())
     assert (tmp_path / "out" / "scope" / "compiled.py").read_bytes() == before
 
