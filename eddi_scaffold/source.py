@@ -43,6 +43,22 @@ class Source:
         """Return the bytes as a seekable stream, which the caller closes."""
         return io.BytesIO(self.data)
 
+    def text(self, code: str) -> str:
+        """Return the content as text, without a byte order mark.
+
+        Args:
+            code: of the problem if it is none.
+
+        Raises:
+            EddiError: it is not UTF-8 text; the place is that of the first byte that is wrong.
+        """
+        try:
+            return self.data.decode("utf-8-sig")
+        except UnicodeDecodeError as problem:
+            *above, line = self.data[: problem.start].decode("utf-8", "replace").split("\n")
+            place = Place(self.name, len(above) + 1, len(line) + 1)
+            raise EddiError(error(code, "the file is not UTF-8 text", place)) from None
+
     @property
     def stem(self) -> str:
         """File name without folder and suffix."""

@@ -44,3 +44,11 @@ def test_too_large(tmp_path: Path) -> None:
     with pytest.raises(EddiError, match="more than the limit of 3"):
         read_source(path, limit=3)
     assert read_source(path) == Source(str(path), b"1234")
+
+
+def test_text_that_is_none_has_the_place_of_its_first_wrong_byte() -> None:
+    assert Source("f", "\ufeffü".encode()).text("E001") == "ü"
+    with pytest.raises(EddiError) as failure:
+        Source("f", "a\nüb\xff".encode("latin-1").replace(b"\xfc", "ü".encode())).text("E001")
+    (problem,) = failure.value.problems
+    assert (problem.code, problem.place.line, problem.place.col) == ("E001", 2, 3)

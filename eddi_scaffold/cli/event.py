@@ -99,7 +99,7 @@ def event(
 def _source(text: str | None, file: Path | None) -> tuple[str, str]:
     """Return the text and the name of its file."""
     from eddi_scaffold.language.findings import EXPRESSION
-    from eddi_scaffold.problems import EddiError, Place, error
+    from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.source import read_source
 
     if (text is None) == (file is None):
@@ -108,10 +108,7 @@ def _source(text: str | None, file: Path | None) -> tuple[str, str]:
     path = file if file is not None else _file_of(text or "")
     if path is None:
         return text or "", EXPRESSION
-    try:
-        return read_source(path).data.decode("utf-8-sig"), str(path)
-    except UnicodeDecodeError:
-        raise EddiError(error("E001", "the file is not UTF-8 text", Place(str(path)))) from None
+    return read_source(path).text("E001"), str(path)
 
 
 def _name_of(file: Path) -> str:

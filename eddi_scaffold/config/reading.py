@@ -122,16 +122,16 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
             continue
         try:
             source = file.read(name)
-            texts[name] = source.data.decode("utf-8-sig")
         except EddiError as failure:
             (problem,) = failure.problems
             place = file.place("EDDIInputs", index, "expression_file")
             hint = problem.hint if problem.code == "F009" else _near(Path(file.path(name)))
             problems.append(about_file(replace(problem, hint=hint), name, place))
-        except UnicodeDecodeError as wrong:
-            line = source.data.count(b"\n", 0, wrong.start) + 1
-            place = Place(source.name, line, 1)
-            problems.append(error("E001", "the file is not UTF-8 text", place))
+            continue
+        try:
+            texts[name] = source.text("E001")
+        except EddiError as failure:
+            problems += failure.problems
     return texts, problems
 
 

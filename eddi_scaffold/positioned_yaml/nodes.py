@@ -32,7 +32,7 @@ from eddi_scaffold.positioned_yaml.scalars import (
     value_12,
 )
 from eddi_scaffold.positioned_yaml.writer import Verbatim, dump_plain, quoted
-from eddi_scaffold.problems import Place, Problem, error, info
+from eddi_scaffold.problems import EddiError, Place, Problem, error, info
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -89,10 +89,9 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         message = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
         return None, [error(code, message, Place(source.name))]
     try:
-        text = source.data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        before = source.data[: problem.start].decode("utf-8", "replace")
-        return None, [error(code, "the file is not UTF-8", _place_after(source.name, before))]
+        text = source.text(code)
+    except EddiError as refused:
+        return None, list(refused.problems)
     node, problems = _Composer(source.name, code, text).compose()
     if _IS_SLOW and len(source.data) > _LARGE:
         message = "PyYAML has no C loader on this machine: reading takes ten times as long"

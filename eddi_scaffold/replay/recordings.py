@@ -165,10 +165,9 @@ def read_recording(
         The recording, ``None`` when a problem is an error, and all problems (I001 to I009, I015).
     """
     try:
-        text = source.data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        where = Place(source.name, source.data.count(b"\n", 0, problem.start) + 1)
-        return None, [error("I001", "the file is not UTF-8 text", where)]
+        text = source.text("I001")
+    except EddiError as refused:
+        return None, list(refused.problems)
     reader = _Reader(source.name, types)
     lines = [line.removesuffix("\r") for line in text.split("\n")]
     recording = reader.read(lines)

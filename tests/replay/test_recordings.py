@@ -58,7 +58,7 @@ def test_cells_by_type():
         ("\n e \n", ["2:1: I001 the header has no column t (time in seconds)"]),
         ("t;e\n0;1\n", ["1:2: I001 cells are separated by semicolons, commas are expected"]),
         ("t\te\n0\t1\n", ["1:2: I001 cells are separated by tabs, commas are expected"]),
-        (b"t,e\n0,\xff\n", ["2:None: I001 the file is not UTF-8 text"]),
+        (b"t,e\n0,\xff\n", ["2:3: I001 the file is not UTF-8 text"]),
         ("t,e,e\n", ["1:5: I002 the column 'e' is repeated"]),
         ("t,e,t\n", ["1:5: I002 the column 't' is repeated"]),
         ("t,e, Speed\n", ["1:6: I003 no input has the id 'Speed'"]),

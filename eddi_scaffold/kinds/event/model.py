@@ -47,11 +47,9 @@ EventModel = TypedModel[Events, None]
 def read_file(source: Source, _marks: Sequence[str] = ()) -> Reading:
     """Read a file of events; what depends on the rate is checked by ``configure``."""
     try:
-        text = source.data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        line = source.data.count(b"\n", 0, problem.start) + 1
-        place = Place(source.name, line, 1)
-        return Reading((), (error("E001", "the file is not UTF-8 text", place),))
+        text = source.text("E001")
+    except EddiError as refused:
+        return Reading((), refused.problems)
     analysis = analyse(text, any_rate=True, name=source.name)
     problems = [*analysis.problems, *_numbers(analysis, source)]
     if has_errors(problems):

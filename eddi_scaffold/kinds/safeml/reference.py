@@ -12,7 +12,7 @@ import numpy as np
 
 from eddi_scaffold.kinds.safeml.design import Rows
 from eddi_scaffold.kinds.safeml.model import ReferenceSample
-from eddi_scaffold.problems import Place, Problem, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.source import Source
 
 MAX_BYTES = 512 * 1024 * 1024
@@ -37,9 +37,9 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
         column of a place are the row and the column of the cell.
     """
     try:
-        text = source.data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return None, [error("L004", "the reference is not UTF-8 text", Place(source.name))]
+        text = source.text("L004")
+    except EddiError as refused:
+        return None, list(refused.problems)
     lines = _filled_lines(text)
     if not lines:
         return None, [error("L004", "the reference is empty", Place(source.name), _WRITTEN)]
