@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.document import InputData
+from eddi_scaffold.compiling.document import InputData, ModelFile
 from eddi_scaffold.compiling.expressions.emission import expression_classes
 from eddi_scaffold.compiling.text import (
     Item,
@@ -20,7 +20,23 @@ from eddi_scaffold.compiling.text import (
 )
 
 
-def input_lines(inputs: Sequence[InputData], paths: Mapping[str, str]) -> list[str]:
+def head_lines(base: str, model_file: ModelFile, paths: Mapping[str, str]) -> list[str]:
+    """Return the first lines of the class ``Monitor``: whose monitor it is, and its inputs.
+
+    Args:
+        base: class of the runtime that it inherits from.
+        model_file: the model.
+        paths: input id -> fragment path of its element in the EDDI.
+    """
+    return [
+        f"class Monitor({base}):",
+        f"    model_id = {text_literal(model_file.id)}",
+        f'    digest = "{model_file.digest}"',
+        *_input_lines(model_file.inputs, paths),
+    ]
+
+
+def _input_lines(inputs: Sequence[InputData], paths: Mapping[str, str]) -> list[str]:
     """Return the lines of the class attribute ``inputs``; expressions are classes above it.
 
     Args:

@@ -40,8 +40,9 @@ def needed_by(text: str) -> tuple[str, ...]:
     Args:
         text: of ``compiled.py``.
     """
+    head = text.partition("\neddi_runtime.needs(")[0]  # the rest may be megabytes of numbers
     wanted: list[str] = []
-    for node in ast.parse(text).body:
+    for node in ast.parse(head).body:
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             runtime, _, part = node.module.partition(".")
             if runtime == "eddi_runtime":

@@ -35,7 +35,7 @@ from eddi_scaffold.compiling.bayesian_network.text import (
 )
 from eddi_scaffold.compiling.bayesian_network.width import TooWideError
 from eddi_scaffold.compiling.document import ModelError, ModelFile
-from eddi_scaffold.compiling.inputs import attribute_of, input_lines
+from eddi_scaffold.compiling.inputs import attribute_of, head_lines
 from eddi_scaffold.compiling.text import (
     Group,
     Item,
@@ -87,10 +87,7 @@ def module_lines(
     rest = None if further is None else module.program(further, "all_", loop=True)
     lines = [
         *module.lines(),
-        f"class Monitor({_ROOM}.BayesianNetworkMonitor):",
-        f"    model_id = {text_literal(model_file.id)}",
-        f'    digest = "{model_file.digest}"',
-        *input_lines(model_file.inputs, {}),
+        *head_lines(f"{_ROOM}.BayesianNetworkMonitor", model_file, {}),
         *_nodes(model),
         *assignment("given", literal(model.outputs), 4),
         *assignment("foreseen", main, 4),

@@ -16,7 +16,7 @@ from eddi_scaffold.compiling.consert.model import (
     read_consert,
 )
 from eddi_scaffold.compiling.document import ModelError, ModelFile, take
-from eddi_scaffold.compiling.inputs import attribute_of, input_lines
+from eddi_scaffold.compiling.inputs import attribute_of, head_lines
 from eddi_scaffold.compiling.text import (
     Group,
     Item,
@@ -83,10 +83,7 @@ def lines_of(
         raise ModelError("", f"constant without being meant as default: {listed}")
     chosen = _filter(model_file.settings)
     lines = [
-        "class Monitor(consert.ConSert):",
-        f"    model_id = {text_literal(model_file.id)}",
-        f'    digest = "{model_file.digest}"',
-        *input_lines(model_file.inputs, data.paths),
+        *head_lines("consert.ConSert", model_file, data.paths),
         *_tables(data, graph),
     ]
     if chosen is not None:

@@ -8,7 +8,7 @@ from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile, t
 from eddi_scaffold.compiling.expressions.form import BOOL, Form, read_form, used_variables
 from eddi_scaffold.compiling.expressions.sampling import HostInput, Sampling
 from eddi_scaffold.compiling.expressions.source import Source, names_of, stamp_name
-from eddi_scaffold.compiling.inputs import attribute_of, input_lines
+from eddi_scaffold.compiling.inputs import attribute_of, head_lines
 from eddi_scaffold.compiling.text import (
     Part,
     assignment,
@@ -41,10 +41,7 @@ def lines_of(model_file: ModelFile) -> list[str]:
     types = (_type(given.get(spec.id)) for spec in model_file.inputs)
     events = _events(form, sampling, places, model_file.model)
     lines = [
-        "class Monitor(event.EventMonitor):",
-        f"    model_id = {text_literal(model_file.id)}",
-        f'    digest = "{model_file.digest}"',
-        *input_lines(model_file.inputs, {}),
+        *head_lines("event.EventMonitor", model_file, {}),
         *assignment("types", tuple_of(types), 4),
         *assignment("events", tuple_of(events), 4),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile
-from eddi_scaffold.compiling.inputs import attribute_of, input_lines
+from eddi_scaffold.compiling.inputs import attribute_of, head_lines
 from eddi_scaffold.compiling.reliability import chains, trees
 from eddi_scaffold.compiling.reliability.markov import Chain, mean_times
 from eddi_scaffold.compiling.reliability.model import (
@@ -93,11 +93,8 @@ def _about(name: str, component: Component, plan: Plan) -> str:
 
 
 def _monitor(model_file: ModelFile, plan: Plan) -> Iterator[str]:
-    yield "class Monitor(reliability.Reliability):"
-    yield f"    model_id = {text_literal(model_file.id)}"
-    yield f'    digest = "{model_file.digest}"'
     owners = {key: plan.places[name] for key, name in plan.owners.items()}
-    yield from input_lines(model_file.inputs, owners)
+    yield from head_lines("reliability.Reliability", model_file, owners)
     read = [one for one in model_file.inputs if one.id in plan.rules]
     rules = (Item(_rule(plan.rules[one.id]), f"{text_literal(one.id)}: ") for one in read)
     yield from assignment("rules", Group("{", tuple(rules), "}"), 4)
