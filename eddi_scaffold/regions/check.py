@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from eddi_scaffold.regions.bodies import same_body
-from eddi_scaffold.regions.files import stays
+from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines, separator_lines
+from eddi_scaffold.regions.files import entries, read_regular, stays
 from eddi_scaffold.regions.generated import GENERATED
 from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, parse
 from eddi_scaffold.regions.markers import with_sig
-from eddi_scaffold.regions.merge import kind_of
+from eddi_scaffold.regions.merge import check_text, kind_of
 from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.placements import adopt_ids
 from eddi_scaffold.regions.review import doubtful_names
@@ -26,6 +27,8 @@ from eddi_scaffold.regions.store import (
 )
 from eddi_scaffold.regions.sync import Refusal, linked_folders
 
+_PROBE = 8000
+"""Bytes in which git looks for a zero byte, to tell that a file is no text."""
 State = Literal["untouched", "edited", "orphaned", "rejected", "broken"]
 
 
@@ -69,7 +72,31 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
         note = "put the edit where it belongs now, then delete this file"
         file = f"{EDDI}/rejects/{name}"
         found.append(RegionStatus(name, file, None, "rejected", (note,), review=True))
-    return tuple(found)
+    return (*found, *_conflicts(root, {one.file for one in found if one.state == "broken"}))
+
+
+def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
+    """Return the text files with conflict markers, but for our copies of text without a place."""
+    kept = (f"{EDDI}/orphans/", f"{EDDI}/rejects/")
+    return [
+        _broken(Refusal(name, lines[0], CONFLICT))
+        for name, kind in entries(root, skip=("__pycache__", ".git"))
+        if kind is None and name not in known and not name.startswith(kept)
+        if (lines := _conflict_lines(root, name))
+    ]
+
+
+def _conflict_lines(root: Path, name: str) -> Sequence[int]:
+    try:
+        data = read_regular(root / name)
+    except OSError:
+        return ()
+    if b"\0" in data[:_PROBE]:
+        return ()
+    text = data.decode("latin-1")  # lines are the same in any encoding
+    lines = conflict_lines(text)
+    alone = () if lines else separator_lines(text)
+    return alone if alone and check_text(name, text) is not None else lines
 
 
 def _has_lost_renderings(records: Path) -> bool:

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines
 from eddi_scaffold.regions.markers import Marker, decode_id, encode_id, indent_of, read_marker
 
-_CONFLICT = re.compile(r"^(?:<{7}|>{7})(?:\s|$)")
 _DEFINITION = re.compile(r"^([ \t]*)(?:async\s+)?(def|class)\s+(\w+)")
 _PLACEHOLDER = re.compile(r"^\s*'''eddi region (\S+)'''\s*$")
 
@@ -121,14 +121,12 @@ def parse(text: str) -> tuple[MarkedFile, list[Fault]]:
 @lru_cache(maxsize=32)  # a sync looks at a rendering and a person's text several times
 def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     lines = split_lines(text)
-    faults: list[Fault] = []
+    faults = [Fault(number, CONFLICT) for number in conflict_lines(text)]
     parts: list[str | Region] = []
     scopes = _scopes(lines)
     begin: Marker | None = None
     body: list[str] = []
     for number, line in enumerate(lines, 1):
-        if _CONFLICT.match(line):
-            faults.append(Fault(number, "unresolved merge conflict; resolve it first"))
         marker = read_marker(line, number)
         if isinstance(marker, str):
             faults.append(Fault(number, marker))

@@ -329,6 +329,26 @@ def test_orphans_rejects_and_damage_are_listed(package: Path) -> None:
     assert sorted(states) == ["broken", "orphaned", "rejected"]
 
 
+@pytest.mark.parametrize("marker", ["<<<<<<< HEAD", "||||||| 1a2b3c4", "=======", ">>>>>>> side"])
+@pytest.mark.parametrize("file", ["README.md", "own/notes.txt", ".eddi/manifest.json"])
+def test_a_conflict_marker_is_looked_at(package: Path, marker: str, file: str) -> None:
+    text = f"Heading\n=======\n\n{marker}\n>>>>>>>> no marker\n"
+    write_file(package, file, text.encode())
+    found = [one for one in list_regions(package) if one.state == "broken"]
+    expected = [] if marker == "=======" else [(file, 4, True)]
+    assert [(one.file, one.line, one.review) for one in found] == expected
+
+
+def test_what_is_no_conflict_marker_is_not_looked_at(package: Path) -> None:
+    save_reject(package, "a.py", b"<<<<<<< before updating\n", ".edited")
+    write_file(package, "recording.bag", b"\0\n<<<<<<< HEAD\n")
+    write_file(package, "notes.txt", b"see <<<<<<< HEAD\n <<<<<<< HEAD\n<<<<<<<<\n")
+    write_file(package, "own.py", b"'''Example\n=======\n'''\n")
+    assert not [one for one in list_regions(package) if one.state == "broken"]
+    write_file(package, "own.py", b"a = 1\n=======\n")
+    assert [one.line for one in list_regions(package) if one.state == "broken"] == [2]
+
+
 def test_a_package_needs_no_editable_file(tmp_path: Path) -> None:
     write_file(tmp_path, ".eddi/generated.txt", b"a.py\n# eddi-scaffold: end of rendering\n")
     assert list_regions(tmp_path) == ()

@@ -1,0 +1,23 @@
+"""Conflict markers that git or Copier left in a text."""
+
+from __future__ import annotations
+
+import re
+
+CONFLICT = "unresolved merge conflict; resolve it first"
+_SIDE = re.compile(r"^(?:<{7}|\|{7}|>{7})(?=\s|$)", re.MULTILINE)
+_MIDDLE = re.compile(r"^={7}(?=\r?$)", re.MULTILINE)
+
+
+def conflict_lines(text: str) -> tuple[int, ...]:
+    """Return the lines with the marker of a side, counted from 1."""
+    return _lines(_SIDE, text)
+
+
+def separator_lines(text: str) -> tuple[int, ...]:
+    """Return the lines that are ``=======``: in text without a syntax, a heading's underline."""
+    return _lines(_MIDDLE, text)
+
+
+def _lines(pattern: re.Pattern[str], text: str) -> tuple[int, ...]:
+    return tuple(text.count("\n", 0, found.start()) + 1 for found in pattern.finditer(text))
