@@ -15,7 +15,10 @@ from eddi_scaffold.platforms import DEFAULT
 def check(
     files: Annotated[
         list[Path],
-        typer.Argument(help="EDDI XML, model files of a kind, eddi_config.yml, .rossystem, .ros."),
+        typer.Argument(
+            help="EDDI XML, model files of a kind, eddi_config.yml, .rossystem, .ros; or folders "
+            "with such files."
+        ),
     ],
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
@@ -38,10 +41,17 @@ def check(
     """
     from eddi_scaffold.cli.console import console, count_line
     from eddi_scaffold.deployments.checking import BY_HAND, ByHand, check_files
+    from eddi_scaffold.monitors.folders import files_of
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
     from eddi_scaffold.robot.robot_models import check_robots
 
+    unread: list[Path] = []
+    for folder in [file for file in files if file.is_dir()]:
+        inside, rest = files_of(folder)
+        at = files.index(folder)
+        files[at : at + 1] = inside
+        unread += rest
     robots = [file for file in files if named_like_mros(file.name)]
     others = [file for file in files if file not in robots]
     found, robot = check_robots(robots, others, models)
@@ -55,6 +65,8 @@ def check(
         by_hand = [one.of for one in problems if isinstance(one, ByHand)]
         if by_hand and not console.verbose:
             console.say(f"{BY_HAND}{', '.join(by_hand)}")
+        if unread:
+            console.say(f"not checked: {', '.join(map(str, unread))}")
         names = ", ".join(str(file) for file in files)
         more = f" (-v shows {count_line(problems)})" if problems and not shown else ""
         console.say(f"{count_line(shown) or 'no problems'} in {names}{more}")

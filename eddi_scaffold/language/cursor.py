@@ -43,8 +43,12 @@ class Cursor:
     def _expect(self, symbol: str, shown: str | None = None) -> None:
         if not self._is_symbol(symbol):
             wanted = shown or repr(symbol)
-            self._fail("E002", f"{wanted} is expected, found {self._token.shown}")
+            hint = self._comparison_hint() if symbol in {")", ","} else None
+            self._fail("E002", f"{wanted} is expected, found {self._token.shown}", hint=hint)
         self._k += 1
+
+    def _comparison_hint(self) -> str | None:
+        return "`==` compares two values" if self._is_symbol("=") else None
 
     def _new_name(self, what: str) -> Identifier:
         token = self._token

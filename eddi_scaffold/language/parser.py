@@ -68,9 +68,8 @@ class _Parser(ExpressionParser):
             try:
                 readers.get(self._declaration(), bare)()
                 if not self._at_declaration():
-                    self._fail(
-                        "E003", f"unexpected {self._token.shown}: the text before is complete"
-                    )
+                    message = f"unexpected {self._token.shown}: the text before is complete"
+                    self._fail("E003", message, hint=self._comparison_hint())
             except Wrong:
                 broken.add(self._declared)
                 self._skip(before)

@@ -16,7 +16,7 @@ from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.unread import foreign, unread
 from eddi_scaffold.source import Source, read_source
 
-_YAML_SUFFIXES = (".yml", ".yaml")
+YAML_SUFFIXES = (".yml", ".yaml")
 _HEAD = 4096
 _CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
 _CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
@@ -61,7 +61,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         message = "this describes the robot's nodes, it is not a model of its dependability"
         hint = "parse-rossystem, or generate --system with --models, reads it"
         return Reading((), (error("F003", message, Place(source.name), hint),))
-    if source.name.lower().endswith(_YAML_SUFFIXES):
+    if source.name.lower().endswith(YAML_SUFFIXES):
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].functions.read_file(source, default_guarantees)
     known = ", ".join(kind.title for kind in kinds().values())

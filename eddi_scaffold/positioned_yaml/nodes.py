@@ -9,6 +9,7 @@ bombs, recursive aliases and deep nesting are a message like any other mistake.
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -213,10 +214,18 @@ class _Composer:
         except yaml.MarkedYAMLError as problem:
             mark = problem.problem_mark or problem.context_mark
             place = Place(self.name) if mark is None else self._place(mark)
+            if mark is not None and self._has_tab(mark.line):
+                message = "this is not YAML: a tab indents this line"
+                raise _Stop(message, place, "indent with spaces") from None
             parts = [part for part in (problem.context, problem.problem) if part]
             raise _Stop(f"this is not YAML: {': '.join(parts)}", place) from None
         except yaml.reader.ReaderError as problem:
             raise _Stop(*self._unreadable(problem)) from None
+
+    def _has_tab(self, line: int) -> bool:
+        """Return whether a line, counted from 0, is indented with a tab."""
+        text = next(itertools.islice(self.text.splitlines(), line, None), "")
+        return "\t" in text[: len(text) - len(text.lstrip(" \t"))]
 
     def _unreadable(self, problem: yaml.reader.ReaderError) -> tuple[str, Place]:
         bad = re.search(

@@ -511,3 +511,15 @@ def test_a_bug_is_one_line_unless_more_is_asked(
     assert f"this is a bug in eddi-scaffold {__version__}: ZeroDivisionError: so that" in result.err
     assert "Traceback" not in result.err
     assert "Traceback" in run("check", MODEL, "--traceback", cwd=folder).err
+
+
+def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
+    example(tmp_path)
+    (tmp_path / "docker-compose.yml").write_text("services: {}\n")
+    (tmp_path / "package.xml").write_text("<package/>\n")
+    (tmp_path / "broken.yml").write_text("a: [\n")
+    found = run("check", ".", cwd=tmp_path)
+    assert found.status == 1
+    assert found.err.startswith("broken.yml:2:1: error")
+    assert "\nnot checked: README.md, docker-compose.yml, package.xml, recording" in found.err
+    assert "in broken.yml, consert_a_config.yml, consert_b_config.yml, two_conserts" in found.err

@@ -69,7 +69,7 @@ def read_draft(source: Source, name: str | None = None) -> tuple[ConSert | None,
     if root is None:
         return None, problems
     shape = Shape()
-    top = shape.element(root, "the ConSert", SECTIONS)
+    top = shape.element(root, "the ConSert", SECTIONS, lists=True)
     sections = {key: _Section(shape, top, key) for key in SECTIONS}
     consert = ConSert(
         name=source.stem if name is None else name,

@@ -53,6 +53,8 @@ class Shape:
         mandatory: Sequence[str],
         optional: Sequence[str] = (),
         kind: str | None = None,
+        *,
+        lists: bool = False,
     ) -> Element | None:
         """Read a map: C003 for anything else, C002 for missing and C004 for unknown keys.
 
@@ -62,6 +64,7 @@ class Shape:
             mandatory: keys that it must have.
             optional: keys that it may have.
             kind: with an ``id``, messages name ``<kind> '<id>'`` instead.
+            lists: whether the mandatory keys hold lists, which may be empty.
         """
         if not isinstance(node, y.Map):
             self.report("C003", f"{what} must be a map, not {y.describe(node)}", node.place)
@@ -69,7 +72,7 @@ class Shape:
         id_, place = self._id(node, what) if "id" in mandatory else (None, node.place)
         if id_ is not None and kind is not None:
             what = f"{kind} {y.shown(id_)}"
-        self._keys(node, what, mandatory, optional)
+        self._keys(node, what, mandatory, optional, lists)
         return Element(node, what, id_, place)
 
     def _id(self, node: y.Map, what: str) -> tuple[str | None, Place]:
@@ -83,7 +86,12 @@ class Shape:
         return text, value.place
 
     def _keys(
-        self, node: y.Map, what: str, mandatory: Sequence[str], optional: Sequence[str]
+        self,
+        node: y.Map,
+        what: str,
+        mandatory: Sequence[str],
+        optional: Sequence[str],
+        lists: bool,
     ) -> None:
         known = dict.fromkeys((*mandatory, *optional))
         keys = node.keys()
@@ -94,7 +102,9 @@ class Shape:
                 found = nearest(key, strange[:_MOST_STRANGE])
                 if found is not None:
                     instead[found] = key
-                hint = _missing_hint(key, found)
+                hint = _missing_hint(key, found) or (
+                    f"write `{key}: []` for none" if lists else None
+                )
                 self.report("C002", f"{what} has no key {key!r}", node.place, hint)
         absent = [key for key in known if key not in present]
         for index, (name, _) in enumerate(node.entries):
