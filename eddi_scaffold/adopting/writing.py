@@ -36,7 +36,8 @@ def write_adopted(
     """Generate the new package with the old bodies in its regions.
 
     Raises:
-        EddiError: the new package is there already (A005), or cannot be generated.
+        EddiError: the new package, or another file in the place of its model or configuration, is
+            there already (A005), or it cannot be generated.
     """
     root = packages_root(platform, place)
     package = package_name(adoption.model.name)
@@ -49,6 +50,7 @@ def write_adopted(
     config_name = f"{package}_config.yml"
     text = adoption.config(model_name)
     files = {config_name: text.encode(), model_name: read_source(adoption.model_file).data}
+    new = {name: FileState(data) for name, data in files.items() if _is_new(place / name, data)}
     with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
         for name, data in files.items():
             Path(scratch, name).write_bytes(data)
@@ -63,12 +65,22 @@ def write_adopted(
     notes: list[str] = []
     look = outcome.attention
     if not dry_run:
-        write(place, {name: FileState(data) for name, data in files.items()})
+        write(place, new, {})
         states = {one.id: one.state for one in list_regions(root / package)}
         notes = _report(adoption, states, [place / name for name in files])
         look = look or _needs_look(adoption, states)
     shown = [_shown(one, place) for one in assembly.problems]
     return Result(replace(outcome, attention=look), shown, notes)
+
+
+def _is_new(file: Path, data: bytes) -> bool:
+    """Return whether a file is to be written: what is there is a person's, and stays."""
+    if not os.path.lexists(file):
+        return True
+    if read_source(file).data != data:
+        hint = "move it away: adopting writes a file of this name"
+        raise EddiError(error("A005", "the file already exists", Place(str(file)), hint))
+    return False
 
 
 def _with_bodies(one: PackageAnswers, package: str, adoption: Adoption) -> PackageAnswers:

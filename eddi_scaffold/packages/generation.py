@@ -126,7 +126,9 @@ def write_packages(
                 (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
             _merge_package(root, package, rendered, notes, work)
     if not dry_run:
-        work.notes += _write(root, work.changes)
+        written = _write(root, work.changes, work.before)
+        work.left += written.left
+        work.notes += written.notes
     return Outcome(root, work.changes, work.before, work.notes, work.attention, work.left)
 
 
@@ -234,7 +236,9 @@ def _with_mode(state: FileState, before: FileState | None) -> FileState:
     return replace(state, mode=before.mode | may_run)
 
 
-def _write(root: Path, changes: Mapping[str, FileState | None]) -> Sequence[str]:
+def _write(
+    root: Path, changes: Mapping[str, FileState | None], before: Mapping[str, FileState]
+) -> transaction.Applied:
     """Write in the order of ``sync``: killed in between, a plain Copier run still merges right."""
     ordered = sorted(changes, key=lambda path: (_turn(path, changes[path]), path))
     follows = {
@@ -245,7 +249,8 @@ def _write(root: Path, changes: Mapping[str, FileState | None]) -> Sequence[str]
         for base, file in follows.items()
         if (text := changes.get(file)) is not None and (new := changes[base]) is not None
     }
-    return transaction.write(root, {path: changes[path] for path in ordered}, follows, meanwhile)
+    changes = {path: changes[path] for path in ordered}
+    return transaction.write(root, changes, before, follows, meanwhile)
 
 
 def _turn(path: str, state: FileState | None) -> int:

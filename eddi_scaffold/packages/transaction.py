@@ -83,37 +83,56 @@ def tree_of(folder: Path) -> dict[str, FileState]:
     return survey(folder).files
 
 
+@dataclass(frozen=True)
+class Applied:
+    """How the writing went.
+
+    Attributes:
+        left: one sentence for each file that was changed in the moment before it was replaced.
+        notes: what else a person should know, one sentence each.
+    """
+
+    left: Sequence[str] = ()
+    notes: Sequence[str] = ()
+
+
+class ChangedMeanwhileError(Exception):
+    """A file is not any more what the new one was made of; the text is its path."""
+
+
 def apply(
     root: Path,
     changes: Mapping[str, FileState | None],
+    before: Mapping[str, FileState] | None = None,
     follows: Mapping[str, str] | None = None,
     meanwhile: Mapping[str, FileState] | None = None,
-) -> Sequence[str]:
+) -> Applied:
     """Write, replace or (``None``) remove the files below ``root`` as one step.
 
     Args:
         root: folder that the paths are relative to.
         changes: path -> new state, in the order in which they are made.
+        before: path -> state that the change was made from, of those that existed; without it,
+            whatever is there is replaced.
         follows: path -> path of the file without whose change it makes no sense: when a killed
             run is finished and that file was changed since, both are left alone.
         meanwhile: new files that are there only from the first change to the last one.
 
-    Returns:
-        What a person should know of it, one sentence each.
-
     Raises:
+        ChangedMeanwhileError: a file was saved after it was read; then nothing was changed.
         OSError: the disk is full, a folder is not writable, or a link or what is not a regular file
             is in the way; then nothing was changed.
     """
     if not changes:
-        return ()
+        return Applied()
     _refuse_early(root, PREFIX)
     root.mkdir(parents=True, exist_ok=True)
     staging = root / f"{PREFIX}{secrets.token_hex(4)}"
     try:
         journal.keep(root, staging.name, None)
         staging.mkdir(mode=0o700)
-        steps = list(_staged(root, staging, changes, follows or {}, meanwhile or {}))
+        steps = list(_staged(root, staging, changes, before, follows or {}, meanwhile or {}))
+        _refuse_changed(root, steps)
         unrecorded = journal.keep(root, staging.name, steps)
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
@@ -125,48 +144,64 @@ def apply(
         _finish(root, staging, steps)  # all is decided: half of it would be worse than a moment
         raise
     if unrecorded is None:
-        return left
-    return [*left, f"killed, this run could not have been finished: no journal at {unrecorded}"]
+        return Applied(left)
+    note = f"killed, this run could not have been finished: no journal at {unrecorded}"
+    return Applied(left, [note])
 
 
 def _staged(
     root: Path,
     staging: Path,
     changes: Mapping[str, FileState | None],
+    before: Mapping[str, FileState] | None,
     follows: Mapping[str, str],
     guards: Mapping[str, FileState],
 ) -> Iterator[JournalEntry]:
     """Stage the new texts, and yield what is to be done."""
     ends = [(path, None) for path in guards]
-    for number, (path, state) in enumerate([*guards.items(), *changes.items(), *ends]):
+    middle = [(path, state) for path, state in changes.items() if path not in guards]
+    old: dict[str, str | None] = {}
+    for path in {**guards, **changes}:
+        read = before.get(path) if before is not None else None
+        now = _digest(root / path) if before is None else None
+        old[path] = _sha256(read.data) if read is not None else now
+    for number, (path, state) in enumerate([*guards.items(), *middle, *ends]):
         _refuse_early(root, path)
         if state is not None:
             _write(staging / str(number), state.data)
             (staging / str(number)).chmod(state.mode)
-        yield JournalEntry(
-            path,
-            staged=None if state is None else str(number),
-            new=None if state is None else hashlib.sha256(state.data).hexdigest(),
-            old=hashlib.sha256(guards[path].data).hexdigest()
-            if path in guards and state is None
-            else _digest(root / path),
-            follows=follows.get(path),
-        )
+        staged = None if state is None else str(number)
+        new = None if state is None else _sha256(state.data)
+        yield JournalEntry(path, staged, new, old[path], follows.get(path))
+        old[path] = new
+
+
+def _refuse_changed(root: Path, steps: Sequence[JournalEntry]) -> None:
+    """Raise where a file is not what its new text was made of: a person has saved it meanwhile."""
+    first = {step.path: step for step in reversed(steps)}
+    for path, step in first.items():
+        if _digest(root / path) != step.old:
+            raise ChangedMeanwhileError(path)
 
 
 def write(
     root: Path,
     changes: Mapping[str, FileState | None],
+    before: Mapping[str, FileState] | None = None,
     follows: Mapping[str, str] | None = None,
     meanwhile: Mapping[str, FileState] | None = None,
-) -> Sequence[str]:
+) -> Applied:
     """Do the same as ``apply`` for a command.
 
     Raises:
-        EddiError: nothing could be written (F002).
+        EddiError: nothing could be written (F002), or a file was saved meanwhile (F013).
     """
     try:
-        return apply(root, changes, follows, meanwhile)
+        return apply(root, changes, before, follows, meanwhile)
+    except ChangedMeanwhileError as saved:
+        message = "it was changed while this command was running; nothing was written"
+        place = Place(str(root / str(saved)))
+        raise EddiError(error("F013", message, place, "run the command again")) from None
     except OSError as problem:
         reason = problem.strerror or str(problem)
         named = problem.filename is not None and PREFIX not in str(problem.filename)
@@ -269,6 +304,10 @@ def _finish(root: Path, staging: Path, steps: Sequence[JournalEntry]) -> Sequenc
     shutil.rmtree(staging, ignore_errors=True)
     journal.forget(root, staging.name)
     return list(left.values())
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
 
 
 def _digest(path: Path) -> str | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -22,6 +23,7 @@ from eddi_scaffold.regions.store import (
     files_below,
     load_orphans,
     read_text,
+    refuse_changed,
     without_sentinel,
     write_file,
 )
@@ -134,7 +136,8 @@ def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
                 end = "\r" if line.endswith("\r") else ""
                 lines[region.line - 1] = with_sig(line.rstrip("\r"), current.sig) + end
                 accepted.append(region.id)
-        write_file(root, name, "\n".join(lines).encode())
+        check = partial(refuse_changed, root / name, text)
+        write_file(root, name, "\n".join(lines).encode(), check=check)
     return tuple(accepted)
 
 

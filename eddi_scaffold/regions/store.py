@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from itertools import chain, count
 from pathlib import Path
@@ -28,6 +29,10 @@ SENTINEL = "eddi-scaffold: end of rendering"
 _TEMPORARY = ".eddi-tmp"
 _SENTINEL_LINE = re.compile(rf"^[ \t]*(?:#|<!--)\s*{SENTINEL}\s*(?:-->\s*)?\Z", re.MULTILINE)
 _HEAD = "# eddi-scaffold: saved body of a region that is gone; it comes back with the region"
+
+
+class ChangedMeanwhileError(OSError):
+    """A file was saved after the text was read that its new one is made of."""
 
 
 def files_below(folder: Path) -> list[str]:
@@ -64,7 +69,13 @@ def without_sentinel(text: str) -> str | None:
     return text[: match.start()] if match else None
 
 
-def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> bool:
+def write_file(
+    root: Path,
+    name: str,
+    data: bytes,
+    like: str | None = None,
+    check: Callable[[], None] | None = None,
+) -> bool:
     """Replace a file of a package as one step; readers and a killed process see old or new.
 
     Args:
@@ -72,6 +83,7 @@ def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> b
         name: the file; a link that stays in the package is followed.
         data: its new bytes.
         like: file of the package whose mode a new file gets.
+        check: called right before the old file goes; raises an ``OSError`` to keep it.
 
     Returns:
         Whether there was anything to do.
@@ -97,6 +109,8 @@ def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> b
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
+        if check is not None:
+            check()
         os.replace(temporary, path)  # noqa: PTH105 - one name for the step that commits
     except OSError:
         with suppress(OSError):
@@ -104,6 +118,16 @@ def write_file(root: Path, name: str, data: bytes, like: str | None = None) -> b
         raise
     _sync_folder(path.parent)
     return True
+
+
+def refuse_changed(path: Path, text: str | None) -> None:
+    """Check that a file still holds the text that was read, ``None`` where there was none.
+
+    Raises:
+        ChangedMeanwhileError: somebody has saved it since.
+    """
+    if read_text(path) != text:
+        raise ChangedMeanwhileError(errno.EBUSY, "it was saved while it was merged", str(path))
 
 
 def remove_file(path: Path) -> bool:

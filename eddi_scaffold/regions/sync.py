@@ -10,7 +10,9 @@ from __future__ import annotations
 import difflib
 import hashlib
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.regions.files import stays
@@ -20,17 +22,22 @@ from eddi_scaffold.regions.merge import may_return, merge, retire
 from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile
 from eddi_scaffold.regions.store import (
     EDDI,
+    ChangedMeanwhileError,
     clean_temporaries,
     files_below,
     linked_records,
     load_orphans,
     read_text,
+    refuse_changed,
     remove_file,
     save_orphan,
     save_reject,
     without_sentinel,
     write_file,
 )
+
+_SAVES = 5
+"""Each starts the merge anew; one who saves more often in a second is no person."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +79,8 @@ class SyncReport:
 class _Texts:
     path: str
     base: str | None
-    mine: str | None
+    there: str | None  # what the file holds
+    mine: str | None  # the same, or what the last commit has
     theirs: str | None  # None: not rendered any more
 
 
@@ -102,20 +110,42 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
     touched: list[str] = []
     notes: list[Note] = []
     try:
-        names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
-        clean_temporaries(root, names)
-        _finish_interrupted(root)
-        found = [_read(root, name, committed, refused, notes) for name in names]
-        texts = [text for text in found if text is not None]
-        stored = load_orphans(root)
-        plan = _plan(texts, list(stored.values()), refused)
-        notes.extend(note for planned in plan for note in planned.merged.notes)
-        _write(root, plan, stored, touched)
+        for _ in range(_SAVES):  # a person may save a file while it is merged
+            refused.clear()
+            with suppress(ChangedMeanwhileError):
+                _sync(root, committed, refused, touched, notes)
+                break
+        else:
+            refused.clear()
+            _sync(root, committed, refused, touched, notes)
         record_generated(root)
     except OSError as problem:
         reason = f"{problem.strerror or problem}; nothing is lost, run sync again"
         refused.append(Refusal(_relative(root, problem.filename), 1, reason))
-    return SyncReport(tuple(touched), tuple(dict.fromkeys(notes)), tuple(refused))
+    return SyncReport(tuple(dict.fromkeys(touched)), tuple(dict.fromkeys(notes)), tuple(refused))
+
+
+def _sync(
+    root: Path,
+    committed: Callable[[str], str | None],
+    refused: list[Refusal],
+    touched: list[str],
+    notes: list[Note],
+) -> None:
+    """Merge once.
+
+    Raises:
+        ChangedMeanwhileError: a person saved a file in between; it is merged again from there.
+    """
+    names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
+    clean_temporaries(root, names)
+    _finish_interrupted(root)
+    found = [_read(root, name, committed, refused, notes) for name in names]
+    texts = [text for text in found if text is not None]
+    stored = load_orphans(root)
+    plan = _plan(texts, list(stored.values()), refused)
+    notes.extend(note for planned in plan for note in planned.merged.notes)
+    _write(root, plan, stored, touched)
 
 
 def linked_folders(root: Path) -> tuple[Refusal, ...]:
@@ -136,18 +166,19 @@ def _read(
     if away:
         refused.append(Refusal(away[0], 1, "it is behind a link that leads out of the package"))
         return None
-    base, mine, pristine = (
+    base, there, pristine = (
         read_text(place)
         for place in (root / EDDI / "base" / path, root / path, root / EDDI / "pristine" / path)
     )
     if isinstance(base, Fault):
         base = None
-    for found, name in ((mine, path), (pristine, f"{EDDI}/pristine/{path}")):
+    for found, name in ((there, path), (pristine, f"{EDDI}/pristine/{path}")):
         if isinstance(found, Fault):
             refused.append(Refusal(name, found.line, found.reason))
             return None
-    assert not isinstance(mine, Fault)
+    assert not isinstance(there, Fault)
     assert not isinstance(pristine, Fault)
+    mine = there
     theirs = without_sentinel(pristine) if pristine is not None else None
     if pristine is not None and theirs is None:
         reason = "the rendering was interrupted (its last line is missing); render again"
@@ -160,7 +191,7 @@ def _read(
             text = f"the committed text has damaged markers ({faults[0].reason}); it is in git only"
             notes.append(Note(path, faults[0].line, text))
             mine = None
-    return _Texts(path, base, mine, theirs)
+    return _Texts(path, base, there, mine, theirs)
 
 
 def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal]) -> list[_Planned]:
@@ -224,9 +255,11 @@ def _write(
 
 def _write_one(root: Path, planned: _Planned) -> bool:
     path, text = planned.texts.path, planned.merged.text
+    check = partial(refuse_changed, root / path, planned.texts.there)
     if text is None:
+        check()
         return remove_file(root / path)
-    return write_file(root, path, text.encode(), like=f"{EDDI}/pristine/{path}")
+    return write_file(root, path, text.encode(), f"{EDDI}/pristine/{path}", check)
 
 
 def _write_next(root: Path, planned: _Planned) -> None:

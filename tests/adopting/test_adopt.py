@@ -177,3 +177,16 @@ def test_a_second_adoption_is_refused(old: Path) -> None:
     run("adopt", "old", "-w", "ws", cwd=old.parent)
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
     assert (result.status, "[A005]" in result.err) == (2, True)
+
+
+def test_a_file_of_a_person_in_the_way_is_not_overwritten(old: Path, tmp_path: Path) -> None:
+    run("adopt", "old", "-w", "ws", cwd=old.parent)
+    written = [path.name for path in (old.parent / "ws").iterdir() if path.is_file()]
+    assert written
+    for name in written:
+        place = tmp_path / f"place {name}"
+        (place / "src").mkdir(parents=True)
+        (place / name).write_text("mine\n")
+        result = run("adopt", "old", "-w", place, cwd=old.parent)
+        assert (result.status, "[A005]" in result.err) == (2, True)
+        assert files_below(place) == {name: b"mine\n"}

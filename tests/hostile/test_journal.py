@@ -150,7 +150,7 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which a run was killed when all was decided and nothing done."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     root = tmp_path / "root"
-    apply(root, OLD)
+    apply(root, OLD, {})
 
     def never(*_: object) -> None:
         raise Killed
@@ -158,7 +158,7 @@ def killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     with monkeypatch.context() as patch:
         patch.setattr(transaction, "_finish", never)
         with pytest.raises(Killed):
-            apply(root, NEW)
+            apply(root, NEW, OLD)
     return root
 
 
@@ -292,7 +292,7 @@ def test_without_a_place_for_records_the_change_is_made_all_the_same(
     else:
         monkeypatch.setenv("XDG_STATE_HOME", "")
         monkeypatch.setenv("HOME", "relative")
-    (said,) = apply(tmp_path / "root", OLD)
+    (said,) = apply(tmp_path / "root", OLD, {}).notes
     assert said.startswith("killed, this run could not have been finished: no journal at ")
     assert tree_of(tmp_path / "root") == OLD
     assert recover(tmp_path / "root") == []
@@ -319,7 +319,7 @@ def test_who_only_looks_finishes_nothing(
 
     monkeypatch.setattr(transaction, "_finish", never)
     with pytest.raises(Killed):
-        apply(workspace, {"a": FileState(b"new")})
+        apply(workspace, {"a": FileState(b"new")}, {})
     monkeypatch.undo()
     before = files_below(workspace)
     place = [workspace] if words == ["regions"] else ["-w", workspace]

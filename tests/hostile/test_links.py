@@ -283,11 +283,11 @@ def test_nothing_is_written_behind_a_link(tmp_path: Path, outside: Path) -> None
     (root / "link").symlink_to(outside)
     os.mkfifo(root / "pipe")
     with pytest.raises(OSError, match="a link is in the way"):
-        apply(root, {"a": FileState(b"a"), "link/b": FileState(b"b")})
+        apply(root, {"a": FileState(b"a"), "link/b": FileState(b"b")}, {})
     (root / "null").symlink_to("/dev/null")
     for name, kind in {"pipe": "a FIFO", "null": "a device"}.items():
         with pytest.raises(EddiError) as refused:
-            write(root, {"a": FileState(b"a"), name: FileState(b"b")})
+            write(root, {"a": FileState(b"a"), name: FileState(b"b")}, {})
         (problem,) = refused.value.problems
         assert (problem.code, problem.message) == (
             "F002",

@@ -139,6 +139,43 @@ def test_killed_at_any_instant(
         pytest.fail("more steps than expected")
 
 
+@pytest.mark.parametrize("step", STEPS)
+@pytest.mark.parametrize("path", [INPUT, NETWORK])
+def test_saved_at_any_instant(
+    package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str, path: str
+) -> None:
+    """A person saves the file that is being merged: the line is in it at the end, or kept."""
+    render(package, STEPS[step])
+    real, token = os.fsync, "# saved_during_the_merge"
+    for waited in range(60):
+        root = tmp_path / f"saved{waited}"
+        shutil.copytree(package, root)
+        left, saved = waited, False
+
+        def saving(handle: int, root: Path = root) -> None:
+            nonlocal left, saved
+            left -= 1
+            if left == -1 and (root / path).exists():
+                (root / path).write_text(f"{(root / path).read_text()}{token}\n")
+                saved = True
+            real(handle)
+
+        monkeypatch.setattr(os, "fsync", saving)
+        assert not sync_package(root).refused
+        monkeypatch.undo()
+        sync_package(root)
+        kept = [file.read_text() for file in (root / ".eddi/rejects").rglob("*.patch")]
+        if (root / path).exists():
+            kept.append((root / path).read_text())
+        assert "".join(kept).count(token) == saved, waited
+        before = snapshot(root)
+        assert sync_package(root).touched == ()
+        assert snapshot(root) == before
+        if left >= 0:
+            break
+    assert waited > 4
+
+
 @pytest.mark.parametrize("edited", [False, True])
 def test_killed_and_rendered_again(
     package: Path, monkeypatch: pytest.MonkeyPatch, edited: bool

@@ -334,8 +334,9 @@ def test_transaction_is_killed_at_every_step(
     world.version += 1
     new = _bring_elsewhere(world)
     changes = {f"rover/{p}": new.get(p) for p in sorted({*old, *new}) if old.get(p) != new.get(p)}
+    before = {f"rover/{path}": state for path, state in old.items()}
     step, thorough = 0, {("upgrade", "edit"), ("copy", "model")}
-    while killed_at(step, lambda: generation._write(world.root, changes), monkeypatch):
+    while killed_at(step, lambda: generation._write(world.root, changes, before), monkeypatch):
         world.seen = [START, CHANGED]
         world.check(finished=False)
         if between == "edit":
@@ -375,7 +376,7 @@ def _put_back(world: World, old: dict[str, transaction.FileState]) -> None:
     shutil.rmtree(world.package)
     for staging in world.root.glob(".eddi-transaction-*"):
         shutil.rmtree(staging)
-    transaction.apply(world.root, {f"rover/{path}": state for path, state in old.items()})
+    transaction.apply(world.root, {f"rover/{path}": state for path, state in old.items()}, {})
 
 
 @pytest.mark.parametrize("operation", ["generate", "upgrade"])
