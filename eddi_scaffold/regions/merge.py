@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Literal
@@ -65,7 +65,7 @@ def merge(
     if own is not None and before is not None:
         own = _dissolve(own, before, target)
     claims = claim_bodies(path, before, own, target, orphans)
-    skeleton, rejects = _outside(path, before, own, target)
+    skeleton, rejects = _outside(path, before, own, target, claims.changed)
     text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
     if own is not None and skeleton != target.skeleton and not _valid(path, skeleton, claims):
         skeleton, rejects = target.skeleton, [_reject_file(before or target, own)]
@@ -73,6 +73,10 @@ def merge(
     if not _placed(path, text, claims):
         return RefusedFile((Fault(1, "the merged text would lose a region; put its markers back"),))
     notes = [*claims.notes, *_reject_notes(path, rejects), *_broken_bodies(path, text)]
+    if claims.changed and skeleton != target.skeleton:
+        names = ", ".join(sorted(claims.changed))
+        reason = f"{names} changed names; what you wrote outside of the regions was not renamed"
+        notes.append(Note(path, None, reason))
     return Merged(
         _as_written(text, mine if mine is not None else theirs),
         claims.orphans,
@@ -165,7 +169,11 @@ def _dissolve(mine: MarkedFile, base: MarkedFile, theirs: MarkedFile) -> MarkedF
 
 
 def _outside(
-    path: str, base: MarkedFile | None, mine: MarkedFile | None, theirs: MarkedFile
+    path: str,
+    base: MarkedFile | None,
+    mine: MarkedFile | None,
+    theirs: MarkedFile,
+    changed: Collection[str],
 ) -> tuple[list[str], list[Reject]]:
     new = theirs.skeleton
     if mine is None or same_lines(mine.skeleton, new):
@@ -176,7 +184,7 @@ def _outside(
         return new, []
     if kind_of(path) == "python":
         try:
-            return merge_python(base.skeleton, mine.skeleton, new)
+            return merge_python(base.skeleton, mine.skeleton, new, changed)
         except SyntaxError:
             return new, [_reject_file(base, mine)]
     merged = merge_lines(base.skeleton, mine.skeleton, new)

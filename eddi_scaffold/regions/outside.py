@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.regions.formatting import framed, same_meaning
@@ -12,7 +12,14 @@ from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.marked_file import placeholder_id
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_python, parse_shallow
-from eddi_scaffold.regions.python_tree import ClassBlock, Item, is_named, split, split_function
+from eddi_scaffold.regions.python_tree import (
+    ClassBlock,
+    Item,
+    Leaf,
+    is_named,
+    split,
+    split_function,
+)
 
 
 @dataclass(frozen=True)
@@ -39,9 +46,18 @@ class _Merge:
 
 
 def merge_python(
-    base: Sequence[str], mine: Sequence[str], theirs: Sequence[str]
+    base: Sequence[str],
+    mine: Sequence[str],
+    theirs: Sequence[str],
+    changed: Collection[str] = (),
 ) -> tuple[list[str], list[Reject]]:
     """Merge three skeletons of a Python file; never moves a line into another definition.
+
+    Args:
+        base: the rendering that ``mine`` was made from.
+        mine: the person's lines.
+        theirs: the new rendering.
+        changed: regions that are another element's in ``theirs``, and so are their functions.
 
     Returns:
         The merged skeleton, and the person's edits that did not fit in.
@@ -50,8 +66,21 @@ def merge_python(
         SyntaxError: one of the three does not parse.
     """
     merge = _Merge()
-    lines = _block(merge, split(base), split(mine), split(theirs), "")
+    before, own = (_without_heirs(split(lines), changed) for lines in (base, mine))
+    lines = _block(merge, before, own, split(theirs), "")
     return lines, merge.rejects
+
+
+def _without_heirs(items: Sequence[Item], changed: Collection[str]) -> tuple[Item, ...]:
+    """Rename the functions of regions that belong to other elements now: none is their heir."""
+    return tuple(
+        ClassBlock(item.key, item.header, _without_heirs(item.items, changed))
+        if isinstance(item, ClassBlock)
+        else Leaf(f"{item.key} (before it was renamed)", item.lines)
+        if any(name in changed for name in regions_in(item.lines))
+        else item
+        for item in items
+    )
 
 
 def regions_in(lines: Sequence[str]) -> list[str]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.regions.bodies import is_empty, same_body
 from eddi_scaffold.regions.marked_file import MarkedFile, Region
 from eddi_scaffold.regions.result import Note, Orphan
+
+_PLACE = ".eddi/orphans"
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,14 @@ class Placements:
         orphans: hand-written bodies that nothing claims.
         taken: saved bodies that are in the new text now.
         notes: what to report.
+        changed: ids in both renderings that mean another element now.
     """
 
     by_id: Mapping[str, Placement]
     orphans: tuple[Orphan, ...]
     taken: tuple[Orphan, ...]
     notes: tuple[Note, ...]
+    changed: frozenset[str] = frozenset()
 
 
 def adopt_ids(document: MarkedFile, theirs: MarkedFile) -> MarkedFile:
@@ -80,18 +84,20 @@ def claim_bodies(
     old = base.regions if base else {}
     own = mine.regions if mine else {}
     new = theirs.regions
+    former = {region.id: _news(region, base, own) for region in new.values()}
+    sources = _sources(new, former, old if base else own)
+    heirs = {source: heir for heir, source in sources.items()}
     hand = {
         region.id: region
         for region in own.values()
-        if not _untouched(region, old.get(region.id), new.get(region.id))
+        if not _untouched(region, old.get(region.id), new.get(heirs.get(region.id, "")))
     }
     claims: dict[str, Placement] = {}
     claimed: set[str] = set()
     taken: list[Orphan] = []
     notes: list[Note] = []
     for region in new.values():
-        former = _former_ids(region, base, own, new)
-        source = _own_or_former(region, former, hand, claimed)
+        source = hand.get(sources.get(region.id, ""))
         if source is not None:
             claimed.add(source.id)
             before = old.get(source.id)
@@ -103,7 +109,7 @@ def claim_bodies(
         else:
             # A region that is not new and holds the default was emptied by the person on purpose.
             news = region.id not in own or region.id not in old
-            names = [*([region.id] if news else ()), *(former if base else ())]
+            names = [*([region.id] if news else ()), *(former[region.id] if base else ())]
             saved = _saved(names, [o for o in orphans if o not in taken])
             if saved is None:
                 claim = Placement(region, region.body, region.sig, region.indent, edited=False)
@@ -120,37 +126,53 @@ def claim_bodies(
         for region in hand.values()
         if region.id not in claimed and not is_empty(region.body)
     )
+    notes.extend(_report_lost(path, own[o.id], sources.get(o.id)) for o in lost)
     notes.extend(
-        Note(path, own[o.id].line, f"region {o.id!r} is gone; its body is saved in .eddi/orphans")
-        for o in lost
+        Note(path, own[name].line, f"region {name!r} is another one now, with the generated text")
+        for name in new
+        if name in claimed and name not in sources
     )
-    return Placements(claims, lost, tuple(taken), tuple(notes))
+    changed = frozenset(name for name in old.keys() & new.keys() if sources.get(name) != name)
+    return Placements(claims, lost, tuple(taken), tuple(notes), changed)
 
 
 def _untouched(region: Region, before: Region | None, after: Region | None) -> bool:
     return any(r is not None and same_body(region.body, r.body) for r in (before, after))
 
 
-def _former_ids(
-    region: Region, base: MarkedFile | None, own: Mapping[str, Region], new: Mapping[str, Region]
-) -> list[str]:
-    """Return the former ids that are news; an old declaration must not catch another element.
+def _news(region: Region, base: MarkedFile | None, own: Mapping[str, Region]) -> list[str]:
+    """Return the former ids that were not declared before: each declaration is applied once.
 
-    Answers keep ``renamed_from`` for ever, and the former id may name something else by now.
+    One that the last rendering had is applied. So is one in the person's own marker, which a killed
+    run may have written without the rendering.
     """
-    if base is None:
-        known: Iterable[str] = region.was if region.id in own else ()
-    else:
-        before = base.regions.get(region.id)
-        known = before.was if before else ()
-    return [old for old in region.was if old not in known and old not in new]
+    before, mine = base.regions.get(region.id) if base else None, own.get(region.id)
+    if base is None and mine is not None and not mine.explicit:
+        return []
+    known = {name for one in (before, mine) if one is not None for name in one.was}
+    return [old for old in region.was if old not in known]
 
 
-def _own_or_former(
-    region: Region, former: Iterable[str], hand: Mapping[str, Region], claimed: Container[str]
-) -> Region | None:
-    names = [region.id, *(old for old in former if old not in claimed)]
-    return next((hand[name] for name in names if name in hand), None)
+def _sources(
+    regions: Mapping[str, Region], news: Mapping[str, Sequence[str]], before: Container[str]
+) -> dict[str, str]:
+    """Return for each id whose body it gets; renames are applied at once, whatever is in use.
+
+    An id that passes to another element gets the body that it was ever declared to get, because
+    names that move up again are declared in the same words; else it has a new element.
+    """
+    moved: dict[str, str] = {}
+    heirs: dict[str, str] = {}
+    pending = deque(news.items())
+    while pending:
+        new, names = pending.popleft()
+        old = next((n for n in names if n in before and n not in heirs and n != new), None)
+        if old is not None and new not in moved:
+            moved[new], heirs[old] = old, new
+            if old in regions and not news[old]:
+                pending.append((old, regions[old].was))
+    stay = {name: name for name in regions if name not in moved and name not in heirs}
+    return {**moved, **stay}
 
 
 def _saved(names: Iterable[str], orphans: Sequence[Orphan]) -> Orphan | None:
@@ -165,15 +187,21 @@ def _is_restored(orphan: Orphan, claim: Placement | None) -> bool:
     return claim is not None and claim.edited and same_body(orphan.body, claim.body)
 
 
+def _report_lost(path: str, region: Region, heir: str | None) -> Note:
+    what = "gone" if heir is None else f"what was {heir!r} now"
+    return Note(path, region.line, f"region {region.id!r} is {what}; its body is saved in {_PLACE}")
+
+
 def _report_changes(
     path: str, claim: Placement, source: Region | None, before: Region | None
 ) -> list[Note]:
     region, line = claim.region, source.line if source else None
     notes = []
-    if source is not None and source.id != region.id:
+    moved = source is not None and source.id != region.id
+    if source is not None and moved:
         text = f"region {source.id!r} is called {region.id!r} now; its body moved along"
         notes.append(Note(path, line, text, attention=False))
-    changed = before is None or before.sig != region.sig
+    changed = moved or before is None or before.sig != region.sig
     if region.sig is not None and claim.sig != region.sig and changed:
         text = (
             f"the body of region {region.id!r} was written for other inputs or states; "

@@ -138,18 +138,74 @@ def test_declared_rename_carries_the_body() -> None:
 
 def test_rename_onto_own_hand_code_saves_the_old_body() -> None:
     base = text(A, B)
-    mine = edit(edit(base, "a", "old = 1\n"), "b", "own = 1\n")
-    result = merge(INPUT, base, mine, text(replace(B, was=("a",))))
-    assert isinstance(result, Merged)
-    assert body(result, "input:b") == "        own = 1\n"
-    assert [o.id for o in result.orphans] == ["input:a"]
+    mine = edit(edit(base, "a", "hand = 1\n"), "b", "gone = 1\n")
+    result = merged(base, mine, text(replace(B, was=("a",))))
+    assert body(result, "input:b") == "        hand = 1\n"
+    assert [(o.id, o.body) for o in result.orphans] == [("input:b", "        gone = 1\n")]
+    assert any("is what was 'input:a' now; its body is saved" in n.text for n in result.notes)
 
 
-def test_id_that_exists_is_no_former_id() -> None:
-    base = text(A)
-    result = merged(base, edit(base, "a", "hand = 1\n"), text(A, replace(B, was=("a",))))
-    assert (result.text or "").count("hand = 1") == 1
-    assert body(result, "input:a") == "        hand = 1\n"
+def test_names_that_swap_swap_their_bodies_once() -> None:
+    base = text(A, B, C)
+    mine = edit(edit(base, "a", "of_a = 1\n"), "b", "of_b = 1\n")
+    theirs = text(replace(A, was=("b",)), replace(B, was=("a",)), C)
+    result = merged(base, mine, theirs)
+    assert body(result, "input:a") == "        of_b = 1\n"
+    assert body(result, "input:b") == "        of_a = 1\n"
+    assert not result.orphans
+    assert [n.text for n in result.notes if not n.attention] == [
+        "region 'input:b' is called 'input:a' now; its body moved along",
+        "region 'input:a' is called 'input:b' now; its body moved along",
+    ]
+    later = merged(theirs, result.text, theirs.replace("Inputs of", "All inputs of"))
+    assert body(later, "input:a") == "        of_b = 1\n"
+
+
+def test_a_body_that_is_the_new_text_of_its_old_name_moves_along() -> None:
+    base = text(A, B).replace("self.a = message.data", "self.a = 0")
+    mine = edit(base, "a", "self.a = message.data\n")
+    result = merged(base, mine, text(replace(A, was=("b",)), replace(B, was=("a",))))
+    assert body(result, "input:b") == "        self.a = message.data\n"
+
+
+def test_names_that_move_up_take_their_bodies_along() -> None:
+    base = text(A, B)
+    mine = edit(edit(base, "a", "of_a = 1\n"), "b", "of_b = 1\n")
+    theirs = text(A, replace(B, was=("a",)), replace(C, was=("b",)))
+    result = merged(base, mine, theirs)
+    assert [body(result, f"input:{name}").strip() for name in "abc"] == [
+        "self.a = message.data",
+        "of_a = 1",
+        "of_b = 1",
+    ]
+    assert any("'input:a' is another one now" in n.text and n.attention for n in result.notes)
+
+
+def test_names_that_move_up_again_are_declared_in_the_same_words() -> None:
+    once = text(A, replace(B, was=("a",)), replace(C, was=("b",)))
+    mine = edit(edit(edit(once, "a", "of_a = 1\n"), "b", "of_b = 1\n"), "c", "of_c = 1\n")
+    other = elements("d")[0]
+    twice = text(A, replace(B, was=("a",)), replace(C, was=("b",)), replace(other, was=("c",)))
+    result = merged(once, mine, twice)
+    assert [body(result, f"input:{name}").strip() for name in "abcd"] == [
+        "self.a = message.data",
+        "of_a = 1",
+        "of_b = 1",
+        "of_c = 1",
+    ]
+
+
+def test_what_was_written_around_a_region_does_not_pass_to_another_element() -> None:
+    base = text(A, B)
+    end = "# region: input:a\n"
+    mine = base.replace(f"edit end-----'''  {end}", f"edit end-----'''  {end}        self.a += 1\n")
+    mine = mine.replace("import EDDIInputBase\n", "import EDDIInputBase\nimport math\n")
+    assert mine.count("self.a += 1") == 1
+    result = merged(base, mine, text(replace(A, was=("b",)), replace(B, was=("a",))))
+    assert "self.a += 1" not in (result.text or "")
+    assert "+        self.a += 1" in result.patch
+    assert "import math" in (result.text or "")
+    assert any("was not renamed" in n.text for n in result.notes)
 
 
 def test_former_id_of_two_regions_is_used_once() -> None:

@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
 
 FILE = "bayesian_network_config.py"
 NAMES = ("speed", "distance", "critical", "weather", "speed2", "Rt-5")
-CHANGES = ("add", "remove", "rename", "add_state", "reorder")
+CHANGES = ("add", "remove", "rename", "swap", "add_state", "reorder")
 WAYS = ("update", "generate", "upgrade", "recopy")
 
 
@@ -139,6 +139,14 @@ class Life:
                 self.written[new] = moved
             elif moved is not None:
                 self.written[old] = moved
+        elif what == "swap" and len(self.nodes) > 1:
+            one, two = self.chance.sample(range(len(self.nodes)), 2)
+            first, second = self.nodes[one].id, self.nodes[two].id
+            self.nodes[one] = replace(self.nodes[one], id=second, title=second)
+            self.nodes[two] = replace(self.nodes[two], id=first, title=first)
+            self.renamed = {second: first, first: second}
+            moved = {self.renamed.get(name, name): token for name, token in self.written.items()}
+            self.written = moved
         elif what == "add_state":
             self.nodes[at] = node(self.nodes[at].id, len(self.nodes[at].states) + 1)
         elif what == "reorder":

@@ -65,6 +65,17 @@ CASES = {
     "rename": Case(
         (ALPHA, BETA.renamed("bravo"), GAMMA, DELTA), moved=(("beta", "bravo"),), status=3
     ),
+    "swap": Case(
+        (ALPHA.renamed("beta"), BETA.renamed("alpha"), GAMMA, DELTA),
+        moved=(("alpha", "beta"), ("beta", "alpha")),
+        status=3,
+    ),
+    "renumber": Case(
+        (Element("alpha"), ALPHA.renamed("beta"), GAMMA, BETA.renamed("delta"), DELTA.renamed("e")),
+        looks=1,
+        moved=(("alpha", "beta"), ("beta", "delta"), ("delta", "e")),
+        status=3,
+    ),
     "rename_silently": Case(
         (ALPHA, BETA.renamed("bravo", declared=False), GAMMA, DELTA),
         moved=(("beta", None),),
@@ -168,6 +179,19 @@ def test_removed_body_comes_back_two_updates_later(plain: World, operation: str)
     run()
     assert token in plain.document().regions["input:beta"].body
     assert not load_orphans(plain.package)
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_a_swap_that_stays_declared_is_made_once(plain: World, operation: str) -> None:
+    alpha, beta = plain.edit("alpha"), plain.edit("beta")
+    plain.commit()
+    plain.change(ALPHA.renamed("beta"), BETA.renamed("alpha"), GAMMA, DELTA)
+    for version in (1, 2, 2):
+        plain.version = version
+        _run(plain, operation)()
+        regions = plain.document().regions
+        assert alpha in regions["input:beta"].body
+        assert beta in regions["input:alpha"].body
 
 
 @pytest.mark.parametrize("operation", OPERATIONS)

@@ -23,7 +23,10 @@ PLACES = (
     "manifest", "cmake", "launch",
 )  # fmt: skip
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
-CHANGES = ("add", "remove", "rename", "retype", "reorder", "rename_silently", "template")
+CHANGES = (
+    "add", "remove", "rename", "permute", "move_up", "retype", "reorder", "rename_silently",
+    "template",
+)  # fmt: skip
 
 
 class Life:
@@ -57,6 +60,30 @@ class Life:
             old = self.chance.choice(self.world.inputs)
             new = old.renamed(self.chance.choice(free), declared=declared)
             self.world.change(*(new if item == old else item for item in self.world.inputs))
+
+    def permute(self) -> None:
+        """Exchange the names of some inputs, each declared."""
+        old = self.chance.sample(self.world.inputs, self.chance.randint(1, len(self._names())))
+        names = [item.name for item in old]
+        self._take_names(dict(zip(names, [*names[1:], names[0]], strict=True)))
+
+    def move_up(self) -> None:
+        """Give the name of each input to the one behind it, and the first name to a new input."""
+        names = self._names()
+        free = [name for name in NAMES if name not in names]
+        if free:
+            last = self.chance.choice(free)
+            self._take_names(dict(zip(names, [*names[1:], last], strict=True)))
+            if self.chance.random() < 0.5:
+                self.world.change(Element(names[0]), *self.world.inputs)
+
+    def _take_names(self, new: dict[str, str]) -> None:
+        self.world.change(
+            *(
+                item.renamed(new[item.name]) if new.get(item.name, item.name) != item.name else item
+                for item in self.world.inputs
+            )
+        )
 
     def rename_silently(self) -> None:
         self.rename(declared=False)

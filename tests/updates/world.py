@@ -368,21 +368,22 @@ class World:
 
     def settle(self) -> None:
         """Say that an operation has finished: the package is at the present model."""
-        names = {item.name for item in self.inputs}
+        heirs = heirs_of(self.seen[0], self.inputs) if len(self.seen) == 1 else {}
         for line in self.lines.values():
             if line.home is not None:
                 name = line.home.removeprefix("input:")
-                heirs = [item for item in self.inputs if item.was == name]
-                before = {item.name for model in self.seen for item in model}
-                always = all(any(item.name == name for item in model) for model in self.seen)
-                if name in names and always:
-                    continue
-                simple = len(self.seen) == 1 and always and name not in names and len(heirs) == 1
-                moves = simple and heirs[0].name not in before
-                line.home = f"input:{heirs[0].name}" if moves else None
+                heir = heirs.get(name) if len(self.seen) == 1 else self._lasting(name)
+                line.home = f"input:{heir}" if heir else None
         look = (self.version - 1) % 3
         self.steady = len(self.seen) == 1 and look == self.look
         self.seen, self.look = [self.inputs], look
+
+    def _lasting(self, name: str) -> str | None:
+        """Return a name that means the same in all models that the package may be at."""
+        models = [*self.seen, self.inputs]
+        touched = any(name in {item.was, item.was and item.name} for m in models for item in m)
+        always = all(any(item.name == name for item in model) for model in models)
+        return name if always and not touched else None
 
     def check(self, *, finished: bool = True) -> None:
         """Hold the promise against every line; ``finished``: no operation was killed."""
@@ -431,6 +432,27 @@ class World:
                 assert not re.search(r"^(<<<<<<<|>>>>>>>)", text, re.MULTILINE), path
                 if ".eddi/" not in path.as_posix():
                     _check_valid(path.name, text)
+
+
+def heirs_of(before: Sequence[Element], after: Sequence[Element]) -> dict[str, str]:
+    """Return where the body of each input goes: by the declared renames that are news."""
+    known = {item.name: item.was for item in before}
+    source: dict[str, str] = {}
+    wanted = [item for item in after if item.was and known.get(item.name, "") != item.was]
+    while wanted:
+        for item in wanted:
+            if item.was in known and item.was not in source.values() and item.was != item.name:
+                source.setdefault(item.name, item.was)
+        # a name that passed on gets what it was declared to get some time before
+        wanted = [
+            item
+            for item in after
+            if item.was in known.keys() - {*source.values(), item.name}
+            and item.name in source.values()
+            and item.name not in source
+        ]
+    stay = {item.name for item in after} - source.keys() - set(source.values())
+    return {old: new for new, old in source.items()} | {name: name for name in stay}
 
 
 class Killed(BaseException):
