@@ -12,9 +12,10 @@ from eddi_scaffold.regions.bodies import same_body
 from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines, separator_lines
 from eddi_scaffold.regions.files import entries, read_regular, stays
 from eddi_scaffold.regions.generated import GENERATED
+from eddi_scaffold.regions.lost import lost_markers
 from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, parse
 from eddi_scaffold.regions.markers import with_sig
-from eddi_scaffold.regions.merge import check_text, kind_of
+from eddi_scaffold.regions.merge import check_text, dissolve, kind_of
 from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.placements import adopt_ids
 from eddi_scaffold.regions.review import doubtful_names
@@ -161,11 +162,13 @@ def _documents(
 
 def _of_file(root: Path, name: str) -> list[RegionStatus]:
     text, mine, theirs, faults = _documents(root, name)
+    base = _base(root, name, theirs)
+    if mine is not None and base is not None and not (root / EDDI / "next" / name).exists():
+        faults = lost_markers(base, dissolve(mine, base, theirs or base))
     broken = [_broken(Refusal(name, fault.line, fault.reason)) for fault in faults]
-    if text is None or mine is None:
+    if text is None or mine is None or broken:
         return broken
-    base = read_text(root / EDDI / "base" / name)
-    old = parse(base)[0].regions if isinstance(base, str) else {}
+    old = base.regions if base is not None else {}
     new = theirs.regions if theirs else {}
     edited = {
         r.id: r
@@ -181,6 +184,14 @@ def _of_file(root: Path, name: str) -> list[RegionStatus]:
         else RegionStatus(region.id, name, region.line, "untouched")
         for region in mine.regions.values()
     ]
+
+
+def _base(root: Path, name: str, theirs: MarkedFile | None) -> MarkedFile | None:
+    text = read_text(root / EDDI / "base" / name)
+    if not isinstance(text, str):
+        return None
+    document, faults = parse(text)
+    return None if faults else adopt_ids(document, theirs or document)
 
 
 def _broken(found: Refusal) -> RegionStatus:

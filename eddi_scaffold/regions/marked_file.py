@@ -82,12 +82,19 @@ class MarkedFile:
 
 
 @dataclass(frozen=True)
-class _Scope:
+class Scope:
+    """A line that begins a class or function, with the definition around it."""
+
     line: int
     indent: int
     kind: str
     name: str
-    parent: _Scope | None
+    parent: Scope | None
+
+    @property
+    def qualified(self) -> str:
+        """The name with those of the definitions around it."""
+        return f"{self.parent.qualified}.{self.name}" if self.parent else self.name
 
 
 def placeholder(region_id: str, indent: str = "") -> str:
@@ -123,7 +130,7 @@ def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     lines = split_lines(text)
     faults = [Fault(number, CONFLICT) for number in conflict_lines(text)]
     parts: list[str | Region] = []
-    scopes = _scopes(lines)
+    around = scopes(lines)
     begin: Marker | None = None
     body: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -143,7 +150,7 @@ def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
                 Fault(number, "end marker without begin; put the begin marker back above it")
             )
         else:
-            parts.append(_region(begin, marker, "".join(body), scopes, faults))
+            parts.append(_region(begin, marker, "".join(body), around, faults))
             begin = None
     if begin:
         faults.append(
@@ -162,7 +169,7 @@ def _nested(outer: Marker, inner: Marker) -> Fault:
 
 
 def _region(
-    begin: Marker, end: Marker, body: str, scopes: Sequence[_Scope], faults: list[Fault]
+    begin: Marker, end: Marker, body: str, around: Sequence[Scope], faults: list[Fault]
 ) -> Region:
     if begin.id and end.id and begin.id != end.id:
         reason = (
@@ -170,7 +177,7 @@ def _region(
             f"{begin.id!r}; give both the same id"
         )
         faults.append(Fault(end.line, reason))
-    function = _enclosing_function(scopes, begin)
+    function = _enclosing_function(around, begin)
     region_id = begin.id or end.id
     if region_id is None and not function:
         reason = "a marker without id must be inside a function; write '# region: <kind>:<id>'"
@@ -188,25 +195,25 @@ def _region(
     )
 
 
-def _scopes(lines: Sequence[str]) -> list[_Scope]:
+def scopes(lines: Sequence[str]) -> list[Scope]:
     """Return where definitions begin, with the nearest one above that is indented less."""
-    found: list[_Scope] = []
+    found: list[Scope] = []
     for number, line in enumerate(lines, 1):
         match = _DEFINITION.match(line)
         if match:
             indent, above = len(match[1]), found[-1] if found else None
             while above is not None and above.indent >= indent:
                 above = above.parent
-            found.append(_Scope(number, indent, match[2], match[3], above))
+            found.append(Scope(number, indent, match[2], match[3], above))
     return found
 
 
-def _enclosing_function(scopes: Sequence[_Scope], begin: Marker) -> str:
+def _enclosing_function(around: Sequence[Scope], begin: Marker) -> str:
     # An editor may have stripped the marker's blanks: then any definition above encloses it.
     limit = len(indent_of(begin.text)) or 10**6
     names: list[str] = []
-    before = bisect_left(scopes, begin.line, key=lambda scope: scope.line)
-    scope = scopes[before - 1] if before else None
+    before = bisect_left(around, begin.line, key=lambda scope: scope.line)
+    scope = around[before - 1] if before else None
     while scope is not None:
         if scope.indent < limit:
             if not names and scope.kind == "class":

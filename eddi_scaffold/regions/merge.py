@@ -11,6 +11,7 @@ from xml.parsers import expat
 
 from eddi_scaffold.regions.bodies import reindent
 from eddi_scaffold.regions.lines import merge_lines
+from eddi_scaffold.regions.lost import lost_markers
 from eddi_scaffold.regions.marked_file import (
     Fault,
     MarkedFile,
@@ -63,7 +64,10 @@ def merge(
         own = adopt_ids(document, target)
     before = _base(base, target)
     if own is not None and before is not None:
-        own = _dissolve(own, before, target)
+        own = dissolve(own, before, target)
+        faults = lost_markers(before, own)
+        if faults:
+            return RefusedFile(tuple(faults))
     claims = claim_bodies(path, before, own, target, orphans)
     skeleton, rejects = _outside(path, before, own, target, claims.changed)
     text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
@@ -155,7 +159,7 @@ def _base(base: str | None, target: MarkedFile) -> MarkedFile | None:
     return None if faults else adopt_ids(document, target)
 
 
-def _dissolve(mine: MarkedFile, base: MarkedFile, theirs: MarkedFile) -> MarkedFile:
+def dissolve(mine: MarkedFile, base: MarkedFile, theirs: MarkedFile) -> MarkedFile:
     """Turn regions that a person invented into ordinary lines: the generator never knew them."""
     known = {*base.regions, *theirs.regions}
     former = {old for region in theirs.regions.values() for old in region.was}

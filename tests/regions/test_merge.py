@@ -304,13 +304,14 @@ def test_conflict_is_rejected_and_theirs_wins() -> None:
     assert "<<<<" not in (result.text or "")
 
 
-def test_moved_or_deleted_region_comes_back() -> None:
+def test_text_without_its_markers_is_refused() -> None:
     base = text(A, B)
     start, rest = base.split("        '''-----Manual edit begin-----'''  # region: input:a", 1)
     mine = start + "        self.a = 5\n" + rest.split("# region: input:a\n", 1)[1]
-    result = merged(base, mine, base)
-    assert "input:a" in parse(result.text or "")[0].regions
-    assert "self.a = 5" in result.patch
+    result = merge(INPUT, base, mine, base)
+    assert isinstance(result, RefusedFile)
+    line = mine.split("\n").index("        self.a = 5") + 1
+    assert [fault.line for fault in result.faults] == [line]
 
 
 def test_own_region_of_a_person_stays() -> None:

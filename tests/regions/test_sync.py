@@ -26,8 +26,10 @@ from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.regions.store import load_orphans, save_orphan, save_reject, write_file
 from eddi_scaffold.regions.sync import sync_package
 from tests.regions.rendering import (
+    CMAKE,
     FILES,
     INPUT,
+    MANIFEST,
     NETWORK,
     Package,
     elements,
@@ -245,6 +247,63 @@ def test_damaged_markers_leave_the_file_alone(package: Path) -> None:
     assert command.main(["check"], package) == 0
     sync_package(package)
     assert body(package, "input:a") == "hand = 1"
+
+
+DAMAGES = {
+    "case": ("Manual edit", "Manual Edit"),
+    "no dashes": ("-", ""),
+    "deleted": None,
+}
+
+
+def damaged(text: str, region: str, damage: tuple[str, str] | None) -> str:
+    lines = []
+    for line in text.split("\n"):
+        if f"region: {region}" not in line:
+            lines.append(line)
+        elif damage is not None:
+            lines.append(line.replace(*damage))
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("damage", ["case", "no dashes", "deleted"])
+@pytest.mark.parametrize(
+    ("file", "region", "hand"),
+    [
+        (INPUT, "input:a", "self.a = 2"),
+        (NETWORK, "node:b", "outcome_Yes = 0.5"),
+        (MANIFEST, "xml:depends", "<depend>mine</depend>"),
+        (CMAKE, "cmake:install", "install(mine)"),
+    ],
+)
+def test_both_markers_damaged_in_the_same_way(
+    package: Path, damage: str, file: str, region: str, hand: str, version: int
+) -> None:
+    write_hand(package, region, hand, file)
+    whole = (package / file).read_text()
+    text = damaged(whole, region, DAMAGES[damage])
+    (package / file).write_text(text)
+    render(package, Package((A, B), version))
+    (refusal,) = sync_package(package).refused
+    assert refusal.file == file
+    assert region in refusal.reason
+    assert (package / file).read_text() == text
+    if version == 1:
+        assert [(one.file, one.line) for one in broken_files(package)] == [(file, refusal.line)]
+        assert command.main(["check"], package) == 1
+    (package / file).write_text(whole)
+    assert not sync_package(package).refused
+    assert body(package, region, file) == hand
+
+
+def test_a_method_that_a_person_removed_comes_back(package: Path) -> None:
+    text = (package / INPUT).read_text()
+    start, stop = text.index("    def process_b"), text.index("    def processing")
+    (package / INPUT).write_text(text[:start] + text[stop:])
+    assert not broken_files(package)
+    assert not sync_package(package).refused
+    assert "self.b = message.data" in body(package, "input:b")
 
 
 def test_interrupted_rendering_is_refused(package: Path) -> None:

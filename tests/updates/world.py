@@ -30,6 +30,7 @@ from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.packages import rendering, transaction
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
+from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse
 from eddi_scaffold.regions.store import load_orphans
 from tests.updates.inputs import Element, write_inputs
@@ -44,7 +45,7 @@ EDITABLE = {
         "launch/eddi_monitor.launch",
     ),
 }
-DAMAGES = 6
+DAMAGES = 7
 DONE: Counter[str] = Counter()  # what was run, for the summary
 _WORD = re.compile(r"hand_\d+_line")
 
@@ -346,10 +347,14 @@ class World:
             lambda: lines.insert(begin, lines[begin]),
             lambda: lines.insert(begin, "<<<<<<< mine"),
             lambda: lines.__setitem__(end, lines[end].replace("input:", "input:other_")),
+            lambda: [
+                lines.__setitem__(at, lines[at].replace("Manual edit", "Manual Edit"))
+                for at in (begin, end)
+            ],
         )
         edits[kind % DAMAGES]()
         self.write("\n".join(lines))
-        assert parse(self.text())[1]
+        assert broken_files(self.package)
         return whole
 
     def _present(self) -> list[Element]:
