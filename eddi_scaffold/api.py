@@ -15,7 +15,7 @@ from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import own_template
-from eddi_scaffold.packages.workspace import packages_root
+from eddi_scaffold.packages.workspace import alone, packages_root
 from eddi_scaffold.platforms import chosen
 from eddi_scaffold.problems import EddiError, Place, Problem
 from eddi_scaffold.replay.parts import of_values, rhythm
@@ -96,8 +96,9 @@ def generate(
     target = chosen(platform)
     root = packages_root(target, folder)
     monitors, problems = monitors_of(model, configs)
-    packages = assemble(monitors, target, root, problems).packages
-    return write_packages(root, packages, own_template(), dry_run=dry_run)
+    with alone(() if dry_run else [root]):
+        packages = assemble(monitors, target, root, problems).packages
+        return write_packages(root, packages, own_template(), dry_run=dry_run)
 
 
 def run(

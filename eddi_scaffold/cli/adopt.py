@@ -43,6 +43,7 @@ def adopt(
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, chosen
     from eddi_scaffold.problems import EddiError, error
 
@@ -51,7 +52,8 @@ def adopt(
     target = chosen(platform or (DEFAULT_IN_FOLDER if workspace is None else DEFAULT))
     place = destination(target, workspace, output)
     found = adopted(package, model, name)
-    result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
+    with alone(() if dry_run else [packages_root(target, place)]):
+        result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)
     for line in (*found.notes, *result.notes):
         console.say(line)

@@ -56,7 +56,7 @@ def generate(
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import packages_root
+    from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError
     from eddi_scaffold.robot.robot_models import beside_configs
@@ -70,11 +70,12 @@ def generate(
     except EddiError as refused:  # what is wrong with the robot's models may be the reason
         raise EddiError(*problems, *refused.problems) from None
     problems = [*problems, *found]
-    assembly = assemble(monitors, target, root, problems)
-    console.problems(assembly.problems)
-    outcome = write_packages(
-        root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
-    )
+    with alone(() if dry_run else [root]):
+        assembly = assemble(monitors, target, root, problems)
+        console.problems(assembly.problems)
+        outcome = write_packages(
+            root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
+        )
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:
         console.say(f"note: {shared}")

@@ -31,21 +31,23 @@ def upgrade(
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.packages.generation import Outcome, write_packages
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.upgrading import groups, targets
-    from eddi_scaffold.packages.workspace import linked_package
+    from eddi_scaffold.packages.upgrading import groups, roots, targets
+    from eddi_scaffold.packages.workspace import alone, linked_package
 
     outcomes: list[Outcome] = []
     template = own_template()
-    planned = [
-        (group, *targets(group, model, config or [])) for group in groups(workspace, packages or [])
-    ]
-    for group, wanted, problems in planned:
-        console.problems(problems)
-        done = write_packages(
-            group.root, wanted, template, dry_run=dry_run, progress=console.progress
-        )
-        links = [linked_package(link) for link in group.links]
-        outcomes.append(replace(done, left=[*links, *done.left]))
+    with alone(() if dry_run else roots(workspace, packages or [])):
+        planned = [
+            (group, *targets(group, model, config or []))
+            for group in groups(workspace, packages or [])
+        ]
+        for group, wanted, problems in planned:
+            console.problems(problems)
+            done = write_packages(
+                group.root, wanted, template, dry_run=dry_run, progress=console.progress
+            )
+            links = [linked_package(link) for link in group.links]
+            outcomes.append(replace(done, left=[*links, *done.left]))
     attention = [outcome for outcome in outcomes if outcome.attention or outcome.left]
     for outcome in sorted(
         outcomes, key=lambda o: o in attention

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
 
@@ -107,7 +108,9 @@ def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
         EddiError: no package has a region of such an id (U004).
     """
     wanted = list(ids)
-    accepted = [done for package in packages_below(folder) for done in accept(package, wanted)]
+    packages = packages_below(folder)
+    with alone(package.parent for package in packages):
+        accepted = [done for package in packages for done in accept(package, wanted)]
     for missing in sorted(set(wanted) - set(accepted)):
         raise EddiError(
             error("U004", f"there is no region {missing!r} below {folder}", Place(str(folder)))

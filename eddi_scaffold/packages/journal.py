@@ -7,8 +7,6 @@ digest of each staged text.
 
 from __future__ import annotations
 
-import errno
-import hashlib
 import json
 import os
 import tempfile
@@ -19,8 +17,9 @@ from pathlib import Path
 
 from eddi_scaffold.regions.files import open_regular
 from eddi_scaffold.regions.paths import is_relative
+from eddi_scaffold.regions.state import key_of, made_shelf, refuse_shared, shelf
 
-_OTHERS_WRITE = 0o022
+_SHELF = "unfinished"
 
 
 @dataclass(frozen=True)
@@ -56,10 +55,8 @@ def keep(root: Path, staging: str, steps: Sequence[JournalEntry] | None) -> str 
     decided = None if steps is None else [astuple(step) for step in steps]
     text = json.dumps({"root": os.path.realpath(root), "steps": decided})
     try:
-        place = _place(root, staging)
-        place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        _refuse_shared(place.parent.stat(), place.parent)
-        _replace(place, text.encode())
+        made_shelf(_SHELF)
+        _replace(_place(root, staging), text.encode())
     except OSError as refused:
         forget(root, staging)
         return f"{refused.filename}: {refused.strerror or refused}"
@@ -74,7 +71,7 @@ def forget(root: Path, staging: str) -> None:
 
 def records(root: Path) -> dict[str, Sequence[JournalEntry] | None]:
     """Return the transactions below ``root`` that runs of this user left: staging -> steps."""
-    start = _start(root)
+    start = key_of(root)
     found: dict[str, Sequence[JournalEntry] | None] = {}
     for place in _places(start):
         # what cannot be read, or is another's, is not a record
@@ -85,9 +82,9 @@ def records(root: Path) -> dict[str, Sequence[JournalEntry] | None]:
 
 
 def _read(place: Path, root: Path) -> Sequence[JournalEntry] | None:
-    _refuse_shared(place.parent.stat(), place.parent)
+    refuse_shared(place.parent.stat(), place.parent)
     with open_regular(place, follow=False) as stream:
-        _refuse_shared(os.fstat(stream.fileno()), place)
+        refuse_shared(os.fstat(stream.fileno()), place)
         record = json.loads(stream.read())
     if record["root"] != os.path.realpath(root):
         raise ValueError("a record of another folder")
@@ -100,37 +97,13 @@ def _read(place: Path, root: Path) -> Sequence[JournalEntry] | None:
 
 def _places(start: str) -> list[Path]:
     try:
-        return sorted(_shelf().glob(f"{start}*.json"))
+        return sorted(shelf(_SHELF).glob(f"{start}*.json"))
     except OSError:
         return []
 
 
 def _place(root: Path, staging: str) -> Path:
-    return _shelf() / f"{_start(root)}{staging}.json"
-
-
-def _start(root: Path) -> str:
-    return hashlib.sha256(os.fsencode(os.path.realpath(root))).hexdigest()[:32]
-
-
-def _shelf() -> Path:
-    """Return the folder of the records.
-
-    Raises:
-        OSError: this user has no home.
-    """
-    try:
-        places = (Path(os.environ.get("XDG_STATE_HOME", "")), Path("~/.local/state").expanduser())
-        state = next(place for place in places if place.is_absolute())
-    except (RuntimeError, StopIteration):
-        raise FileNotFoundError(errno.ENOENT, "there is no home folder", "~") from None
-    return state / "eddi-scaffold" / "unfinished"
-
-
-def _refuse_shared(status: os.stat_result, place: Path) -> None:
-    """Refuse what another user owns or may write: it would be his word."""
-    if status.st_uid != os.geteuid() or status.st_mode & _OTHERS_WRITE:
-        raise PermissionError(errno.EPERM, "other users may write there", str(place))
+    return shelf(_SHELF) / f"{key_of(root)}{staging}.json"
 
 
 def _replace(place: Path, data: bytes) -> None:

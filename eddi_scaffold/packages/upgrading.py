@@ -51,17 +51,30 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     return found
 
 
-def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
+def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
+    """Return the folders in which ``groups`` looks; they need not be there.
+
+    Raises:
+        EddiError: one leads out of the workspace (F011).
+    """
     if packages:
-        named = [path if path.name not in {"", ".."} else path.resolve() for path in packages]
-        return [
-            _group(root, [path for path in named if path.parent == root])
-            for root in dict.fromkeys(path.parent for path in named)
-        ]
+        return list(dict.fromkeys(path.parent for path in _named(packages)))
     place = workspace or Path()
-    candidates = [root_below(place, platform.root) for platform in platforms().values()]
-    found = [PackageGroup(root, existing(root), linked(root)) for root in dict.fromkeys(candidates)]
+    return list(dict.fromkeys(root_below(place, one.root) for one in platforms().values()))
+
+
+def _named(packages: Sequence[Path]) -> list[Path]:
+    return [path if path.name not in {"", ".."} else path.resolve() for path in packages]
+
+
+def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
+    places = roots(workspace, packages)
+    if packages:
+        named = _named(packages)
+        return [_group(root, [path for path in named if path.parent == root]) for root in places]
+    found = [PackageGroup(root, existing(root), linked(root)) for root in places]
     found = [group for group in found if group.present or group.links]
+    place = workspace or Path()
     if not found:
         hint = "name a workspace with -w, or the folder of a package"
         raise EddiError(

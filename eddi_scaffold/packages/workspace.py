@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +15,30 @@ from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.generated import recorded_generated
+from eddi_scaffold.regions.lock import BusyError, locked
 
 
 def existing(root: Path) -> dict[str, dict[str, Any]]:
     """Return folder name -> answers of the generated packages directly below ``root``."""
     found = ((folder.name, read_answers(folder)) for folder in _folders(root))
     return {name: answers for name, answers in found if answers is not None}
+
+
+@contextmanager
+def alone(roots: Iterable[Path]) -> Iterator[None]:
+    """Keep other commands from writing into folders of packages, from before they are read.
+
+    Raises:
+        EddiError: one is at work there (F012).
+    """
+    try:
+        with ExitStack() as stack:
+            for root in dict.fromkeys(map(os.path.realpath, roots)):
+                stack.enter_context(locked(Path(root)))
+            yield
+    except BusyError as busy:
+        hint = "run the command again when that one has ended"
+        raise EddiError(error("F012", str(busy), hint=hint)) from None
 
 
 def is_compiled(package: Path) -> bool:

@@ -21,8 +21,10 @@ if not __package__:  # run as a folder: make the template's checkout importable,
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.generated import note_edits
 from eddi_scaffold.regions.git import committed_text
-from eddi_scaffold.regions.sync import SyncReport, sync_package
+from eddi_scaffold.regions.lock import BusyError, locked
+from eddi_scaffold.regions.sync import AGAIN, SyncReport, sync_package
 
+_WAIT_S = 10.0
 _USAGE = "usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)\n"
 
 
@@ -32,20 +34,32 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
     root = root or Path.cwd()
     if words == ["sync"]:
         try:
-            lines = describe(sync_package(root, partial(committed_text, root)))
+            with locked(root.parent, _WAIT_S):
+                lines = describe(sync_package(root, partial(committed_text, root)))
+        except BusyError as busy:
+            lines = [f"{root}: error: {busy}: nothing was merged; when it has ended, {AGAIN}"]
         except Exception:  # noqa: BLE001 - a failing task makes Copier drop edits of other files
             lines = [traceback.format_exc(), f"{root}: error: our bug; hand edits are not lost"]
         sys.stderr.write("".join(f"{line}\n" for line in lines))
         return 0
     if words == ["check"]:
-        broken = broken_files(root)
-        for refusal in broken:
-            sys.stderr.write(f"{refusal.file}:{refusal.line}: error: {refusal.reason}\n")
-        if not broken:
-            note_edits(root)
-        return 1 if broken else 0
+        try:
+            with locked(root.parent, _WAIT_S):
+                lines = _check(root)
+        except BusyError as busy:
+            lines = [f"{root}: error: {busy}: nothing was changed; when it has ended, update again"]
+        sys.stderr.write("".join(f"{line}\n" for line in lines))
+        return 1 if lines else 0
     sys.stderr.write(_USAGE)
     return 0 if words in (["-h"], ["--help"]) else 2
+
+
+def _check(root: Path) -> list[str]:
+    """Prepare an update; return what stands in its way."""
+    broken = broken_files(root)
+    if not broken:
+        note_edits(root)
+    return [f"{refusal.file}:{refusal.line}: error: {refusal.reason}" for refusal in broken]
 
 
 def describe(report: SyncReport) -> list[str]:

@@ -36,6 +36,8 @@ from eddi_scaffold.regions.store import (
     write_file,
 )
 
+AGAIN = "then run `eddi-scaffold upgrade` for this package, or commit and `copier update --trust`"
+"""What a person does to have a package merged once more."""
 _SAVES = 5
 """Each starts the merge anew; one who saves more often in a second is no person."""
 
@@ -120,7 +122,7 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
             _sync(root, committed, refused, touched, notes)
         record_generated(root)
     except OSError as problem:
-        reason = f"{problem.strerror or problem}; nothing is lost, run sync again"
+        reason = f"{problem.strerror or problem}; nothing is lost; remove the reason, {AGAIN}"
         refused.append(Refusal(_relative(root, problem.filename), 1, reason))
     return SyncReport(tuple(dict.fromkeys(touched)), tuple(dict.fromkeys(notes)), tuple(refused))
 
