@@ -76,6 +76,7 @@ def generate(
     configs: Sequence[Path] = (),
     platform: str = "ros1",
     *,
+    runtime: str | None = None,
     dry_run: bool = False,
 ) -> Outcome:
     """Generate packages, or bring those that are there up to date; hand-written lines stay.
@@ -85,6 +86,7 @@ def generate(
         model: the model file; ``None`` where the configurations name theirs.
         configs: one ``eddi_config.yml`` for each monitor.
         platform: ``ros1`` or ``plain``.
+        runtime: where the runtime library is, ``vendored`` or ``installed``; by default as it is.
         dry_run: change nothing; ``Outcome.diff()`` shows what would change.
 
     Returns:
@@ -97,7 +99,7 @@ def generate(
     root = packages_root(target, folder)
     monitors, problems = monitors_of(model, configs)
     with alone(() if dry_run else [root]):
-        packages = assemble(monitors, target, root, problems).packages
+        packages = assemble(monitors, target, root, problems, runtime).packages
         return write_packages(root, packages, own_template(), dry_run=dry_run)
 
 

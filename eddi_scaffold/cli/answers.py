@@ -13,6 +13,7 @@ from eddi_scaffold.cli.options import (
     ModelFile,
     Name,
     PlatformName,
+    Runtime,
     in_a_folder,
 )
 from eddi_scaffold.platforms import DEFAULT
@@ -35,6 +36,7 @@ def answers(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     platform: PlatformName = DEFAULT,
+    runtime: Runtime = None,
     workspace: Annotated[
         Path | None,
         typer.Option(
@@ -63,9 +65,10 @@ def answers(
     )
     only(monitors)
     root = (workspace or Path()) / target.root
-    assembly = assemble(monitors, target, root, problems)
+    assembly = assemble(monitors, target, root, problems, runtime)
     console.problems(assembly.problems)
-    packages = assembly.packages if every else assembly.packages[:1]
+    rendered = [package for package in assembly.packages if package.answers]
+    packages = rendered if every else rendered[:1]
     files = {
         (f"{package.folder}.yml" if every else output.name): FileState(
             dump_plain(package.answers).encode()

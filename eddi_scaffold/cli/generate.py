@@ -15,6 +15,7 @@ from eddi_scaffold.cli.options import (
     NodeModels,
     OptionalModelFile,
     PlatformName,
+    Runtime,
     System,
     in_a_folder,
 )
@@ -41,6 +42,7 @@ def generate(
     models: NodeModels = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
+    runtime: Runtime = None,
     dry_run: DryRun = False,
 ) -> None:
     """Generate monitors, or regenerate them; hand-written lines stay.
@@ -71,7 +73,7 @@ def generate(
         raise EddiError(*problems, *refused.problems) from None
     problems = [*problems, *found]
     with alone(() if dry_run else [root]):
-        assembly = assemble(monitors, target, root, problems)
+        assembly = assemble(monitors, target, root, problems, runtime)
         console.problems(assembly.problems)
         outcome = write_packages(
             root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER
+from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, INSTALLED, VENDORED
 from eddi_scaffold.platforms import names as platform_names
 
 
@@ -31,6 +31,17 @@ def in_a_folder(path: Path | None) -> Path | None:
         message = f"cannot write: there is no folder {path.parent}"
         hint = f"mkdir -p {quote(str(path.parent))}"
     raise EddiError(error("F002", message, Place(str(path)), hint))
+
+
+def a_runtime(name: str | None) -> str | None:
+    """Refuse a place of the runtime library that there is not.
+
+    Raises:
+        BadParameter: it is neither of the two.
+    """
+    if name not in {None, VENDORED, INSTALLED}:
+        raise typer.BadParameter(f"{name!r} is neither {VENDORED} nor {INSTALLED}")
+    return name
 
 
 _OTHER_PICTURES = frozenset(
@@ -94,6 +105,15 @@ System = Annotated[
 NodeModels = Annotated[
     Path | None,
     typer.Option("--models", help="Directory of .ros, .ros1 and .ros2: nodes and message types."),
+]
+Runtime = Annotated[
+    str | None,
+    typer.Option(
+        "--runtime",
+        callback=a_runtime,
+        help="Where the runtime library is: vendored (beside the monitors) or installed (the"
+        " distribution eddi-runtime). By default as it is, at first vendored.",
+    ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the difference, change nothing.")]

@@ -34,11 +34,13 @@ def write_compiled(root: Path) -> str | None:
     Raises:
         OSError: a file cannot be read or written.
     """
-    names = {name.rpartition("/")[2]: name for name in listed_generated(root)}
+    listed = listed_generated(root)
+    names = {name.rpartition("/")[2]: name for name in listed}
     if _COMPILED not in names or _MODEL not in names:
         return None
-    model, target = root / names[_MODEL], root / names[_COMPILED]
-    runtime = "." if (target.parent / "eddi_runtime").is_dir() else ""
+    model = root / names[_MODEL]
+    beside = names[_COMPILED].removesuffix(_COMPILED)
+    runtime = "." if f"{beside}eddi_runtime/__init__.py" in listed else ""
     problem = None
     try:
         text = compile_model(parse_model(model.read_text("utf-8"), names[_MODEL]), runtime)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -21,8 +21,9 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.workspace import existing, is_compiled
-from eddi_scaffold.platforms import PackageAnswers, Platform
+from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.regions.generated import recorded_generated
 
 _IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
@@ -92,22 +93,68 @@ def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
 
 
 def assemble(
-    monitors: Sequence[BoundMonitor], platform: Platform, root: Path, problems: Sequence[Problem]
+    monitors: Sequence[BoundMonitor],
+    platform: Platform,
+    root: Path,
+    problems: Sequence[Problem],
+    runtime: str | None = None,
 ) -> Assembly:
     """Turn monitors into packages, next to those that exist below ``root``.
+
+    Args:
+        monitors: the new ones.
+        platform: where they run.
+        root: folder of all packages.
+        problems: what was found so far.
+        runtime: where their runtime library is; by default as it was chosen before. All monitors
+            that share one change with it.
 
     Raises:
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
     """
-    found = list(problems)
-    found = list(dict.fromkeys([*found, *wiring_with(monitors, existing(root))]))
+    present = existing(root)
+    found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
     if has_errors(found):
         raise EddiError(*found)
     config = next((m.config.config for m in monitors if m.config is not None), None)
-    new = {package.folder: package.answers for package in packages}
-    return Assembly([*packages, *support(platform, root, new, config)], list(new), found)
+    new = [package.folder for package in packages]
+    beside = _sharing(platform, present)
+    packages = [
+        with_runtime(one, runtime or runtime_of([present.get(one.folder, {}), *beside.values()]))
+        for one in packages
+    ]
+    packages += [
+        with_runtime(stored(root / folder, answers), runtime)
+        for folder, answers in beside.items()
+        if folder not in new and runtime not in {None, runtime_of([answers])}
+    ]
+    wanted = {package.folder: package.answers for package in packages}
+    return Assembly([*packages, *support(platform, root, wanted, config)], new, found)
+
+
+def _sharing(
+    platform: Platform, present: Mapping[str, Mapping[str, Any]]
+) -> Mapping[str, Mapping[str, Any]]:
+    """Return the monitors of a platform that share one runtime library, if it has shared ones."""
+    own = platform.templates.monitor if platform.templates.support else None
+    return {name: answers for name, answers in present.items() if answers["template"] == own}
+
+
+def runtime_of(answers: Iterable[Mapping[str, Any]]) -> str:
+    """Return where the runtime library is by the first answers that say so."""
+    return str(next((one[RUNTIME] for one in answers if RUNTIME in one), VENDORED))
+
+
+def with_runtime(package: PackageAnswers, runtime: str | None) -> PackageAnswers:
+    """Return a package of a monitor that has its runtime library elsewhere.
+
+    A template that does not ask for it has it inside.
+    """
+    if RUNTIME not in package.answers or runtime is None:
+        return package
+    return replace(package, answers={**package.answers, RUNTIME: runtime})
 
 
 def wiring_with(
@@ -140,6 +187,8 @@ def support(
 ) -> list[PackageAnswers]:
     """Return the shared packages for these monitors and those that are there already.
 
+    A shared package that is there, but that nothing needs any more, leaves.
+
     Args:
         platform: of all of them.
         root: folder of all packages.
@@ -160,21 +209,27 @@ def support(
         hint = "first run `eddi-scaffold upgrade` for the whole workspace; hand edits stay"
         raise EddiError(error("G024", message, Place(str(root)), hint))
     packages = platform.support({**there, **monitors}, config)
-    return [
-        PackageAnswers(
-            package.folder, {**package.answers, **_kept_identity(present.get(package.folder, {}))}
-        )
+    shared = {
+        package.folder: {**package.answers, **_kept_identity(present.get(package.folder, {}))}
         for package in packages
-    ]
+    }
+    leaving = {
+        folder: dict[str, Any]()
+        for folder, answers in present.items()
+        if answers["template"] in platform.templates.support and folder not in shared
+    }
+    return [PackageAnswers(folder, answers) for folder, answers in {**shared, **leaving}.items()]
 
 
-def stored(folder: str, answers: Mapping[str, Any]) -> PackageAnswers:
-    """Return the answers of a package as they are, for the present version of the templates.
+def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
+    """Return a package as it is, its tables too, for the present version of the templates.
 
     Keys that begin with ``_`` are Copier's own: where the templates came from.
     """
     kept = {key: value for key, value in answers.items() if not key.startswith("_")}
-    return PackageAnswers(folder, {**kept, "generator_version": __version__})
+    tables = [name for name in recorded_generated(package) if name.endswith(".bin")]
+    files = {name: (package / name).read_bytes() for name in tables if (package / name).is_file()}
+    return PackageAnswers(package.name, {**kept, "generator_version": __version__}, files)
 
 
 def rejoined(

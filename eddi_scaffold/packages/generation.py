@@ -18,7 +18,7 @@ from pathlib import Path
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
-from eddi_scaffold.packages.obstacles import obstacles
+from eddi_scaffold.packages.obstacles import KEPT, obstacles
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers, render
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.packages.unpacking import unpacked
@@ -111,10 +111,15 @@ def write_packages(
     ):
         work.notes += source.notes
         for number, package in enumerate(packages):
+            rendered = Path(scratch, str(number), "rendered")
+            if not package.answers:
+                rendered.mkdir(parents=True)
+                note = f"{package.folder}: removed, nothing needs it any more"
+                _merge_package(root, package, rendered, [note], work)
+                continue
             if is_current(root / package.folder, package, template, source):
                 continue
             progress(package.folder)
-            rendered = Path(scratch, str(number), "rendered")
             notes = render(package.answers, template, source, rendered)
             for name, data in package.files.items():
                 (rendered / name).parent.mkdir(parents=True, exist_ok=True)
@@ -143,7 +148,7 @@ def _merge_package(
     found = obstacles(package.folder, tree.others, _names(rendered))
     stop = found.at_records(ANSWERS_FILE)
     if stop is None:
-        if tree.files or tree.others:
+        if tree.others or any(not path.startswith(KEPT) for path in tree.files):
             _refuse_foreign(target)
         before = {path: state for path, state in tree.files.items() if path not in found.skipped}
         merged = _merged(target, package, before, rendered, found.skipped)
@@ -207,10 +212,16 @@ def _merged(
     after = {
         path: _with_mode(state, before.get(path))
         for path, state in transaction.tree_of(staged).items()
+        if package.answers or not _is_record(path)
     }
     _check_python(after, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
     return _Merged(changed, saved, report)
+
+
+def _is_record(path: str) -> bool:
+    """Tell whether a file is only of use to a package: neither a person's nor a saved text."""
+    return path == ANSWERS_FILE or (path.startswith(".eddi/") and not path.startswith(KEPT))
 
 
 def _refuse_foreign(target: Path) -> None:

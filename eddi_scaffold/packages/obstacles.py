@@ -12,7 +12,7 @@ from pathlib import PurePosixPath
 
 _SHOWN = 5
 _RECORDS = ".eddi"
-_KEPT = (".eddi/orphans/", ".eddi/rejects/")
+KEPT = (".eddi/orphans/", ".eddi/rejects/")
 """Folders of records that a person may work in."""
 
 
@@ -44,7 +44,7 @@ class Obstacles:
                 path
                 for path in self.kinds
                 if path in {answers_file, _RECORDS}
-                or (path.startswith(f"{_RECORDS}/") and not path.startswith(_KEPT))
+                or (path.startswith(f"{_RECORDS}/") and not path.startswith(KEPT))
             ),
             None,
         )

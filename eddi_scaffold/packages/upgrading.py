@@ -15,7 +15,14 @@ from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models
-from eddi_scaffold.packages.assembly import rejoined, stored, support, wiring_with
+from eddi_scaffold.packages.assembly import (
+    rejoined,
+    runtime_of,
+    stored,
+    support,
+    wiring_with,
+    with_runtime,
+)
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
@@ -116,12 +123,12 @@ def targets(
             continue
         platform = monitors[folder] = _platform(answers)
         if folder not in renewed:
-            packages.append(stored(folder, answers))
+            packages.append(stored(group.root / folder, answers))
             continue
         monitor, found = renewed[folder]
         joined.append(monitor)
         package, more = platform.monitor(monitor)
-        packages.append(package)
+        packages.append(with_runtime(package, runtime_of([answers])))
         problems += [*found, *more]
     problems += wiring_with(joined, group.present)
     shared = {folder for folder in group.present if folder not in monitors}

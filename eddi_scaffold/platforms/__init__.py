@@ -28,6 +28,10 @@ DEFAULT = "ros1"
 """The platform that is meant where none is named: configurations connect a monitor to ROS 1."""
 DEFAULT_IN_FOLDER = "plain"
 """The same where packages go to a folder that is not a workspace."""
+RUNTIME = "runtime"
+"""Answer of a monitor package: where the runtime library is."""
+VENDORED, INSTALLED = "vendored", "installed"
+"""Beside the monitors, or a distribution that rosdep or pip installs."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +67,12 @@ class Workspace:
 
 @dataclass(frozen=True)
 class PackageAnswers:
-    """One package to be rendered.
+    """One package to be rendered, or one that nothing needs any more.
 
     Attributes:
         folder: where it goes, relative to the destination of the platform, POSIX form.
-        answers: all answers of its template, in the order in which they are written.
+        answers: all answers of its template, in the order in which they are written; none for
+            a package that leaves.
         files: path in the package -> bulk data that Copier does not render.
         saved: bodies that are waiting for their regions.
     """

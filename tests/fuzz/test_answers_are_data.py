@@ -190,6 +190,8 @@ REFUSED: list[tuple[str, PATHS, object]] = [
     ("package", ("package",), "a_b\n"),
     ("runtime_module", ("runtime_module",), "os"),
     ("own_package", ("own_package",), "os"),
+    ("runtime_version", ("runtime_version",), "0.1'); exec('x"),
+    ("installed", ("installed",), True),
     ("readme", ("readme",), ["<script>alert(1)</script>"]),
     ("license", ("license",), "a\x08"),
 ]

@@ -16,7 +16,7 @@ from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
-from eddi_scaffold.platforms import PackageAnswers, Platform, Templates
+from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
 from eddi_scaffold.problems import Problem
 
 _TEMPLATES = Templates("plain_monitor")
@@ -31,6 +31,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
     files = dict(monitor.kind.functions.data_files(monitor.model))
     answers["package_data"] = ["model.json", *sorted(files)]
+    answers[RUNTIME] = VENDORED
     answers["parts"] = list(needed_by(compile_model(parse_model(monitor.model_json))))
     return PackageAnswers(monitor.package, answers, files), []
 

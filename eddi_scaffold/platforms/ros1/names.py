@@ -18,6 +18,8 @@ from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.regions.files import LINK, entries
 
 RUNTIME = "eddi_runtime"
+ROSDEP_KEY = "python3-eddi-runtime-pip"
+"""The runtime library as a distribution that is installed."""
 METAPACKAGE = "eddi_monitor"
 LAUNCHER = "eddi_monitor_launcher"
 OWN = (METAPACKAGE, MESSAGE_PACKAGE, LAUNCHER, RUNTIME)
@@ -90,4 +92,4 @@ def _is_ours(package: Path) -> bool:
         manifest = (package / "package.xml").read_text("utf-8", "replace")
     except OSError:  # of the time before catkin, which is older than ours
         return False
-    return f"<exec_depend>{RUNTIME}</exec_depend>" in manifest
+    return any(f"<exec_depend>{one}</exec_depend>" in manifest for one in (RUNTIME, ROSDEP_KEY))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from eddi_scaffold import __version__
+from eddi_scaffold import __version__, platforms
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.parts import needed_by
@@ -37,6 +37,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     classes = _class_names([*heard, *(p.type for p in published if p.path)])
     classes |= {p.type: p.type.replace("/", ".msg.") for p in published if not p.path}
     answers = shared_answers(monitor, templates.MONITOR)
+    answers[platforms.RUNTIME] = platforms.VENDORED
     answers["message_packages"] = sorted(
         {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     )
@@ -69,10 +70,11 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
 def support_answers(
     monitors: Mapping[str, Mapping[str, JsonValue]], config: Config | None
 ) -> list[PackageAnswers]:
-    """Return the answers of messages, launcher, runtime and metapackage."""
+    """Return the answers of messages, launcher, metapackage, and of the runtime if one needs it."""
     texts = messages_of(monitors.values())
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
-    parts = {part for name, one in monitors.items() for part in _parts(name, one)}
+    where = [str(one.get(platforms.RUNTIME, platforms.VENDORED)) for one in monitors.values()]
+    runtime = platforms.VENDORED if platforms.VENDORED in where else platforms.INSTALLED
     listed = sorted(monitors)
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
@@ -85,7 +87,7 @@ def support_answers(
             }
         return PackageAnswers(name, answers)
 
-    return [
+    packages = [
         package(
             templates.MESSAGES,
             MESSAGE_PACKAGE,
@@ -98,6 +100,7 @@ def support_answers(
             METAPACKAGE,
             "All EDDI runtime monitors of this workspace",
             monitors=listed,
+            runtime=runtime,
         ),
         package(
             templates.LAUNCHER,
@@ -105,10 +108,12 @@ def support_answers(
             "Launch file that starts every EDDI runtime monitor of this workspace",
             monitors=listed,
         ),
-        package(
-            templates.RUNTIME, RUNTIME, "Runtime library of the EDDI monitors", parts=sorted(parts)
-        ),
     ]
+    if runtime == platforms.VENDORED:
+        parts = {part for name, one in monitors.items() for part in _parts(name, one)}
+        title = "Runtime library of the EDDI monitors"
+        packages.append(package(templates.RUNTIME, RUNTIME, title, parts=sorted(parts)))
+    return packages
 
 
 def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:

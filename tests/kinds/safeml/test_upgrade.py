@@ -77,6 +77,15 @@ def test_a_large_reference_comes_and_goes(tmp_path: Path) -> None:
         assert monitor.execute_step(SimpleNamespace(sample=[0.5]), 0).accepted == 1
 
 
+def test_newer_templates_leave_a_large_reference(tmp_path: Path) -> None:
+    generated(tmp_path / "in", tmp_path / "out", "scope", LARGE)
+    (group,) = groups(tmp_path / "out", [])
+    group.present["scope"]["package_version"] = "0.2.0"
+    outcome = write_packages(group.root, targets(group, None, [])[0], own_template())
+    assert "scope/pyproject.toml" in outcome.changes
+    assert [path.name for path in outcome.root.glob("scope/*.bin")] == ["reference.bin"]
+
+
 def test_a_package_that_cannot_be_compiled_is_not_written(tmp_path: Path) -> None:
     """Such as one whose model has no axes, because an older version made it."""
     generated(tmp_path / "in", tmp_path / "out", "scope")

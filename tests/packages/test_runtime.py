@@ -1,0 +1,157 @@
+"""The runtime library lies beside the monitors, or is a distribution that is installed."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import jinja2
+import pytest
+import yaml
+from eddi_runtime import __version__
+
+from tests.cli.command import EXAMPLE, ROOT, Result, run
+
+RUNTIME = "eddi_runtime"
+MODEL = EXAMPLE / "two_conserts.xml"
+KEY = "<exec_depend>python3-eddi-runtime-pip</exec_depend>"
+MINE = "        self.RtE_A_E0 = RtE_E0.data and not self.tilted\n"
+pytestmark = pytest.mark.slow
+
+
+def generate(place: Path, letter: str, *words: str, status: int = 0) -> Result:
+    config = EXAMPLE / f"consert_{letter}_config.yml"
+    done = run("generate", "-w", place, "-m", MODEL, "-c", config, *words, cwd=place)
+    assert done.status == status, done.err
+    return done
+
+
+def plain(place: Path, *words: str) -> Path:
+    files = ("-m", MODEL, "--name", "ConSertA", "-o", place, "--platform", "plain")
+    done = run("generate", *files, *words, cwd=place)
+    assert done.status == 0, done.err
+    return place / "conserta"
+
+
+@pytest.fixture
+def packages(tmp_path: Path) -> Path:
+    """Return the packages of a workspace with one monitor and code of a person."""
+    (tmp_path / "src").mkdir()
+    generate(tmp_path, "a")
+    folder = tmp_path / "src" / "eddi_monitor"
+    code = folder / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    text = code.read_text("utf-8")
+    assert text.count("        self.RtE_A_E0 = RtE_E0.data\n") == 1
+    code.write_text(text.replace("        self.RtE_A_E0 = RtE_E0.data\n", MINE), "utf-8")
+    return folder
+
+
+def manifests(packages: Path) -> dict[str, str]:
+    """Return package -> its manifest."""
+    return {path.parent.name: path.read_text("utf-8") for path in packages.glob("*/package.xml")}
+
+
+def depends(packages: Path) -> dict[str, set[str]]:
+    """Return package -> what it says of the runtime."""
+    words = (f"<exec_depend>{RUNTIME}</exec_depend>", KEY)
+    return {
+        name: {word for word in words if word in text}
+        for name, text in manifests(packages).items()
+        if RUNTIME not in name
+    }
+
+
+def test_all_monitors_of_a_workspace_change_together(packages: Path) -> None:
+    place = packages.parents[1]
+    done = generate(place, "b", "--runtime", "installed")
+    assert "eddi_runtime: removed, nothing needs it any more" in done.err
+    assert not (packages / RUNTIME).exists()
+    none = {"eddi_messages": set(), "eddi_monitor": set(), "eddi_monitor_launcher": set()}
+    assert depends(packages) == {"conserta": {KEY}, "consertb": {KEY}} | none
+    code = packages / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    assert code.read_text("utf-8").count(MINE) == 1
+
+    before = manifests(packages)
+    generate(place, "a")  # it is remembered
+    assert run("upgrade", "-w", place, "-m", MODEL, cwd=place).status == 0
+    assert run("status", "-w", place, cwd=place).status == 0
+    assert manifests(packages) == before
+
+    generate(place, "a", "--runtime", "vendored")
+    assert (packages / RUNTIME / "src" / RUNTIME / "consert").is_dir()
+    assert KEY not in "".join(manifests(packages).values())
+    assert code.read_text("utf-8").count(MINE) == 1
+    assert run("status", "-w", place, cwd=place).status == 0
+
+
+def test_a_new_monitor_follows_those_that_are_there(packages: Path) -> None:
+    place = packages.parents[1]
+    generate(place, "a", "--runtime", "installed")
+    generate(place, "b")
+    assert KEY in manifests(packages)["consertb"]
+    assert not (packages / RUNTIME).exists()
+
+
+def test_edits_of_the_runtime_are_kept_aside(packages: Path) -> None:
+    place = packages.parents[1]
+    manifest = packages / RUNTIME / "package.xml"
+    manifest.write_text(manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>"))
+    access = packages / RUNTIME / "src" / RUNTIME / "access.py"
+    access.write_text(access.read_text("utf-8") + "# ours\n", "utf-8")
+    generate(place, "a", "--runtime", "installed", status=3)
+    kept = packages / RUNTIME / ".eddi" / "rejects"
+    left = {path for path in (packages / RUNTIME).rglob("*") if path.is_file()}
+    saved = {kept / "package.xml.patch", kept / "src" / RUNTIME / "access.py.edited"}
+    assert left == saved
+    assert all("ours" in path.read_text("utf-8") for path in saved)
+    generate(place, "a")
+    generate(place, "a", "--runtime", "vendored")
+    assert all("ours" in path.read_text("utf-8") for path in saved)
+    assert access.is_file()
+
+
+def test_upgrade_takes_away_what_no_monitor_needs(packages: Path) -> None:
+    """Such as after plain Copier has changed the answers of the monitors."""
+    place = packages.parents[1]
+    answers = packages / "conserta" / ".copier-answers.yml"
+    text = answers.read_text("utf-8")
+    answers.write_text(text.replace("runtime: vendored", "runtime: installed"), "utf-8")
+    assert run("status", "-w", place, cwd=place).status == 1
+    assert run("upgrade", "-w", place, cwd=place).status == 0
+    assert not (packages / RUNTIME).exists()
+    assert KEY in manifests(packages)["conserta"]
+
+
+def test_a_plain_package(tmp_path: Path) -> None:
+    package = plain(tmp_path, "--runtime", "installed")
+    assert not (package / RUNTIME).exists()
+    assert f'dependencies = ["eddi-runtime>={__version__}"]' in (
+        package / "pyproject.toml"
+    ).read_text("utf-8")
+    plain(tmp_path)
+    assert not (package / RUNTIME).exists()
+    code = package / "EDDIInput.py"
+    first = code.read_text("utf-8")
+    code.write_text(first.replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = 1 == 1"), "utf-8")
+    plain(tmp_path, "--runtime", "vendored")
+    text = code.read_text("utf-8")
+    assert (package / RUNTIME / "consert").is_dir()
+    assert "from .eddi_runtime import" in text
+    assert "self.RtE_A_E0 = 1 == 1" in text
+    shutil.rmtree(package)
+    assert not (plain(tmp_path, "--runtime", "installed") / RUNTIME).exists()
+
+
+def test_no_other_place_is_known(tmp_path: Path) -> None:
+    done = run("generate", "-m", MODEL, "-o", "o", "--runtime", "somewhere", cwd=tmp_path)
+    assert done.status == 2
+    assert "'somewhere' is neither vendored nor installed" in done.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_templates_ask_for_this_version() -> None:
+    """What they write is for the runtime beside them; an older one may lack what it needs."""
+    text = (ROOT / "copier_templates" / "questions" / "runtime.yml").read_text("utf-8")
+    assert jinja2.Template(yaml.safe_load(text)["runtime_version"]["default"]).render() == (
+        __version__
+    )
