@@ -200,7 +200,6 @@ def document(net: Net, outputs: Sequence[int], observed: Sequence[int]) -> dict[
         "format": 1,
         "kind": "bayesian_network",
         "id": "Benchmark",
-        "requires_runtime": "0.1",
         "source": {},
         "inputs": [{"id": one, "attribute": one, "requires": []} for one in names],
         "model": {

@@ -129,7 +129,6 @@ def model_document(gates: int, inputs: int, guarantees: int) -> dict[str, Any]:
         "format": 1,
         "kind": "consert",
         "id": "Benchmark",
-        "requires_runtime": "0.1",
         "source": {},
         "inputs": [{"id": one, "attribute": one, "requires": []} for one in leaves],
         "model": {

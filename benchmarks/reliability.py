@@ -149,7 +149,7 @@ def stepping(components: list[dict[str, Any]], values: dict[str, Any]) -> Action
         "thresholds": [{"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}],
     }  # fmt: skip
     document: dict[str, Any] = {
-        "format": 1, "requires_runtime": "0.1", "kind": "reliability", "id": "m", "source": {},
+        "format": 1, "kind": "reliability", "id": "m", "source": {},
         "settings": {}, "model": model,
         "inputs": [{"id": name, "attribute": name, "requires": []} for name in values],
     }  # fmt: skip

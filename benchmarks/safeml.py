@@ -166,7 +166,6 @@ def monitor_of(reference: Array, metric: str, **more: Any) -> Monitor:
         "format": 1,
         "kind": "safeml",
         "id": "Benchmark",
-        "requires_runtime": "0.1",
         "source": {},
         "inputs": [{"id": "sample", "attribute": "sample", "requires": []}],
         "model": model,

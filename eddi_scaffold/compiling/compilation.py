@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable, Iterable, Sequence
+from itertools import chain
 
 from eddi_scaffold.compiling.bayesian_network import emission as bayesian_network
 from eddi_scaffold.compiling.consert import emission as consert
@@ -29,8 +30,12 @@ KINDS: dict[str, tuple[int, Callable[[ModelFile], list[str]]]] = {
 }
 """Kind -> format of its part of the runtime, and what writes its class."""
 
-_MODULES = {"reliability": reliability.MODULES}
-"""Kind -> modules of its part of the runtime that a monitor imports where it uses them."""
+_MODULES: dict[str, Sequence[str]] = {
+    "consert": consert.MODULES,
+    "expressions": expressions.MODULES,
+    "reliability": reliability.MODULES,
+}
+"""Part of the runtime -> its modules that a monitor imports where it uses them."""
 
 
 def compile_model(model_file: ModelFile, runtime: str = "") -> str:
@@ -69,9 +74,9 @@ def whole_text(
         about += ["", f"Model: {comment(source)} {comment(path) if isinstance(path, str) else ''}"]
     lines = [*expressions.expression_lines(model_file.inputs), *lines]
     body = "\n".join(lines)
-    optional = _MODULES.get(model_file.kind, ())
-    used = _used(body, ("InputSpec", "expressions", *optional))
-    if "expressions" in used:
+    names = _used(body, ("InputSpec", "expressions", *chain(*_MODULES.values())))
+    modules = {part: [one for one in found if one in names] for part, found in _MODULES.items()}
+    if "expressions" in names or modules["expressions"]:
         parts = {**parts, "expressions": expressions.FORMAT}
     constants = [
         f"{name} = {text}"
@@ -81,14 +86,14 @@ def whole_text(
     below = "\n".join([*constants, "", "", *lines]) + "\n"
     formats = {"eddi_runtime": CORE_FORMAT, **parts}
     needs = ", ".join(f"{name}: {one}" for name, one in formats.items())
-    names = ["InputSpec", *parts] if "InputSpec" in used else [*parts]
-    modules = [one for one in optional if one in used]
+    imported = ["InputSpec", *parts] if "InputSpec" in names else [*parts]
+    more = [_imported(f"{runtime}eddi_runtime.{one}", modules.get(one, ())) for one in parts]
     docstring = "\n".join(map(str.rstrip, about)).replace("\\", "?").replace('"', "'")
     return (
         f'"""{docstring}{chr(10) if len(about) > 1 else ""}"""\n\n'
         f"{f'from {runtime} import' if runtime else 'import'} eddi_runtime\n"
-        f"from {runtime}eddi_runtime import {', '.join(names)}\n"
-        f"{_imported(f'{runtime}eddi_runtime.{model_file.kind}', modules)}\n"
+        f"from {runtime}eddi_runtime import {', '.join(imported)}\n"
+        f"{''.join(more)}\n"
         f"eddi_runtime.needs(__file__, {{{needs}}})\n"
         f"# sha256 of the lines below: {hashlib.sha256(below.encode()).hexdigest()}\n" + below
     )

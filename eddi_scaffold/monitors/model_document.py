@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eddi_runtime import EDDIInputBase
 from eddi_runtime import ModelError as NotRunning
-from eddi_runtime import __version__ as runtime_version
+from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.compiling.document import ModelError, canonical, digest_of, parse_model
 from eddi_scaffold.compiling.execution import build
@@ -35,7 +34,6 @@ def model_document(
         "format": 1,
         "kind": kind.name,
         "id": model.name,
-        "requires_runtime": ".".join(runtime_version.split(".")[:2]),
         "source": {
             "file": model.source.file_name,
             "sha256": model.source.sha256,

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from eddi_runtime import EDDIInputBase
 from eddi_runtime.access import by_id, by_key, by_name, joined
+from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
 
 from eddi_scaffold.monitors.binding import InputBinding

@@ -5,7 +5,7 @@ import copy
 import json
 
 import pytest
-from eddi_runtime import EDDIInputBase
+from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import (
@@ -171,5 +171,5 @@ def test_an_expression_says_what_its_words_mean(names):
 
 
 def test_no_input_hides_a_member_of_the_base_class():
-    members = {name for name in vars(EDDIInputBase) if not name.startswith("_")}
+    members = {name for name in dir(EDDIInputBase) if not name.startswith("_")}
     assert RESERVED_ATTRIBUTES - {"processing", "states"} == members

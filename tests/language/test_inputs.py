@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from eddi_runtime.expressions import Expression
+from eddi_runtime.expressions.expression import Expression
 
 from eddi_scaffold.language.input_expressions import ExpressionText, compile_input
 from eddi_scaffold.language.scope import BOOL, NUMBER, Variable

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from eddi_runtime import EDDIInputBase
+from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build

@@ -22,7 +22,6 @@ def _document(name, inputs, **model):
         "format": 1,
         "kind": "consert",
         "id": name,
-        "requires_runtime": "0.1",
         "source": {"file": "test", "sha256": "", "path": ""},
         "settings": {"guarantee_ids": "source"},
         "inputs": inputs,

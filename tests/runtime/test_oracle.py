@@ -17,7 +17,6 @@ def document(model, settings):
         "format": 1,
         "kind": "consert",
         "id": model.name,
-        "requires_runtime": "0.1",
         "source": {},
         "inputs": [
             {"id": one.id, "attribute": one.id, "requires": []} for one in FUNCTIONS.inputs(model)

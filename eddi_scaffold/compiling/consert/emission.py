@@ -34,7 +34,9 @@ from eddi_scaffold.compiling.text import (
     variables,
 )
 
-FORMAT = 1
+FORMAT = 2
+MODULES = ("filters",)
+"""Modules of the part that a ConSert imports where it uses them."""
 
 STRAIGHT_LINE_LIMIT = 20_000
 """Inputs + edges + gates up to which the step is written out; beyond, the runtime's loop over the
@@ -163,10 +165,10 @@ def _filter(settings: Mapping[str, Any]) -> Part | None:
         return None
     if kind == "debounce":
         needed = _samples(wanted, "regain_after")
-        return call("consert.Debounce", [str(needed)]) if needed > 1 else None
+        return call("filters.Debounce", [str(needed)]) if needed > 1 else None
     if kind == "majority":
         window = _samples(wanted, "window")
-        return call("consert.Majority", [str(window)]) if window > 1 else None
+        return call("filters.Majority", [str(window)]) if window > 1 else None
     raise ModelError("", f"the filter {kind!r} is not known: none, debounce or majority")
 
 

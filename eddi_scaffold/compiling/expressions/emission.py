@@ -19,7 +19,9 @@ from eddi_scaffold.compiling.text import (
     variables,
 )
 
-FORMAT = 1
+FORMAT = 2
+MODULES = ("expression", "lists", "stacks", "windows")
+"""Modules of the part that a monitor imports where it uses them."""
 TYPES = ("bool", "float", "int", "state")
 
 
@@ -70,7 +72,7 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
     sources = _Sources(document)
     words = dict.fromkeys(sources.split(one.name)[0] for one in sampling.inputs)
     names = document.get("names") or {word: ["message", word] for word in words}
-    lines = [f"class {name}(expressions.Expression):", f'    type = "{kind}"']
+    lines = [f"class {name}(expression.Expression):", f'    type = "{kind}"']
     lines += ["    hazard = True"] if document.get("polarity") == "HAZARD" else []
     if kind == "state":
         states = tuple(take(part, "state", str, where) for part in parts)

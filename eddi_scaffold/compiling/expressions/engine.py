@@ -17,7 +17,13 @@ from eddi_scaffold.compiling.text import assignment, tuple_of, unpacked
 
 Values = tuple[float | int, ...]
 """One value per output: 0, 1, 2 for a truth value, NaN for an UNKNOWN number."""
-_HEAD = ["from eddi_runtime import expressions", "", 'INF = float("inf")', 'NAN = float("nan")']
+_HEAD = [
+    "from eddi_runtime import expressions",
+    "from eddi_runtime.expressions import lists, stacks, windows",
+    "",
+    'INF = float("inf")',
+    'NAN = float("nan")',
+]
 
 
 class Engine:
@@ -81,7 +87,7 @@ def _lines(form: Form) -> list[str]:
         if variable.reduction is not None:
             raws = tuple_of(inputs[one] for one in used)
             lines += assignment("raw", raws, 8)
-            lines += [f"        {names[k]}, _ = expressions.lists.reduced(self.reduce_{k}, raw)"]
+            lines += [f"        {names[k]}, _ = expressions.reduced(self.reduce_{k}, raw)"]
         elif names[k] != inputs[used[0]]:
             lines += [f"        {names[k]} = {inputs[used[0]]}"]
         if variable.stamped:

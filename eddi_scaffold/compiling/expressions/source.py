@@ -73,7 +73,7 @@ _LONGEST_NAME = 24
 
 RESERVED = frozenset(
     {"INF", "NAN", "a", "abs", "age", "ages", "b", "c", "expressions", "float", "getattr", "last"}
-    | {"max", "messages", "min", "outputs", "raw", "self", "source", "t", "type", "values"}
+    | {"lists", "max", "messages", "min", "outputs", "raw", "self", "source", "t", "type", "values"}
 )
 """Names with a meaning in the text."""
 
@@ -84,13 +84,13 @@ class Source:
     Args:
         form: what to evaluate.
         names: an identifier for each variable; of at most 24 characters, so that lines are short.
-        prefix: of what is called: ``expressions.`` in a package, empty where it is copied.
+        copied: what is called is in the same module, else in ``expressions`` and its modules.
     """
 
-    def __init__(self, form: Form, names: Sequence[str], prefix: str = "expressions.") -> None:
+    def __init__(self, form: Form, names: Sequence[str], *, copied: bool = False) -> None:
         self._form = form
         self._names = names
-        self._prefix = prefix
+        self._copied = copied
         self._windows = [k for k, node in enumerate(form.nodes) if node.op in WINDOWS]
         self._state = _states(form)
         self._checked = must_be_finite(form)
@@ -115,8 +115,8 @@ class Source:
             lines += [f"        self.{field} = {start}" for field, start in self._state.items()]
         for k, variable in enumerate(self._form.variables):
             if variable.reduction is not None:
-                inner = self._prefix and f"{self._prefix}lists."
-                lines += ["", *reduction_lines(k, variable.name, variable.reduction, inner)]
+                prefix = "" if self._copied else "lists."
+                lines += ["", *reduction_lines(k, variable.name, variable.reduction, prefix)]
         return lines
 
     def evaluation(self, *, raw: bool) -> list[str]:
@@ -176,20 +176,21 @@ class Source:
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""
-        return f"{self._prefix}{name}" if self._prefix else name.rpartition(".")[2]
+        module, _, name = name.rpartition(".")
+        return name if self._copied else f"{module}.{name}"
 
     def _converted(self, k: int, variable: Variable) -> list[str]:
         """Return the lines that make a raw value one of the form; a float needs no call."""
         name = self._names[k]
         if variable.type == ENUM:
             literals = map(text_literal, variable.literals)
-            value = call(self._called("literal"), [name, tuple_of(literals)])
+            value = call(self._called("expressions.literal"), [name, tuple_of(literals)])
             return [line[8:] for line in assignment(name, value, 8)]
         if variable.type == BOOL:
-            return [f"{name} = {self._called('truth')}({name})"]
+            return [f"{name} = {self._called('expressions.truth')}({name})"]
         if variable.text:
             return [f"{name} = {self._called('lists.number_in')}({name})"]
-        converted = f"{name} = {self._called('number')}({name})"
+        converted = f"{name} = {self._called('expressions.number')}({name})"
         return [f"if type({name}) is not float:", f"    {converted}"]
 
     def _variable(self, k: int, variable: Variable) -> list[str]:
@@ -317,7 +318,7 @@ def class_lines(form: Form, names: Sequence[str]) -> list[str]:
         form: what to evaluate.
         names: an identifier for each variable.
     """
-    source = Source(form, names, "")
+    source = Source(form, names, copied=True)
     arguments = ", ".join(["self", "t", *source.parameters()])
     lines = ["class Engine(Conditions):", *source.members(), "", f"    def evaluate({arguments}):"]
     return [*lines, *source.evaluation(raw=False)]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Callable
 from functools import cache
 
 from eddi_runtime.expressions import lists, stacks, windows
-from eddi_runtime.expressions.conditions import Conditions
+from eddi_runtime.expressions.conditions import Conditions, Unknown, reduced
 
 from eddi_scaffold.compiling.expressions.form import BUFFERED, WINDOWS, Variable
 from eddi_scaffold.compiling.expressions.source import CLASSES, class_lines
@@ -118,7 +119,8 @@ def _needs_lists(model: MonitorModel) -> bool:
 def _lists() -> list[str]:
     """Return the module of lists, without its head."""
     lines = _NOQA.sub("", inspect.getsource(lists)).rstrip().split("\n")
-    return lines[next(k for k, line in enumerate(lines) if line.startswith("MAX_")) :]
+    begin = next(k for k, line in enumerate(lines) if line.startswith("MAX_"))
+    return [*_source(Unknown), "", "", *_source(reduced), "", "", *lines[begin:]]
 
 
 def _types() -> list[str]:
@@ -132,7 +134,7 @@ def _line(cls: type) -> int:
 
 
 @cache
-def _source(cls: type) -> tuple[str, ...]:
+def _source(cls: Callable[..., object]) -> tuple[str, ...]:
     return tuple(_NOQA.sub("", inspect.getsource(cls)).rstrip().split("\n"))
 
 

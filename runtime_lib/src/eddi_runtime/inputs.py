@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import (
     Any,
     Callable,
@@ -22,11 +21,9 @@ from .plain_values import one_line
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above every limit until the next one comes."""
 
-_NO_AGES: Dict[str, float] = {}
-
 
 class Computed(Protocol):
-    """What computes one input from messages (``eddi_runtime.expressions.Expression``)."""
+    """What computes one input from messages (``eddi_runtime.expressions.expression``)."""
 
     names: Mapping[str, Tuple[str, str]]
 
@@ -49,7 +46,7 @@ class InputSpec(NamedTuple):
         default: value before the first message.
         every_message: the attribute holds the list of all values since the last step.
         expression: class of ``compiled.py`` that computes what ``expression`` gives
-            (``eddi_runtime.expressions.Expression``).
+            (``eddi_runtime.expressions.expression``).
         accepts: keys by which the configuration accepts a value of it that is not confirmed;
             ``max_age: none`` is not repeated here.
     """
@@ -77,22 +74,13 @@ class InputState(NamedTuple):
             ``invalid`` (the method raised or left the value at None).
         reason: one line for people, empty when ok.
         age: seconds since the oldest required message, ``None`` when one is missing.
-        errors: how often this input was invalid so far.
         detail: traceback of the present reason, empty when there is none.
     """
 
     state: str
     reason: str = ""
     age: Optional[float] = None
-    errors: int = 0
     detail: str = ""
-
-
-class Messages(List[Any]):
-    """The values of all messages since the last step, oldest first: empty when none has come.
-
-    The class distinguishes it from one message that is a list itself.
-    """
 
 
 _NEW = InputState("missing", "no message yet")
@@ -143,18 +131,11 @@ class EDDIInputBase:
     def __init__(self) -> None:
         self.states: Dict[str, InputState] = {}
         self.__specs: Dict[str, InputSpec] = {}
-        self.__ages: Mapping[str, float] = _NO_AGES
-        self.__new: Optional[Mapping[str, Sequence[object]]] = None
-        self.__expressions: Dict[str, Computed] = {}
-        self.__messages: Mapping[str, object] = _NO_AGES
-        self.__now: Optional[int] = None
+        self.__ages: Mapping[str, float] = {}
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
-        self.__expressions = {
-            spec.id: spec.expression() for spec in specs if spec.expression is not None
-        }
 
     def begin_step(
         self,
@@ -171,9 +152,7 @@ class EDDIInputBase:
                 that take every message; None: the latest message is the only new one.
             t_ns: time of the step in nanoseconds, for expressions; None: the monotonic clock.
         """
-        self.__now = t_ns
-        self.__ages = _NO_AGES if ages is None else ages
-        self.__new = new
+        self.__ages = {} if ages is None else ages
 
     def update(
         self,
@@ -188,172 +167,56 @@ class EDDIInputBase:
         becomes None: a value whose source has gone is not evidence. It also becomes None when a
         message is older than the limit or ``process`` raises.
         """
-        spec = self.__specs.get(input_id)
-        attribute = input_id if spec is None else spec.attribute
+        attribute, _ = self.__spec(input_id)
         before = self.states.get(input_id, _NEW)
-        after: InputState
         try:
-            messages, after = self.__received(spec, simulator_outputs, requires, before)
+            messages, after = self.__received(input_id, simulator_outputs, requires)
             if after.state == "ok":
                 process(*messages)
                 if getattr(self, attribute, None) is None:
-                    errors = before.errors + 1
-                    after = InputState("invalid", "left at None", after.age, errors)
+                    after = InputState("invalid", "left at None", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            after = _invalid(problem, before)
+            after = invalid(problem, before)
         # Missing from the start: the default is kept.
         if after.state != "ok" and not (after.state == before.state == "missing"):
             setattr(self, attribute, None)
         self.states[input_id] = after
 
-    def update_each(
-        self,
-        input_id: str,
-        process: Callable[..., object],
-        simulator_outputs: Mapping[str, object],
-        requires: Sequence[str],
-    ) -> None:
-        """Call ``process`` once for each new message of the first id; never raises.
-
-        The attribute becomes ``Messages``, the values oldest first; None represents a
-        message that ``process`` could not use. Of the other ids the latest message is passed.
-        It is None as a whole while a message is missing, or when the latest is too old.
-        """
+    def __spec(self, input_id: str) -> Tuple[str, Union[float, str, None]]:
+        """Return the attribute of an input and how old its messages may be."""
         spec = self.__specs.get(input_id)
-        attribute = input_id if spec is None else spec.attribute
-        before = self.states.get(input_id, _NEW)
-        values: Optional[Messages] = None
-        after: InputState
-        try:
-            messages, after = self.__received(spec, simulator_outputs, requires, before)
-            if after.state == "ok":
-                values, problem = self._each(attribute, process, messages, requires)
-                after = after if problem is None else _invalid(problem, before)
-        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            after = _invalid(problem, before)
-        setattr(self, attribute, values)
-        self.states[input_id] = after
-
-    def update_expression(
-        self,
-        input_id: str,
-        process: Callable[..., object],
-        simulator_outputs: Mapping[str, object],
-        requires: Sequence[str],
-    ) -> None:
-        """Call ``process`` in every step, whatever has come; never raises.
-
-        A message that is missing, or older than the limit, is None for ``process`` and UNKNOWN for
-        ``expression``, whose windows go on.
-        """
-        spec = self.__specs.get(input_id)
-        attribute = input_id if spec is None else spec.attribute
-        before = self.states.get(input_id, _NEW)
-        limit = None if spec is None else spec.max_age
-        after: InputState
-        try:
-            messages, received = self.__received(spec, simulator_outputs, requires, before)
-            ages = [self.__ages.get(name, 0.0) for name in requires]
-            known = [
-                message if _aged([age], limit, before).state == "ok" else None
-                for message, age in zip(messages, ages)
-            ]
-            self.__messages = dict(zip(requires, known))
-            setattr(self, attribute, None)
-            process(*known)
-            if getattr(self, attribute, None) is not None:
-                after = InputState("ok", "", max(ages, default=0.0), before.errors)
-            elif received.state == "ok":
-                reason = self.__reason(input_id)
-                after = InputState("invalid", reason, received.age, before.errors)
-            else:
-                after = received
-        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            setattr(self, attribute, None)
-            after = _invalid(problem, before)
-        self.states[input_id] = after
-
-    def __reason(self, input_id: str) -> str:
-        """Return why an expression gives nothing."""
-        compiled = self.__expressions.get(input_id)
-        return getattr(compiled, "reason", "") or "not known yet"
+        return (input_id, None) if spec is None else (spec.attribute, spec.max_age)
 
     def __received(
-        self,
-        spec: Optional[InputSpec],
-        simulator_outputs: Mapping[str, object],
-        requires: Sequence[str],
-        before: InputState,
+        self, input_id: str, simulator_outputs: Mapping[str, object], requires: Sequence[str]
     ) -> Tuple[List[object], InputState]:
         """Return the latest messages, and whether they are there and fresh."""
         messages = [simulator_outputs.get(name) for name in requires]
-        if any(message is None for message in messages):
-            return messages, _missing(messages, requires, before)
+        absent = [name for name, message in zip(requires, messages) if message is None]
+        if absent:
+            return messages, InputState("missing", f"no message of {', '.join(absent)}")
         ages = [self.__ages.get(name, 0.0) for name in requires]
-        return messages, _aged(ages, None if spec is None else spec.max_age, before)
-
-    def expression(self, input_id: str) -> Union[bool, float, str, None]:
-        """Return what the expression of an input gives in this step, None for UNKNOWN.
-
-        Once in a step and only below ``update_expression``: it moves the expression's windows.
-        """
-        compiled = self.__expressions.get(input_id)
-        if compiled is None:
-            return None
-        values: Dict[str, object] = {}
-        ages: Dict[str, float] = {}
-        for word, (kind, name) in compiled.names.items():
-            if kind == "message":
-                values[word] = self.__messages.get(name)
-                ages[word] = self.__ages.get(name, 0.0)
-            else:
-                values[word] = getattr(self, name, None)
-        now = time.monotonic_ns() if self.__now is None else self.__now
-        return compiled.value(now, values, ages)
-
-    def _each(
-        self,
-        attribute: str,
-        process: Callable[..., object],
-        messages: Sequence[object],
-        requires: Sequence[str],
-    ) -> Tuple[Messages, Optional[Exception]]:
-        """Return the value of each new message, and what was raised last."""
-        first = messages[:1] if self.__new is None else self.__new.get(requires[0], ())
-        values = Messages()
-        problem: Optional[Exception] = None
-        for message in first:
-            setattr(self, attribute, None)
-            try:
-                process(message, *messages[1:])
-            except Exception as raised:  # noqa: BLE001 - whatever a person's method raises
-                problem = raised
-                setattr(self, attribute, None)
-            values.append(getattr(self, attribute, None))
-        return values, problem
+        return messages, aged(ages, self.__spec(input_id)[1])
 
 
-def _missing(messages: Sequence[object], requires: Sequence[str], before: InputState) -> InputState:
-    absent = [name for name, message in zip(requires, messages) if message is None]
-    return InputState("missing", f"no message of {', '.join(absent)}", None, before.errors)
-
-
-def _aged(ages: Sequence[float], limit: Union[float, str, None], before: InputState) -> InputState:
+def aged(ages: Sequence[float], limit: Union[float, str, None]) -> InputState:
+    """Return whether messages of these ages are fresh."""
     age = max(ages, default=0.0)
     # "<=" for each and not ">" for the oldest: an age of NaN is no proof of freshness.
     if limit is None or isinstance(limit, str) or all(one <= limit for one in ages):
-        return InputState("ok", "", age, before.errors)
+        return InputState("ok", "", age)
     reason = f"the last message is {age:.3g} s old, the limit is {limit:g} s"
     if age == UNKNOWN_AGE:
         reason = "the last message was latched, its age is not known"
-    return InputState("stale", reason, age, before.errors)
+    return InputState("stale", reason, age)
 
 
-def _invalid(problem: Exception, before: InputState) -> InputState:
+def invalid(problem: Exception, before: Optional[InputState]) -> InputState:
+    """Return the state of an input whose method raised; its traceback is made once."""
     reason = one_line(problem)
-    repeated = before.state == "invalid" and before.reason == reason
-    detail = before.detail if repeated else _traceback(problem)
-    return InputState("invalid", reason, None, before.errors + 1, detail)
+    if before is not None and before.state == "invalid" and before.reason == reason:
+        return before._replace(age=None)
+    return InputState("invalid", reason, None, _traceback(problem))
 
 
 def _traceback(problem: BaseException) -> str:

@@ -13,6 +13,7 @@ from typing import (
     Tuple,
     TypeVar,
     Union,
+    cast,
 )
 
 from .inputs import InputSpec
@@ -70,6 +71,7 @@ class Monitor(Protocol[Output]):
     digest: str
     kind: str
     inputs: Tuple[InputSpec, ...]
+    _output_faults: Tuple[str, ...] = ()
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
         """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are.
@@ -81,7 +83,8 @@ class Monitor(Protocol[Output]):
         """
 
     def as_json(self, output: Output) -> Json:
-        """Return what ``execute_step`` gave as ``json`` can write it."""
+        """Return what ``execute_step`` gave as ``json`` can write it: as it is, where it can."""
+        return cast(Json, output)
 
     def series(self, output: Output) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""
@@ -91,12 +94,18 @@ class Monitor(Protocol[Output]):
 
         Always the same names; numbers whose last digit changes in every step are not in it.
         """
+        return self.series(output)
 
     def message(self, output: object) -> Union[Tree, List[Tree], None]:
         """Return what ``execute_step`` gave as a message tree with checked values.
 
         A list of trees when one step gives several messages; None when nothing is to be published.
+        It never raises, whatever a person's code has made of the output.
         """
+
+    def output_faults(self) -> Tuple[str, ...]:
+        """Return what was wrong with the output that ``message`` was given last."""
+        return self._output_faults
 
     def status_message(self) -> Optional[Tree]:
         """Return the facts behind the last step, without a header; ``None`` if there are none.
@@ -104,6 +113,7 @@ class Monitor(Protocol[Output]):
         A kind that publishes more messages beside its result has a method for each, called as the
         message with ``_message`` behind it.
         """
+        return None
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
         """Return input id -> outputs that are not given because this input is not known now.

@@ -67,7 +67,6 @@ def document(
         "format": 1,
         "kind": "bayesian_network",
         "id": "net",
-        "requires_runtime": "0.1",
         "source": {"file": "net.xdsl", "sha256": "", "path": None},
         "inputs": [
             dict({"id": one, "attribute": one, "requires": []}, **dict(specs or {}).get(one, {}))

@@ -81,7 +81,6 @@ def document(*outputs, inputs=None, **options):
         "format": 1,
         "kind": "event",
         "id": "Test",
-        "requires_runtime": "0.1",
         "source": {"file": "test.events", "sha256": "", "path": None},
         "inputs": entries,
         "model": {"form": found},
@@ -98,4 +97,5 @@ def monitor(*outputs, **options):
 def expression(document):
     """Return the compiled expression of an input."""
     head = ["from eddi_runtime import expressions", 'NAN = float("nan")']
+    head += ["from eddi_runtime.expressions import expression, lists, stacks, windows"]
     return module_of("\n".join([*head, *class_of("One", document)]), "expression").One()

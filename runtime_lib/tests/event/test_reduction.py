@@ -7,8 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from eddi_runtime.access import gather
-from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in, reduced
+from eddi_runtime.expressions.conditions import reduced
+from eddi_runtime.expressions.expression import gather
+from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in
 
 from eddi_scaffold.compiling.document import ModelError
 from eddi_scaffold.compiling.execution import module_of

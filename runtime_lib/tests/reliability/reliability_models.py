@@ -42,7 +42,6 @@ def model_file(
     """Return the document of a monitor; the last component is the top."""
     content: Dict[str, Any] = {
         "format": 1,
-        "requires_runtime": "0.1",
         "kind": "reliability",
         "id": "drone",
         "source": {},

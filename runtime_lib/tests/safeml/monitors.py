@@ -50,7 +50,6 @@ def document(rows, *, metric="ks", settings=(), **model):
         "format": 1,
         "kind": "safeml",
         "id": "scope",
-        "requires_runtime": "0.1",
         "source": {},
         "inputs": [{"id": "sample", "attribute": "sample", "requires": [], "every_message": True}],
         "model": {**own, **model},

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime import joined  # noqa: E402 - numpy comes first
-from eddi_runtime.inputs import Messages  # noqa: E402
+from eddi_runtime.history import Messages  # noqa: E402
 from eddi_runtime.safeml.samples import take  # noqa: E402
 
 from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402

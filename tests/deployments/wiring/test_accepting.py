@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from eddi_runtime import EDDIInputBase
+from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build

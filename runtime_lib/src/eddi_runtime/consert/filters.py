@@ -6,31 +6,36 @@ A filter is a state and ``apply``: the truth values of all leaves of this step -
 from __future__ import annotations
 
 from collections import deque
-from typing import Deque, Protocol, Sequence, Tuple
+from typing import Deque, Sequence, Tuple
 
 from .values import FALSE, TRUE, UNKNOWN
 
 
-class LeafFilter(Protocol):
+class LeafFilter:
     """State of a filter over all leaves.
 
     Attributes:
+        accepts: the acceptance that it is, because a loss is late; empty for none.
         values: what ``apply`` returned last; UNKNOWN before the first step.
     """
 
+    accepts = ""
     values: Tuple[int, ...]
 
     def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""
+        raise NotImplementedError
 
     def reset(self, leaves: int) -> None:
         """Forget all samples; ``leaves`` are filtered from now on."""
+        self.values = (UNKNOWN,) * leaves
 
     def waiting(self, leaf: int) -> str:
         """Return why a leaf whose raw value is TRUE is not TRUE yet, for people."""
+        raise NotImplementedError
 
 
-class Debounce:
+class Debounce(LeafFilter):
     """Loss at once, gain late: TRUE after ``needed`` TRUE samples in a row.
 
     Before that the last value that was not TRUE holds (UNKNOWN at the start). The direction that
@@ -43,9 +48,9 @@ class Debounce:
 
     def reset(self, leaves: int) -> None:
         """Forget all samples; ``leaves`` are filtered from now on."""
+        super().reset(leaves)
         self._in_a_row = [0] * leaves
         self._held = [UNKNOWN] * leaves
-        self.values: Tuple[int, ...] = (UNKNOWN,) * leaves
 
     def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""
@@ -66,11 +71,13 @@ class Debounce:
         return f"debouncing, {self._in_a_row[leaf]} of {self.needed} good samples"
 
 
-class Majority:
+class Majority(LeafFilter):
     """Strict majority of the last ``window`` samples, of those that are there.
 
     Both directions are late: a loss is seen after up to half the window.
     """
+
+    accepts = "filter: majority"
 
     def __init__(self, window: int) -> None:
         self.window = window
@@ -78,10 +85,10 @@ class Majority:
 
     def reset(self, leaves: int) -> None:
         """Forget all samples; ``leaves`` are filtered from now on."""
+        super().reset(leaves)
         self._samples: Deque[Sequence[int]] = deque()
         self._true = [0] * leaves
         self._not_false = [0] * leaves
-        self.values: Tuple[int, ...] = (UNKNOWN,) * leaves
 
     def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, List, Optional, Sequence, Tuple
 
-from ..monitor import Field, Tree
+from ..monitor import Tree
 from ..plain_values import plain
 
 
@@ -25,33 +25,6 @@ def output_message(output: object, published: Sequence[str]) -> Tuple[Tree, Tupl
     trees = [_row_tree(row, faults) for row in rows]
     guarantees = [tree for tree in trees if tree is not None]
     return ("ConSertOutput", {"guarantees": guarantees}), tuple(faults)
-
-
-def status_message(
-    model_id: str,
-    digest: str,
-    rows: Sequence[Tuple[str, int, List[str]]],
-    accepted: Sequence[str],
-) -> Tree:
-    """Return the ``ConSertStatus`` tree.
-
-    Args:
-        model_id: of the model.
-        digest: of the model.
-        rows: (guarantee id, truth value, missing inputs) of each guarantee.
-        accepted: acceptances in use.
-    """
-    guarantees: List[Tree] = [
-        ("GuaranteeStatus", {"id": name, "verdict": verdict, "missing": missing})
-        for name, verdict, missing in rows
-    ]
-    fields: Dict[str, Field] = {
-        "model_id": model_id,
-        "model_digest": digest,
-        "guarantees": guarantees,
-        "accepted": list(accepted),
-    }
-    return "ConSertStatus", fields
 
 
 def _row_tree(row: Any, faults: List[str]) -> Optional[Tree]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import (
+    TYPE_CHECKING,
     Dict,
     Iterable,
     List,
@@ -17,13 +18,14 @@ from typing import (
 )
 
 from ..inputs import InputSpec, accepted
-from ..monitor import Standing, Tree
+from ..monitor import Field, Monitor, Standing, Tree
 from ..reading import ABSENT, read
-from .explain import Explanation, Reason, Sets
-from .filters import LeafFilter, Majority
-from .graph import Graph, Node
-from .messages import output_message, status_message
+from .explain import Explanation, Graph, Node, Reason, Sets
+from .messages import output_message
 from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge
+
+if TYPE_CHECKING:  # travels where a monitor has one
+    from .filters import LeafFilter
 
 Rows = List[Dict[str, object]]
 Groups = List[Tuple[str, ...]]
@@ -48,7 +50,7 @@ class Guarantee(NamedTuple):
     ranking: Optional[int] = None
 
 
-class ConSert:
+class ConSert(Monitor[Rows]):
     """What the class ``Monitor`` of a compiled ConSert inherits.
 
     Not thread-safe: the thread that steps it also asks it. Ids in the output of ``execute_step``
@@ -80,7 +82,6 @@ class ConSert:
     services: Tuple[Tuple[str, Tuple[str, ...]], ...] = ()
     raw: Sequence[object]
     source: object
-    _output_faults: Tuple[str, ...]
     _groups: Tuple[Sequence[int], Dict[int, Groups]]
 
     def __init__(self, leaf_filter: Optional[LeafFilter] = None) -> None:
@@ -128,10 +129,6 @@ class ConSert:
         """
         flags = self.step(eddi_input)
         return [{"id": one, "active": flag} for one, flag in zip(self.published_ids, flags)]
-
-    def as_json(self, output: Rows) -> Rows:
-        """Return the rows: they are JSON already."""
-        return output
 
     def series(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
         """Return guarantee id -> is it active."""
@@ -244,11 +241,11 @@ class ConSert:
     def accepted(self) -> Tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         found = accepted(self.inputs, self.source)
-        if not isinstance(self.filter, Majority):
+        if self.filter is None or not self.filter.accepts:
             return found
         rows = zip(self.inputs, self.filter.values, self._judgements())
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
-        return (*found, *(f"{name}: filter: majority" for name in held))
+        return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
     def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> inactive guarantees that depend on it, for inputs not known now.
@@ -286,10 +283,6 @@ class ConSert:
         """Return input id -> in how many steps its value had a wrong type, since the start."""
         return {spec.id: n for spec, n in zip(self.inputs, self._fault_counts)}
 
-    def decided(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
-        """Return the same: there is nothing but verdicts."""
-        return self.series(output)
-
     def message(self, output: object) -> Tree:
         """Return an output as a ``ConSertOutput`` tree; never raises.
 
@@ -299,20 +292,25 @@ class ConSert:
         tree, self._output_faults = output_message(output, self.published_ids)
         return tree
 
-    def output_faults(self) -> Tuple[str, ...]:
-        """Return what was wrong with the output that ``message`` was given last."""
-        return self._output_faults
-
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
         leaf_values = tuple(self._leaf_values())
-        groups = self._missing_groups(leaf_values)
-        values = self._graph.evaluate(leaf_values)
-        rows = [
-            (name, values[k], list(groups[k][0]) if groups[k] else [])
-            for name, k in zip(self.guarantee_ids, self._graph.guarantees)
-        ]
-        return status_message(self.model_id, self.digest, rows, self.accepted())
+        groups, values = self._missing_groups(leaf_values), self._graph.evaluate(leaf_values)
+        rows: List[Tree] = []
+        for one in self.guarantees:
+            missing = list(groups[one.node][0]) if groups[one.node] else []
+            fields: Dict[str, Field] = {
+                "id": one.id,
+                "verdict": values[one.node],
+                "missing": missing,
+            }
+            rows.append(("GuaranteeStatus", fields))
+        return "ConSertStatus", {
+            "model_id": self.model_id,
+            "model_digest": self.digest,
+            "guarantees": rows,
+            "accepted": list(self.accepted()),
+        }
 
     def reset(self) -> None:
         """Forget former steps: filters begin anew, inputs count as missing."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..clock import step_time
-from ..expressions.conditions import Conditions, Value, known_value, scaled, stamp
-from ..expressions.lists import reduced
+from ..expressions.conditions import Conditions, Value, known_value, reduced, scaled, stamp
 from ..inputs import InputSpec, accepted
-from ..monitor import Standing, Tree
+from ..monitor import Monitor, Standing, Tree
 from ..plain_values import show
 from ..reading import Absent, read
 from .messages import output_messages
@@ -36,7 +35,7 @@ class Event(NamedTuple):
     accepts: Tuple[str, ...] = ()
 
 
-class EventMonitor(Conditions):
+class EventMonitor(Conditions, Monitor[Rows]):
     """What the class ``Monitor`` of compiled events inherits.
 
     Not thread-safe: the thread that steps it also asks it.
@@ -69,7 +68,6 @@ class EventMonitor(Conditions):
     _reasons: List[str]
 
     def __init__(self) -> None:
-        self._output_faults: Tuple[str, ...] = ()
         self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
@@ -129,30 +127,14 @@ class EventMonitor(Conditions):
         except Exception:  # noqa: BLE001 - any object may be given as input
             return t
 
-    def as_json(self, output: Rows) -> Rows:
-        """Return the rows: they are JSON already."""
-        return output
-
     def series(self, output: Rows) -> Verdicts:
         """Return event id -> verdict, None for UNKNOWN."""
         return {str(row["id"]): row["verdict"] for row in output}
-
-    def decided(self, output: Rows) -> Verdicts:
-        """Return the same: there is nothing but verdicts."""
-        return self.series(output)
 
     def message(self, output: object) -> List[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
         trees, self._output_faults = output_messages(output, self._accepted())
         return trees
-
-    def output_faults(self) -> Tuple[str, ...]:
-        """Return what was wrong with the output that ``message`` was given last."""
-        return self._output_faults
-
-    def status_message(self) -> Optional[Tree]:
-        """Return None: the outputs are complete."""
-        return None
 
     def standings(self) -> List[Standing]:
         """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""

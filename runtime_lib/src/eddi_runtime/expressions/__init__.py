@@ -1,21 +1,11 @@
-"""Conditions over messages and time: what compiled inputs and events call and inherit."""
+"""Conditions over messages and time: what compiled inputs and events call and inherit.
 
-from . import lists, stacks, windows
-from .conditions import Conditions, literal, number, scaled, stamp, truth
-from .expression import Expression
+Windows, lists and inputs are modules of their own, which a compiled monitor imports where it has
+them.
+"""
 
-FORMATS = (1,)
+from .conditions import Conditions, literal, number, reduced, scaled, stamp, truth
 
-__all__ = [
-    "FORMATS",
-    "Conditions",
-    "Expression",
-    "lists",
-    "literal",
-    "number",
-    "scaled",
-    "stacks",
-    "stamp",
-    "truth",
-    "windows",
-]
+FORMATS = (2,)
+
+__all__ = ["FORMATS", "Conditions", "literal", "number", "reduced", "scaled", "stamp", "truth"]

@@ -7,7 +7,7 @@ are the numbers of its literals, -1 is UNKNOWN.
 from __future__ import annotations
 
 import math
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Optional, Sequence, Tuple, Union
 
 from ..plain_values import plain
 
@@ -92,3 +92,24 @@ def stamp(t: int, age: Optional[float]) -> int:
     if age is None:
         return t
     return t - round(age * 1e9) if math.isfinite(age) else t + _FAR_NS
+
+
+class Unknown(Exception):  # noqa: N818 - no error: a reason
+    """Why a reduction gives nothing."""
+
+
+def reduced(
+    function: Callable[..., Union[float, bool]], raws: Sequence[object]
+) -> Tuple[Union[float, bool, None], str]:
+    """Return the value of a reduction, None for UNKNOWN, and why it is not known; never raises.
+
+    Args:
+        function: the compiled reduction.
+        raws: for each input the list or the number, None when it is not there.
+    """
+    try:
+        return function(*raws), ""
+    except Unknown as reason:
+        return None, str(reason)
+    except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
+        return None, type(problem).__name__

@@ -6,12 +6,11 @@ The window state lives here, so that a regenerated package and a hand-written re
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
-from ..access import Step, follow, gather
+from ..access import Step, follow
 from ..plain_values import one_line
-from .conditions import Conditions, Value
-from .lists import reduced
+from .conditions import Conditions, Value, reduced
 
 Path = Sequence[Step]
 Check = Sequence[Any]
@@ -144,3 +143,42 @@ def _is_measurement(message: object, value: Any, check: Check) -> bool:
     limits: Iterator[Any] = (follow(message, path) for path in check[1:])
     low, high = limits
     return bool(math.isinf(value) or low <= value <= high)
+
+
+def gather(message: object, path: Sequence[Step]) -> List[object]:
+    """Return all values at the end of a path with ``["*"]``, every element of a list.
+
+    ``["*", first, last]`` is a part of a list, both ends included. An element that cannot be
+    followed further is None.
+
+    Raises:
+        LookupError: the list itself is not there, or is shorter than the part.
+        AttributeError: a message has no such field.
+    """
+    for k, step in enumerate(path):
+        if isinstance(step, (list, tuple)) and step[0] == "*":
+            items = _part(follow(message, path[:k]), step)
+            rest = path[k + 1 :]
+            if not rest:
+                return items
+            if any(isinstance(one, (list, tuple)) and one[0] == "*" for one in rest):
+                return [value for item in items for value in gather(item, rest)]
+            return [_followed(item, rest) for item in items]
+    return [follow(message, path)]
+
+
+def _part(items: Any, step: Sequence[Union[str, int]]) -> List[object]:
+    there: List[object] = items.tolist() if hasattr(items, "tolist") else list(items)
+    if len(step) == 1:
+        return there
+    first, last = int(step[1]), int(step[2])
+    if last >= len(there):
+        raise LookupError(f"[{first}..{last}] is beyond the {len(there)} elements")
+    return there[first : last + 1]
+
+
+def _followed(item: object, path: Sequence[Step]) -> object:
+    try:
+        return follow(item, path)
+    except (AttributeError, LookupError):
+        return None

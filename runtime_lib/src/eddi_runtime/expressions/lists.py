@@ -7,33 +7,14 @@ imports is copied into generated modules unchanged.
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, List, Optional, Sequence, Tuple
+
+from .conditions import Unknown
 
 MAX_ELEMENTS = 100_000
 """A longer list is UNKNOWN, so that one message cannot stop a monitor."""
 MAX_TEXT = 100
 """Characters of a number in a text."""
-
-
-class Unknown(Exception):  # noqa: N818 - no error: a reason
-    """Why a reduction gives nothing."""
-
-
-def reduced(
-    function: Callable[..., Union[float, bool]], raws: Sequence[object]
-) -> Tuple[Union[float, bool, None], str]:
-    """Return the value of a reduction, None for UNKNOWN, and why it is not known; never raises.
-
-    Args:
-        function: the compiled reduction.
-        raws: for each input the list or the number, None when it is not there.
-    """
-    try:
-        return function(*raws), ""
-    except Unknown as reason:
-        return None, str(reason)
-    except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
-        return None, type(problem).__name__
 
 
 def number_of(raw: object) -> float:

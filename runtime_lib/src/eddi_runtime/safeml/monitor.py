@@ -8,7 +8,8 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 import numpy as np
 
 from ..clock import NO_TIME, step_time
-from ..inputs import InputSpec, Messages, accepted
+from ..history import Messages
+from ..inputs import InputSpec, accepted
 from ..monitor import Standing, Tree
 from ..reading import Absent, read
 from .arrays import NUMPY, Array, Numbers, array_of

@@ -6,7 +6,7 @@ from typing import Any, List, NamedTuple, Set
 
 import numpy as np
 
-from ..inputs import Messages
+from ..history import Messages
 from .arrays import Array, rounded
 
 EMPTY = "empty"

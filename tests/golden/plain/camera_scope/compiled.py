@@ -7,12 +7,12 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: 225484fcc678dee36170f5832fca5d6b139be430319793a330d7e6fe6cc208a8
+# sha256 of the lines below: b7dc4074e3c1f1b5902ae188e27dfb94f8a37fd21d74414da4b2b35c0eceb9d1
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
-    digest = "a4cde7c00af13b9ad7951c894a371bf0d36ac9bddc2387b998ae9b178c1a2cf5"
+    digest = "07cb95669a0b5ee98783fed6ec19fdab061d7841ae11ee02485ad78efd94ebfd"
     inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
     metric = "ad"
     metric_name = "AndersonDarlingDistance"

@@ -8,7 +8,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 1})
-# sha256 of the lines below: 7a3ee5e41cc65e91de2739d5f22cf1acc0f162c24c018910948624e331d3000a
+# sha256 of the lines below: bf3fdca4cb30ea74213ed911f91fd3783968b19834c4357d89b7159a2be2e60a
 
 
 # Markov Rotors
@@ -95,7 +95,7 @@ class Tree1(tree.FaultTree):
 
 class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
-    digest = "0bc2dd51c3dde1f63e90004d64c865e8ee4fc94b65c613ec2515e05a4c394c2e"
+    digest = "a787ed87dc28c5ec53f4526ffc88bf7cd68662a5fe3e07d1e3c9e52d73162180"
     inputs = (
         InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
         InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),

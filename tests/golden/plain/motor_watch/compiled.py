@@ -5,15 +5,16 @@ Model: motor_watch.events
 
 from . import eddi_runtime
 from .eddi_runtime import InputSpec, event, expressions
+from .eddi_runtime.expressions import stacks, windows
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 1})
-# sha256 of the lines below: d452999aa36099968ad0620e21ad31991442b3735a4bcbdad1a7a96187a066ba
+eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 2})
+# sha256 of the lines below: 920d77fb28507a263186746ca5c0fdcac52a72967b6c9a47732da44d9d242854
 NAN = float("nan")
 
 
 class Monitor(event.EventMonitor):
     model_id = "motor_watch"
-    digest = "74032a235bcc38fc181c5121afdddc85bb35cb87243e68c90d2467d3e9f98bc9"
+    digest = "2893fec387542f2787e13d78a7f0f7d26b8df6aa0a5df684748fa765f4c9d513"
     inputs = (
         InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
         InputSpec("current", "current", requires=("current",), max_age=0.5),
@@ -23,9 +24,9 @@ class Monitor(event.EventMonitor):
 
     def __init__(self):
         self.windows = (
-            expressions.stacks.Average(2000000000, 1900000000, 64),  # 7:5 AVERAGE(temp, 2 s)
-            expressions.windows.Hold(2000000000, 1900000000, 2),  # 8:13 ONCE(temp > 80, 2 s)
-            expressions.windows.Hold(1000000000, 900000000, 0),  # 9:9 TIME(current < 12, 1 s)
+            stacks.Average(2000000000, 1900000000, 64),  # 7:5 AVERAGE(temp, 2 s)
+            windows.Hold(2000000000, 1900000000, 2),  # 8:13 ONCE(temp > 80, 2 s)
+            windows.Hold(1000000000, 900000000, 0),  # 9:9 TIME(current < 12, 1 s)
         )
         self.w1 = self.windows[0].push
         self.w6 = self.windows[1].push

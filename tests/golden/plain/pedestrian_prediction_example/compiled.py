@@ -7,7 +7,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, bayesian_network
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 1})
-# sha256 of the lines below: 1c93055d2c08e4b60387700b055c7873a7fd855629c2d093ccbb80c416cf44e6
+# sha256 of the lines below: 10dce6c3690cfba4b19fda2f59eea53e789526eb02c28f4457861227bb93e526
 
 
 def part_0_0_total(v):
@@ -152,7 +152,7 @@ all_part_0 = bayesian_network.Part(
 
 class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
-    digest = "40db9187dcf64d1b289aea726091874d04cdee02fb20d93a9b6e6016563864c3"
+    digest = "a1c5d335998f2b800cc35819d6b45ebf9ff36d0a3e3bd930ffce42a36fa6401d"
     inputs = (
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),

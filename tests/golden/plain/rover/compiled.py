@@ -6,14 +6,14 @@ Model: rover.yml
 from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: 99aa8c5ca690b2949b7affca0a2f01130d885172a7bee39aa68286490d3d5aa4
+eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
+# sha256 of the lines below: f9da6d62f4fbdd8f033956d3fe87aabf7061da18c14d6fc35de8d8ab808a40eb
 INF = float("inf")
 
 
 class Monitor(consert.ConSert):
     model_id = "rover"
-    digest = "3a7e8af40cdbbf6e9abf97312332153b38daaee3b24fa202250b9b94f3ec0f15"
+    digest = "6eacc4b7f4820065bbf6cdce85662186e9563c0fab8585deaa47ccecf8b4d674"
     inputs = (
         InputSpec("MapKnown", "MapKnown", requires=("MapKnown",)),
         InputSpec("Distance", "Distance", requires=("Distance",)),

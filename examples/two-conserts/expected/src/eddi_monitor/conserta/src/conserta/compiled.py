@@ -6,13 +6,13 @@ Model: two_conserts.xml //@odeProductPackages.0/@conSerts.0
 import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: e37fb136cbc0c21243eb1a376e045df0a4be0bccf7c09c82745c96b7cbc4c8eb
+eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
+# sha256 of the lines below: 09efe0eea2c62c7b5c654bd98471a0497008eda770dd86a46eaf0010188ccb40
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertA"
-    digest = "c6ada5b9091eb58f55151872750df567e941aac619dd774f943aa46684ad3881"
+    digest = "bc7df5f2432e4e3b457b6624e12e1b484ce0e16689172558ce71e83c048f5afd"
     inputs = (
         # //@odeProductPackages.0/@conSerts.0/@demands.0
         InputSpec("RtE_A_D0", "RtE_A_D0", requires=("consertb",), max_age=0.5, default=False),

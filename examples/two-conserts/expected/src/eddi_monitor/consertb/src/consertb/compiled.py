@@ -6,13 +6,13 @@ Model: two_conserts.xml //@odeProductPackages.0/@conSerts.1
 import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 1})
-# sha256 of the lines below: c7a461568847730a4a8e87b4c75df1c5e69e79a22215128bb51f7fb720ce8e94
+eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
+# sha256 of the lines below: 4de1bd28c05acbee769faab875a0b9ee752f7ef9111c809ae1ba34972634c1e0
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertB"
-    digest = "afd9c286a214278768d891c436fe1cbf91c86163010419a8b53da90adfb56d22"
+    digest = "45de2d9748626d829c9eda25f51d2c1026b8f9d43df5950c1fa08d5d100a977d"
     inputs = (
         # //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),

@@ -1,0 +1,133 @@
+"""Inputs that are made of more than the latest messages: of each one, or of windows over time."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
+
+from . import inputs
+from .inputs import Computed, InputSpec, InputState, aged, invalid
+
+
+class Messages(List[Any]):
+    """The values of all messages since the last step, oldest first: empty when none has come.
+
+    The class distinguishes it from one message that is a list itself.
+    """
+
+
+class EDDIInputBase(inputs.EDDIInputBase):
+    """Base of an ``EDDIInput`` with such inputs.
+
+    It has the name of its own base: what begins with two underscores belongs to both.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.__new: Optional[Mapping[str, Sequence[object]]] = None
+        self.__expressions: Dict[str, Computed] = {}
+        self.__messages: Mapping[str, object] = {}
+        self.__now: Optional[int] = None
+
+    def bind(self, specs: Sequence[InputSpec]) -> None:
+        """Take over attribute names, age limits and expressions; called once by the node."""
+        super().bind(specs)
+        self.__expressions = {
+            spec.id: spec.expression() for spec in specs if spec.expression is not None
+        }
+
+    def begin_step(
+        self,
+        ages: Optional[Mapping[str, float]] = None,
+        new: Optional[Mapping[str, Sequence[object]]] = None,
+        t_ns: Optional[int] = None,
+    ) -> None:
+        """Begin a step, as the base does."""
+        super().begin_step(ages)
+        self.__new, self.__now = new, t_ns
+
+    def update_each(
+        self,
+        input_id: str,
+        process: Callable[..., object],
+        simulator_outputs: Mapping[str, object],
+        requires: Sequence[str],
+    ) -> None:
+        """Call ``process`` once for each new message of the first id; never raises.
+
+        The attribute becomes ``Messages``, the values oldest first; None represents a
+        message that ``process`` could not use. Of the other ids the latest message is passed.
+        It is None as a whole while a message is missing, or when the latest is too old.
+        """
+        attribute, _ = self.__spec(input_id)
+        before = self.states.get(input_id)
+        values: Optional[Messages] = None
+        try:
+            messages, after = self.__received(input_id, simulator_outputs, requires)
+            if after.state == "ok":
+                values = Messages()
+                first = messages[:1] if self.__new is None else self.__new.get(requires[0], ())
+                for message in first:
+                    setattr(self, attribute, None)
+                    try:
+                        process(message, *messages[1:])
+                    except Exception as problem:  # noqa: BLE001 - a person's method
+                        after = invalid(problem, before)
+                        setattr(self, attribute, None)
+                    values.append(getattr(self, attribute, None))
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            after = invalid(problem, before)
+        setattr(self, attribute, values)
+        self.states[input_id] = after
+
+    def update_expression(
+        self,
+        input_id: str,
+        process: Callable[..., object],
+        simulator_outputs: Mapping[str, object],
+        requires: Sequence[str],
+    ) -> None:
+        """Call ``process`` in every step, whatever has come; never raises.
+
+        A message that is missing, or older than the limit, is None for ``process`` and UNKNOWN for
+        ``expression``, whose windows go on.
+        """
+        attribute, limit = self.__spec(input_id)
+        try:
+            messages, after = self.__received(input_id, simulator_outputs, requires)
+            ages = [self.__ages.get(name, 0.0) for name in requires]
+            known = [
+                message if aged([age], limit).state == "ok" else None
+                for message, age in zip(messages, ages)
+            ]
+            self.__messages = dict(zip(requires, known))
+            setattr(self, attribute, None)
+            process(*known)
+            if getattr(self, attribute, None) is not None:
+                after = InputState("ok", "", max(ages, default=0.0))
+            elif after.state == "ok":
+                reason = getattr(self.__expressions.get(input_id), "reason", "")
+                after = InputState("invalid", reason or "not known yet", after.age)
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            setattr(self, attribute, None)
+            after = invalid(problem, self.states.get(input_id))
+        self.states[input_id] = after
+
+    def expression(self, input_id: str) -> Union[bool, float, str, None]:
+        """Return what the expression of an input gives in this step, None for UNKNOWN.
+
+        Once in a step and only below ``update_expression``: it moves the expression's windows.
+        """
+        compiled = self.__expressions.get(input_id)
+        if compiled is None:
+            return None
+        values: Dict[str, object] = {}
+        ages: Dict[str, float] = {}
+        for word, (kind, name) in compiled.names.items():
+            if kind == "message":
+                values[word] = self.__messages.get(name)
+                ages[word] = self.__ages.get(name, 0.0)
+            else:
+                values[word] = getattr(self, name, None)
+        now = time.monotonic_ns() if self.__now is None else self.__now
+        return compiled.value(now, values, ages)
