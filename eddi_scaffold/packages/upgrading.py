@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import read_configs
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
@@ -101,19 +102,21 @@ def targets(
     """Return what the packages of a group should be, with the problems of newer inputs.
 
     Raises:
-        EddiError: an input cannot be used, a new configuration comes without a model (U002) or
-            belongs to no package (U005).
+        EddiError: an input cannot be used, a new configuration comes without a model and names none
+            (U002) or belongs to no package (U005).
     """
-    if config_files and model_file is None:
-        message = "a new configuration needs the model as well"
-        raise EddiError(error("U002", message, hint="add `-m MODEL`"))
     given, _ = read_configs(config_files)
     configs = {package_name(one.config.Model.id): one for one in given}
     for name in sorted(configs.keys() - group.present.keys()):
         message = f"no package here is called {name!r}"
         hint = "`generate` creates new packages, `upgrade` changes existing ones"
         raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
-    models, problems = _newer_models(group, model_file, configs)
+    models: dict[str, Model] = {}
+    problems: list[Problem] = []
+    for path in [model_file] if model_file is not None else _named_models(given):
+        newer, found = _newer_models(group, path, configs)
+        models |= newer
+        problems += found
     renewed = rejoined(group.present, models, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
@@ -140,12 +143,26 @@ def targets(
     return packages, problems
 
 
+def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:
+    """Return the model files that configurations name, each once.
+
+    Raises:
+        EddiError: one names none (U002).
+    """
+    found: dict[Path, None] = {}
+    for config in configs:
+        path = named_model_path(config)
+        if path is None:
+            message = "this configuration does not name its model"
+            raise EddiError(error("U002", message, Place(config.name), hint="add `-m MODEL`"))
+        found[path] = None
+    return list(found)
+
+
 def _newer_models(
-    group: PackageGroup, model_file: Path | None, configs: Iterable[str]
+    group: PackageGroup, model_file: Path, configs: Iterable[str]
 ) -> tuple[dict[str, Model], list[Problem]]:
     """Return the newer model of each package that has one in the file, read with its marks."""
-    if model_file is None:
-        return {}, []
     source = read_source(model_file)
     made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "model_json" in a}
     first = read_models(source)

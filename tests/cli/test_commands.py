@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -523,3 +524,16 @@ def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
     assert found.err.startswith("broken.yml:2:1: error")
     assert "\nnot checked: README.md, docker-compose.yml, package.xml, recording" in found.err
     assert "in broken.yml, consert_a_config.yml, consert_b_config.yml, two_conserts" in found.err
+
+
+def test_upgrade_finds_the_model_that_a_newer_configuration_names(tmp_path: Path) -> None:
+    for file in (ROOT / "examples/safeml").iterdir():
+        shutil.copy(file, tmp_path / file.name)
+    generate = ("generate", "--platform", "plain", "-o", "pl", "-c", "perception_config.yml")
+    assert run(*generate, cwd=tmp_path).status == 0
+    config = tmp_path / "perception_config.yml"
+    text = config.read_text("utf-8")
+    config.write_text(text.replace("field: data", "field: data\n    max_age: 7.5"))
+    assert run("upgrade", "-w", "pl", "-c", config.name, cwd=tmp_path).status == 0
+    assert '"max_age": 7.5' in (tmp_path / "pl/camera_scope/model.json").read_text("utf-8")
+    assert run(*generate, cwd=tmp_path).err.startswith("nothing to change below pl\n")
