@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.checkouts import Checkout, tree
+from tests.checkouts import Checkout, checkout, git, tree, without_origin
 from tests.generated.conftest import generate
 
 pytestmark = pytest.mark.slow
@@ -80,3 +80,36 @@ def test_plain_platform(clone: Checkout, tmp_path: Path) -> None:
     words = ("--trust", "--quiet", "--data-file", file, clone.path, "consertb")
     clone.copier("copy", *words, cwd=tmp_path)
     assert tree(tmp_path / "consertb") == tree(tmp_path / "ours" / "consertb")
+
+
+def test_plain_copier_takes_the_runtime_out_and_back(tmp_path: Path) -> None:
+    clone = checkout(tmp_path / "eddi-scaffold", "v0.0.1")
+    model = ("-m", clone.example / "two_conserts.xml", "--name", "ConSertB", "--platform", "plain")
+    trees = {}
+    for runtime in ("installed", "vendored"):
+        ours, file = tmp_path / runtime, tmp_path / f"{runtime}.yml"
+        clone.eddi("-q", "generate", "-o", ours, *model, "--runtime", runtime)
+        clone.eddi("-q", "answers", "-o", file, *model, "--runtime", runtime)
+        words = ("--trust", "--quiet", "--defaults", "--data-file", file, "--vcs-ref", "v0.0.1")
+        clone.copier("copy", *words, clone.path, "consertb", cwd=tmp_path)
+        trees[runtime] = tree(tmp_path / "consertb")
+        for one in (trees[runtime], expected := tree(ours / "consertb")):
+            file, text = ".copier-answers.yml", one[".copier-answers.yml"][1]
+            one[file] = (False, without_origin(text))
+        assert trees[runtime] == expected
+        shutil.move(tmp_path / "consertb", tmp_path / f"{runtime}_package")
+    package = tmp_path / "vendored_package"
+    code = package / "EDDIInput.py"
+    mine = code.read_text("utf-8").replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = 1 == 1")
+    code.write_text(mine, "utf-8")
+    git(package, "init", "--quiet")
+    for runtime in ("installed", "vendored"):
+        git(package, "add", "--all")
+        git(package, "commit", "--quiet", "--message", "Before")
+        words = ("--trust", "--quiet", "--defaults", "-d", f"runtime={runtime}")
+        clone.copier("update", *words, str(package), cwd=tmp_path)
+        found, wanted = tree(package, ".git"), trees[runtime]
+        assert set(found) == set(wanted)
+        different = {name for name in found if found[name] != wanted[name]}
+        assert different == {".copier-answers.yml", "EDDIInput.py"}
+        assert "self.RtE_A_E0 = 1 == 1" in code.read_text("utf-8")
