@@ -19,7 +19,7 @@ from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
 from eddi_scaffold.packages.obstacles import KEPT, obstacles
-from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers, render
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.packages.unpacking import unpacked
 from eddi_scaffold.packages.workspace import linked_package
@@ -110,6 +110,7 @@ def write_packages(
         unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):
         work.notes += source.notes
+        renderer = Renderer(template, source)
         for number, package in enumerate(packages):
             rendered = Path(scratch, str(number), "rendered")
             if not package.answers:
@@ -120,7 +121,7 @@ def write_packages(
             if is_current(root / package.folder, package, template, source):
                 continue
             progress(package.folder)
-            notes = render(package.answers, template, source, rendered)
+            notes = renderer.render(package.answers, rendered)
             for name, data in package.files.items():
                 (rendered / name).parent.mkdir(parents=True, exist_ok=True)
                 (rendered / name).write_bytes(data)

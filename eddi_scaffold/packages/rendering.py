@@ -10,16 +10,20 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from types import CodeType
+from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.positioned_yaml.nodes import dump_11, read_document, value_11
 from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.source import read_source
+
+if TYPE_CHECKING:
+    from copier._main import Worker
 
 ANSWERS_FILE = ".copier-answers.yml"
 _BUNDLE = "templates.bundle"
@@ -127,49 +131,92 @@ def read_answers(package: Path) -> dict[str, Any] | None:
     return data if known else None
 
 
-def render(
-    answers: Mapping[str, Any], template: Template, source: Unpacked, folder: Path
-) -> list[str]:
-    """Render a package into an empty or missing folder.
+class Renderer:
+    """Copier for the packages of one command: what it finds out for the first one serves all.
 
-    Args:
-        answers: all answers of the package's template.
-        template: what the answers file records as the origin.
-        source: the same templates, taken out of git.
-        folder: where to.
-
-    Returns:
-        Copier's warnings.
-
-    Raises:
-        EddiError: Copier refused (T004).
+    The templates lie in a plain folder and each package is rendered into a scratch folder, so
+    Copier is not shown git: it would ask it several things of both, one for each file.
     """
-    import copier  # noqa: PLC0415 - half a second, paid only where something is rendered
-    from copier.errors import CopierError  # noqa: PLC0415 - the same
 
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            copier.run_copy(
-                str(source.folder),
-                folder,
-                data=dict(answers),
-                defaults=True,
-                overwrite=True,
-                unsafe=True,
-                quiet=True,
-                skip_tasks=True,
-            )
-        except (CopierError, ValueError) as problem:
-            raise EddiError(error("T004", f"Copier refused: {problem}")) from problem
-    _record_origin(folder / ANSWERS_FILE, template, source)
-    return sorted(
-        {
-            str(warning.message)
-            for warning in caught
-            if warning.category.__module__.startswith("copier")
-        }
-    )
+    def __init__(self, template: Template, source: Unpacked) -> None:
+        """Prepare to render.
+
+        Args:
+            template: what the answers files record as the origin.
+            source: the same templates, taken out of git.
+        """
+        self._template, self._source = template, source
+        self._first: Worker | None = None
+
+    def render(self, answers: Mapping[str, Any], folder: Path) -> list[str]:
+        """Render a package into an empty or missing folder.
+
+        Args:
+            answers: all answers of the package's template.
+            folder: where to.
+
+        Returns:
+            Copier's warnings.
+
+        Raises:
+            EddiError: Copier refused (T004).
+        """
+        # half a second, paid only where something is rendered
+        from copier.errors import CopierError  # noqa: PLC0415
+        from plumbum import local  # noqa: PLC0415
+
+        with warnings.catch_warnings(record=True) as caught, local.env(PATH=os.devnull):
+            warnings.simplefilter("always")
+            try:
+                self._run(dict(answers), folder)
+            except (CopierError, ValueError) as problem:
+                raise EddiError(error("T004", f"Copier refused: {problem}")) from problem
+        _record_origin(folder / ANSWERS_FILE, self._template, self._source)
+        return sorted(
+            {
+                str(warning.message)
+                for warning in caught
+                if warning.category.__module__.startswith("copier")
+            }
+        )
+
+    def _run(self, answers: dict[str, Any], folder: Path) -> None:
+        import copier  # noqa: PLC0415
+
+        if self._first is not None:
+            worker = replace(self._first, dst_path=folder, data=answers)
+            worker.template, worker.jinja_env = self._first.template, self._first.jinja_env
+            worker.run_copy()
+            return
+        self._first = copier.run_copy(
+            str(self._source.folder),
+            folder,
+            data=answers,
+            defaults=True,
+            overwrite=True,
+            unsafe=True,
+            quiet=True,
+            skip_tasks=True,
+        )
+        _compile_once(self._first.jinja_env)
+
+
+def _compile_once(environment: Any) -> None:
+    """Let Jinja remember what it compiled: each package has the same questions and paths."""
+    compile_anew: Callable[..., CodeType] = environment.compile
+    compiled: dict[object, CodeType] = {}
+
+    def compile_(source: object, *details: str | None, **more: bool) -> CodeType:
+        # of a tree there is no second one; what reads a `yield` keeps its state in the environment
+        if not isinstance(source, str) or "yield" in source:
+            return compile_anew(source, *details, **more)
+        key = (source, details, *more.items())
+        if key not in compiled:
+            compiled[key] = compile_anew(source, *details, **more)
+        environment.preprocess(source)  # in which Copier forgets the `yield` of another text
+        return compiled[key]
+
+    environment.compile = compile_
 
 
 _ORIGIN = re.compile(r"^_src_path:.*\n(?:[ ].*\n|\n)*", re.MULTILINE)

@@ -5,14 +5,12 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from eddi_scaffold.packages import generation
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
-from eddi_scaffold.packages.rendering import Template
+from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
 from tests.checkouts import checkout, tree
 
@@ -31,13 +29,13 @@ def generate(
     """Return what generates a workspace in ``tmp_path / "ws"`` and tells what was rendered."""
     example = Path(template.location) / "examples" / "two-conserts"
     rendered: list[str] = []
-    render = generation.render
+    render = Renderer.render
 
-    def counted(answers: Mapping[str, object], *more: Any) -> object:
+    def counted(self: Renderer, answers: Mapping[str, object], folder: Path) -> list[str]:
         rendered.append(str(answers["package"]))
-        return render(answers, *more)
+        return render(self, answers, folder)
 
-    monkeypatch.setattr(generation, "render", counted)
+    monkeypatch.setattr(Renderer, "render", counted)
 
     def again() -> list[str]:
         rendered.clear()

@@ -19,7 +19,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from eddi_scaffold.packages import generation
-from eddi_scaffold.packages.rendering import Template, render
+from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError
@@ -68,12 +68,8 @@ class Renderings:
         place = self.folder / f"{self.pool.index(world.inputs)}_{(world.version - 1) % LOOKS}"
         if not place.exists():
             template = self.template(world)
-            render(
-                self.answers(world),
-                template,
-                Unpacked(None, True, lambda: Path(template.location)),
-                place,
-            )
+            source = Unpacked(None, True, lambda: Path(template.location))
+            Renderer(template, source).render(self.answers(world), place)
         return place
 
 
