@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.packages import rendering
-from eddi_scaffold.packages.rendering import Template, own_template, render
+from eddi_scaffold.packages.rendering import Renderer, Template, own_template
 from eddi_scaffold.packages.unpacking import Unpacked, unpacked
 from eddi_scaffold.problems import EddiError
 from tests.diagnosed import assert_example
@@ -89,11 +89,8 @@ def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
     (source / "copier.yml").write_text(
         "word: {type: str, validator: '{% if true %}no{% endif %}'}\n"
     )
+    unpacked_here = Unpacked(None, True, lambda: source)
+    renderer = Renderer(Template(str(source), None), unpacked_here)
     with pytest.raises(EddiError) as failure:
-        render(
-            {"word": "x"},
-            Template(str(source), None),
-            Unpacked(None, True, lambda: source),
-            tmp_path / "out",
-        )
+        renderer.render({"word": "x"}, tmp_path / "out")
     assert_example("T004", failure.value.problems)
