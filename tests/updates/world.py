@@ -167,7 +167,8 @@ class World:
         return Result(0, said.getvalue())
 
     def commit(self) -> None:
-        (self.workspace / ".git/index.lock").unlink(missing_ok=True)  # left by a killed git
+        with contextlib.suppress(NotADirectoryError):  # a linked worktree
+            (self.workspace / ".git/index.lock").unlink(missing_ok=True)  # left by a killed git
         git(self.workspace, "add", "-A")
         git(self.workspace, "commit", "-q", "--allow-empty", "-m", "work")
 
