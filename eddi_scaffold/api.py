@@ -100,7 +100,7 @@ def generate(
     monitors, problems = monitors_of(model, configs)
     with alone(() if dry_run else [root]):
         packages = assemble(monitors, target, root, problems, runtime).packages
-        return write_packages(root, packages, own_template(), dry_run=dry_run)
+        return write_packages(root, packages, own_template(), within=folder, dry_run=dry_run)
 
 
 def run(

@@ -76,7 +76,12 @@ def generate(
         assembly = assemble(monitors, target, root, problems, runtime)
         console.problems(assembly.problems)
         outcome = write_packages(
-            root, assembly.packages, own_template(), dry_run=dry_run, progress=console.progress
+            root,
+            assembly.packages,
+            own_template(),
+            within=place,
+            dry_run=dry_run,
+            progress=console.progress,
         )
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:

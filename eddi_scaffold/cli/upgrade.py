@@ -44,7 +44,12 @@ def upgrade(
         for group, wanted, problems in planned:
             console.problems(problems)
             done = write_packages(
-                group.root, wanted, template, dry_run=dry_run, progress=console.progress
+                group.root,
+                wanted,
+                template,
+                within=group.within,
+                dry_run=dry_run,
+                progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
             outcomes.append(replace(done, left=[*links, *done.left]))

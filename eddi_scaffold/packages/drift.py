@@ -66,7 +66,9 @@ class Drift:
 def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
     """Compare the packages of a group with a dry run of their regeneration."""
     packages, _ = targets(group, model, configs)
-    outcome = write_packages(group.root, packages, own_template(), dry_run=True)
+    outcome = write_packages(
+        group.root, packages, own_template(), within=group.within, dry_run=True
+    )
     reports = []
     for folder in group.present:
         root = group.root / folder

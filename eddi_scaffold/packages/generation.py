@@ -18,6 +18,7 @@ from pathlib import Path
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
+from eddi_scaffold.packages.links import follow
 from eddi_scaffold.packages.obstacles import KEPT, obstacles
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
@@ -26,7 +27,7 @@ from eddi_scaffold.packages.workspace import linked_package
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import broken_files
-from eddi_scaffold.regions.files import entries
+from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import (
     changed_generated,
     forget_generated,
@@ -76,6 +77,7 @@ class _Work:
     before: dict[str, FileState] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     left: list[str] = field(default_factory=list)
+    links: dict[str, Path] = field(default_factory=dict)
     attention: bool = False
 
 
@@ -84,6 +86,7 @@ def write_packages(
     packages: Sequence[PackageAnswers],
     template: Template,
     *,
+    within: Path | None = None,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Outcome:
@@ -93,6 +96,8 @@ def write_packages(
         root: folder that the packages' folders are relative to.
         packages: what to render.
         template: where from.
+        within: folder that links to editable files may lead into, around ``root``; by default each
+            package.
         dry_run: change nothing.
         progress: called with the folder of each package before it is rendered.
 
@@ -103,7 +108,8 @@ def write_packages(
     """
     work = _Work()
     if not dry_run:
-        work.notes += transaction.recover(root)
+        for place in dict.fromkeys([root, within or root]):
+            work.notes += transaction.recover(place)
         template.keep()
     with (
         tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
@@ -130,23 +136,30 @@ def write_packages(
                 raise EddiError(error("K028", problem, Place(str(root / package.folder))))
             if source.notes:
                 (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
-            _merge_package(root, package, rendered, notes, work)
+            _merge_package(root, package, rendered, notes, within, work)
     if not dry_run:
-        written = _write(root, work.changes, work.before)
+        written = _write(root, work, within)
         work.left += written.left
         work.notes += written.notes
     return Outcome(root, work.changes, work.before, work.notes, work.attention, work.left)
 
 
 def _merge_package(
-    root: Path, package: PackageAnswers, rendered: Path, notes: list[str], work: _Work
+    root: Path,
+    package: PackageAnswers,
+    rendered: Path,
+    notes: list[str],
+    within: Path | None,
+    work: _Work,
 ) -> None:
     target = root / package.folder
     if target.is_symlink():
         work.left.append(linked_package(target))
         return
     tree = transaction.survey(target)
-    found = obstacles(package.folder, tree.others, _names(rendered))
+    names = _names(rendered)
+    links = follow(target, tree, names, within)
+    found = obstacles(package.folder, tree.others, names)
     stop = found.at_records(ANSWERS_FILE)
     if stop is None:
         if tree.others or any(not path.startswith(KEPT) for path in tree.files):
@@ -158,6 +171,7 @@ def _merge_package(
         work.left.append(found.stop(stop))
         return
     work.left += found.waiting_notes()
+    work.links |= {f"{package.folder}/{path}": real for path, real in links.items()}
     work.changes.update({f"{package.folder}/{p}": state for p, state in merged.changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in merged.changes if p in before})
     work.notes += [note for note in (*notes, *merged.saved) if note not in work.notes]
@@ -248,10 +262,9 @@ def _with_mode(state: FileState, before: FileState | None) -> FileState:
     return replace(state, mode=before.mode | may_run)
 
 
-def _write(
-    root: Path, changes: Mapping[str, FileState | None], before: Mapping[str, FileState]
-) -> transaction.Applied:
+def _write(root: Path, work: _Work, within: Path | None = None) -> transaction.Applied:
     """Write in the order of ``sync``: killed in between, a plain Copier run still merges right."""
+    changes = work.changes
     ordered = sorted(changes, key=lambda path: (_turn(path, changes[path]), path))
     follows = {
         path: path.replace("/.eddi/base/", "/", 1) for path in ordered if "/.eddi/base/" in path
@@ -261,8 +274,31 @@ def _write(
         for base, file in follows.items()
         if (text := changes.get(file)) is not None and (new := changes[base]) is not None
     }
-    changes = {path: changes[path] for path in ordered}
-    return transaction.write(root, changes, before, follows, meanwhile)
+    top, place = _places(root, work.links, within)
+    return transaction.write(
+        top,
+        {place(path): changes[path] for path in ordered},
+        {place(path): state for path, state in work.before.items()},
+        {place(path): place(file) for path, file in follows.items()},
+        {place(path): state for path, state in meanwhile.items()},
+    )
+
+
+def _places(
+    root: Path, links: Mapping[str, Path], within: Path | None
+) -> tuple[Path, Callable[[str], str]]:
+    """Return the folder of a transaction, and what turns a path below ``root`` into one in it."""
+    if not links:
+        return root, lambda path: path
+    inside = all(stays(root, real) for real in links.values())
+    top = root if inside or within is None else within
+    start = os.path.realpath(top)
+
+    def place(path: str) -> str:
+        real = links.get(path) or os.path.join(os.path.realpath(root), path)  # noqa: PTH118
+        return os.path.relpath(real, start)
+
+    return top, place
 
 
 def _turn(path: str, state: FileState | None) -> int:

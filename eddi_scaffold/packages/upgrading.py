@@ -39,11 +39,13 @@ class PackageGroup:
         root: the folder.
         present: package folder -> answers.
         links: links to packages, which are left alone.
+        within: the workspace, ``None`` where packages were named.
     """
 
     root: Path
     present: dict[str, dict[str, Any]]
     links: tuple[Path, ...] = ()
+    within: Path | None = None
 
 
 def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
@@ -80,9 +82,9 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     if packages:
         named = _named(packages)
         return [_group(root, [path for path in named if path.parent == root]) for root in places]
-    found = [PackageGroup(root, existing(root), linked(root)) for root in places]
-    found = [group for group in found if group.present or group.links]
     place = workspace or Path()
+    found = [PackageGroup(root, existing(root), linked(root), place) for root in places]
+    found = [group for group in found if group.present or group.links]
     if not found:
         hint = "name a workspace with -w, or the folder of a package"
         raise EddiError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import stat
 from collections.abc import Callable, Iterator
@@ -13,7 +14,7 @@ import pytest
 from eddi_scaffold.packages.transaction import FileState, apply, write
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.__main__ import main as regions_tool
-from tests.cli.command import Result, example, run
+from tests.cli.command import Result, example, files_below, run
 from tests.diagnosed import assert_example
 from tests.hostile import special
 
@@ -156,6 +157,133 @@ def test_what_is_a_persons_own_stays_and_is_said_once(
         if not stat.S_ISREG(state[0]) and not stat.S_ISDIR(state[0]):
             assert after[name] == state
     assert status(package).status == 0
+
+
+# editable files that are links --------------------------------------------------------------------
+HAND = "        self.RtE_A_E0 = 7  # mine\n"
+
+
+def leads_to(package: Path, place: Path) -> Path:
+    """Leave a link in the place of the edited module, which is another file from now on."""
+    text = (package / INPUT).read_text()
+    body = re.compile(
+        r"(?<=RtE_A_E0 sig: 81fdda7e\n).*?(?=^ *'''-----Manual edit end)", re.MULTILINE | re.DOTALL
+    )
+    assert len(body.findall(text)) == 1
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_text(body.sub(HAND, text))
+    place.chmod(0o600)
+    (package / INPUT).unlink()
+    (package / INPUT).symlink_to(os.path.relpath(place, package))
+    return place
+
+
+def generate(package: Path) -> Result:
+    words = ("generate", "--platform", "plain", "-o", "ws", "-m", MODEL, "-c", CONFIG)
+    return run(*words, cwd=package.parents[1])
+
+
+def sync(package: Path) -> Result:
+    """Do what plain Copier does after a rendering."""
+    return Result(regions_tool(["sync"], package), "", "")
+
+
+def is_merged(package: Path, place: Path) -> bool:
+    assert (package / INPUT).is_symlink()
+    text = place.read_text()
+    assert text.count(HAND) == 1
+    assert place.stat().st_mode & 0o777 == 0o600
+    return DOCSTRING in text
+
+
+@pytest.mark.parametrize("command", [upgrade, generate, sync])
+@pytest.mark.parametrize("name", [f"mine/{INPUT}", "hand.py", f"a/b/{INPUT}"])
+def test_a_link_to_an_own_file_of_the_package_gets_the_merge(
+    package: Path, command: Callable[[Path], Result], name: str
+) -> None:
+    place = leads_to(package, package / name)
+    result = command(package)
+    assert result.status == 0, result.err
+    assert is_merged(package, place)
+    assert command(package).status == 0
+    assert status(package).status == (1 if command is sync else 0)
+
+
+@pytest.mark.parametrize("command", [upgrade, generate])
+def test_a_link_to_another_folder_of_the_workspace_gets_the_merge(
+    package: Path, command: Callable[[Path], Result]
+) -> None:
+    place = leads_to(package, package.parent / "hand/rover.py")
+    result = command(package)
+    assert result.status == 0, result.err
+    assert is_merged(package, place)
+
+
+def test_a_link_out_of_the_packages_of_a_catkin_workspace_gets_the_merge(tmp_path: Path) -> None:
+    folder = tmp_path / "clone"
+    folder.mkdir()
+    example(folder)
+    (folder / "ws/src").mkdir(parents=True)
+    words = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
+    assert run(*words, cwd=folder).status == 0
+    package = folder / "ws/src/eddi_monitor" / PACKAGE
+    text = (package / "src" / PACKAGE / INPUT).read_text()
+    for file in (package / "src" / PACKAGE / INPUT, package / ".eddi/base/src" / PACKAGE / INPUT):
+        file.write_text(text.replace(DOCSTRING, "Attributes."))
+    place = leads_to(package / "src" / PACKAGE, folder / "ws/src/hand/scripts/rover.py")
+    before = files_below(folder)
+    named = run("upgrade", package, cwd=folder)
+    assert (named.status, "is a link: it is left alone" in named.err) == (3, True)
+    assert files_below(folder)["ws/src/hand/scripts/rover.py"] == place.read_bytes()
+    assert before.keys() == files_below(folder).keys()
+    assert run("upgrade", "-w", "ws", cwd=folder).status == 0
+    assert is_merged(package / "src" / PACKAGE, place)
+    assert not list((folder / "ws").rglob(".eddi-*"))
+
+
+@pytest.mark.parametrize("command", [upgrade, generate, sync])
+def test_a_link_out_of_what_was_named_is_left_alone(
+    package: Path, outside: Path, command: Callable[[Path], Result]
+) -> None:
+    place = leads_to(package, outside / INPUT)
+    before = states(outside)
+    assert command(package).status == (0 if command is sync else 3)
+    assert states(outside) == before
+    assert place.read_text().count(HAND) == 1
+
+
+@pytest.mark.parametrize("target", [f"{PACKAGE}/README.md", "own.py", f"{PACKAGE}/.eddi/base/x"])
+def test_a_link_to_what_is_not_this_file_is_left_alone(package: Path, target: str) -> None:
+    """A stranger's package cannot name a file of a person, nor one of ours."""
+    place = package.parent / target
+    place.write_text("mine = 1\n")
+    (package / INPUT).unlink()
+    (package / INPUT).symlink_to(os.path.relpath(place, package))
+    result = upgrade(package)
+    assert result.status == 3
+    assert f"{INPUT} is a link: it is left alone" in result.err
+    if target == "own.py":
+        assert place.read_text() == "mine = 1\n"
+
+
+def test_a_link_into_a_linked_folder_of_the_package_is_no_way_out(
+    package: Path, outside: Path
+) -> None:
+    place = leads_to(package, outside / INPUT)
+    (package / "inner").symlink_to(outside)
+    (package / INPUT).unlink()
+    (package / INPUT).symlink_to(f"inner/{INPUT}")
+    before = place.read_bytes()
+    assert upgrade(package).status == 3
+    assert place.read_bytes() == before
+
+
+def test_a_link_that_leads_nowhere_stops_nothing(package: Path) -> None:
+    (package / INPUT).unlink()
+    (package / INPUT).symlink_to("gone.py")
+    assert upgrade(package).status == 3
+    assert was_upgraded(package)
+    assert (package / INPUT).is_symlink()
 
 
 # links that lead out of the package ---------------------------------------------------------------

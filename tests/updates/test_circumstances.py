@@ -335,8 +335,9 @@ def test_transaction_is_killed_at_every_step(
     new = _bring_elsewhere(world)
     changes = {f"rover/{p}": new.get(p) for p in sorted({*old, *new}) if old.get(p) != new.get(p)}
     before = {f"rover/{path}": state for path, state in old.items()}
+    work = generation._Work(changes, before)
     step, thorough = 0, {("upgrade", "edit"), ("copy", "model")}
-    while killed_at(step, lambda: generation._write(world.root, changes, before), monkeypatch):
+    while killed_at(step, lambda: generation._write(world.root, work), monkeypatch):
         world.seen = [START, CHANGED]
         world.check(finished=False)
         if between == "edit":
