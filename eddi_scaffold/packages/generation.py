@@ -122,7 +122,7 @@ def write_packages(
             if not package.answers:
                 rendered.mkdir(parents=True)
                 note = f"{package.folder}: removed, nothing needs it any more"
-                _merge_package(root, package, rendered, [note], work)
+                _merge_package(root, package, rendered, [note], within, work)
                 continue
             if is_current(root / package.folder, package, template, source):
                 continue
@@ -158,7 +158,7 @@ def _merge_package(
         return
     tree = transaction.survey(target)
     names = _names(rendered)
-    links = follow(target, tree, names, within)
+    links = follow(target, tree, names, within, work.links.values())
     found = obstacles(package.folder, tree.others, names)
     stop = found.at_records(ANSWERS_FILE)
     if stop is None:

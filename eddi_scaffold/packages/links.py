@@ -14,7 +14,11 @@ from eddi_scaffold.regions.store import EDDI, read_text
 
 
 def follow(
-    package: Path, tree: FolderContent, rendered: Collection[str], within: Path | None
+    package: Path,
+    tree: FolderContent,
+    rendered: Collection[str],
+    within: Path | None,
+    taken: Collection[Path] = (),
 ) -> Mapping[str, Path]:
     """Take the text behind links to editable files for theirs; return link -> real file.
 
@@ -27,13 +31,14 @@ def follow(
         tree: what is in it; the links that are followed become files.
         rendered: the files that the package will have.
         within: the folder that was named, ``None`` for the package alone.
+        taken: files that links of other packages lead to: one merge for each.
     """
     found: dict[str, Path] = {}
     for link in [path for path, kind in tree.others.items() if kind == LINK]:
         if f"{EDDI}/pristine/{link}" not in rendered:
             continue
         real = _real(package, link, rendered, within)
-        if real is None or real in found.values():
+        if real is None or real in {*found.values(), *taken}:
             continue
         try:
             state = FileState(read_regular(real, follow=False), real.stat().st_mode & 0o777)

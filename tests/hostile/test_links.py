@@ -278,6 +278,15 @@ def test_a_link_into_a_linked_folder_of_the_package_is_no_way_out(
     assert place.read_bytes() == before
 
 
+def test_two_links_to_one_file_are_merged_once(package: Path) -> None:
+    place = leads_to(package, package.parent / "hand/rover.py")
+    shutil.copytree(package, package.with_name("other"), symlinks=True)
+    result = upgrade(package)
+    assert result.status == 3
+    assert result.err.count(f"other/{INPUT} is a link: it is left alone") == 1
+    assert is_merged(package, place)
+
+
 def test_a_link_that_leads_nowhere_stops_nothing(package: Path) -> None:
     (package / INPUT).unlink()
     (package / INPUT).symlink_to("gone.py")
