@@ -104,9 +104,9 @@ def _used(body: str, names: Iterable[str]) -> set[str]:
 
     Variables that are called as inputs of the model are none of them.
     """
-    there = [name for name in names if name in body]  # quick: most of a large text is numbers
-    pattern = r"(?<![\w.])(?<!def ){}[.(]"
-    return {name for name in there if re.search(pattern.format(name), body) is not None}
+    # The name first, what must not be before it behind that: regular expressions find it quicker.
+    pattern = r"{0}(?<![\w.]{0})(?<!def {0})[.(]"
+    return {name for name in names if re.search(pattern.format(name), body) is not None}
 
 
 def _imported(part: str, modules: Sequence[str]) -> str:

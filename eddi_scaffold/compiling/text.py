@@ -10,15 +10,16 @@ import keyword
 import math
 import re
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 WIDTH = 100
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,39}")
 _LONGEST_COMMENT = 70
+_SHORT = WIDTH - 25
+"""What fits a line wherever it stands."""
 
 
-@dataclass(frozen=True)
-class Group:
+class Group(NamedTuple):
     """A bracket with elements: on one line if that fits, else with one element in a line.
 
     Attributes:
@@ -32,8 +33,7 @@ class Group:
     closing: str = ")"
 
 
-@dataclass(frozen=True)
-class Item:
+class Item(NamedTuple):
     """An element of a bracket.
 
     Attributes:
@@ -87,6 +87,13 @@ def literal(value: object) -> Part:
     raise TypeError(f"a {type(value).__name__} has no literal here")
 
 
+def numbers(values: Iterable[float]) -> Part:
+    """Return a tuple of doubles; a short one as a text, since tables have thousands of them."""
+    texts = [*map(number, values)]
+    flat = f"({', '.join(texts)}{',' if len(texts) == 1 else ''})"
+    return flat if len(flat) <= _SHORT else tuple_of(texts)
+
+
 def text_literal(text: str) -> str:
     """Return the literal of a text: ASCII, in double quotes unless that takes more escapes."""
     quote = "'" if text.count('"') > text.count("'") else '"'
@@ -96,16 +103,15 @@ def text_literal(text: str) -> str:
 
 def number(value: float) -> str:
     """Return the shortest literal that gives the same double; ``INF`` and ``NAN`` by name."""
-    if math.isnan(value):
-        return "NAN"
-    if math.isinf(value):
-        return "INF" if value > 0 else "-INF"
-    return float.__repr__(value).replace("e+", "e")
+    text = float.__repr__(value)
+    return text.replace("e+", "e") if math.isfinite(value) else text.upper()
 
 
 def comment(text: str) -> str:
     """Return a text as a comment without the sign: printable ASCII, not longer than a line."""
-    plain = "".join(one if " " <= one <= "~" else "?" for one in " ".join(text.split()))
+    plain = " ".join(text.split())
+    if not (plain.isascii() and plain.isprintable()):
+        plain = "".join(one if " " <= one <= "~" else "?" for one in plain)
     return plain if len(plain) <= _LONGEST_COMMENT else f"{plain[: _LONGEST_COMMENT - 3]}..."
 
 

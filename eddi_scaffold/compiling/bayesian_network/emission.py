@@ -44,6 +44,7 @@ from eddi_scaffold.compiling.text import (
     comment,
     literal,
     number,
+    numbers,
     returned,
     text_literal,
     tuple_of,
@@ -258,7 +259,7 @@ class _Module:
         cases = itertools.product(*(network.states[one] for one in parents))
         rows = [
             Item(
-                tuple_of(map(number, table[k * card : (k + 1) * card])),
+                numbers(table[k * card : (k + 1) * card]),
                 behind=comment(", ".join(case)),
             )
             for k, case in enumerate(cases)
@@ -326,7 +327,7 @@ class _Module:
             found.append(call(f"{_ROOM}.Table", [str(table.card), literal(tuple(pairs))], **named))
         priors = priors_of(self._network, part.plan)
         rows = (
-            Item(tuple_of(map(number, prior)), prefix=f"{positions[node]}: ")
+            Item(numbers(prior), prefix=f"{positions[node]}: ")
             for node, prior in priors.items()
         )
         self._blocks.append(look_up_lines(f"{name}_look_up", strides_of))
@@ -338,7 +339,7 @@ class _Module:
         cases = itertools.product(*map(range, table.counts))
         rows = (
             Item(
-                tuple_of(map(number, row)),
+                numbers(row),
                 behind=comment(", ".join(of[k] for of, k in zip(about, case, strict=True))),
             )
             for row, case in zip(table.rows, cases, strict=True)
