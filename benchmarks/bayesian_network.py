@@ -61,7 +61,7 @@ print(spent, status["VmRSS"].split()[0])
 """
 IMPORTS = {
     "ours": "import eddi_runtime.bayesian_network",
-    "ours with numpy": "import eddi_runtime.bayesian_network.schedule",
+    "ours with numpy": "import eddi_runtime.bayesian_network.arrays",
     "pgmpy, as generated": "import pgmpy.inference, pgmpy.models, pgmpy.readwrite",
     "pyAgrum LazyPropagation": "import pyagrum",
 }

@@ -31,6 +31,7 @@ KINDS: dict[str, tuple[int, Callable[[ModelFile], list[str]]]] = {
 """Kind -> format of its part of the runtime, and what writes its class."""
 
 _MODULES: dict[str, Sequence[str]] = {
+    "bayesian_network": bayesian_network.MODULES,
     "consert": consert.MODULES,
     "expressions": expressions.MODULES,
     "reliability": reliability.MODULES,

@@ -6,7 +6,17 @@ import ast
 from collections.abc import Iterable, Mapping
 
 PARTS: Mapping[str, tuple[str, ...]] = {
-    "bayesian_network": ("clock", "thresholds"),
+    "bayesian_network": ("clock",),
+    "bayesian_network/arrays": ("bayesian_network/schedule",),
+    "bayesian_network/asking": ("bayesian_network",),
+    "bayesian_network/bounds": ("bayesian_network",),
+    "bayesian_network/claims": ("bayesian_network/bounds", "thresholds"),
+    "bayesian_network/direct": ("bayesian_network",),
+    "bayesian_network/memory": ("bayesian_network/readers",),
+    "bayesian_network/readers": ("bayesian_network",),
+    "bayesian_network/schedule": ("bayesian_network", "bayesian_network/arrays"),
+    "bayesian_network/tables": ("bayesian_network",),
+    "bayesian_network/threshold_monitor": ("bayesian_network/claims",),
     "clock": (),
     "consert": (),
     "consert/filters": ("consert",),
@@ -36,7 +46,8 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 }
 """Part of ``eddi_runtime``, a folder or a module -> other parts that it imports.
 
-``testing`` is for the tests of people who have the distribution; no monitor needs it.
+``testing`` and ``bayesian_network/asking`` are for people who have the distribution; no monitor
+needs them.
 """
 
 

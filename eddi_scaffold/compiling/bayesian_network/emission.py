@@ -53,8 +53,15 @@ from eddi_scaffold.compiling.text import (
     Part as Text,
 )
 
-FORMAT = 1
+FORMAT = 2
+MODULES = ("claims", "direct", "memory", "readers", "schedule", "tables", "threshold_monitor")
+"""Modules of the runtime's part, of which a package has those that its monitor uses."""
 _ROOM = "bayesian_network"
+_MANY = 2_000
+"""Numbers of a table up to which each row is a tuple with its case behind it.
+
+More would take Python seconds, and hundreds of megabytes, to import.
+"""
 
 
 def lines_of(model_file: ModelFile) -> list[str]:
@@ -88,7 +95,13 @@ def module_lines(
     rest = None if further is None else module.program(further, "all_", loop=True)
     lines = [
         *module.lines(),
-        *head_lines(f"{_ROOM}.BayesianNetworkMonitor", model_file, {}),
+        *head_lines(
+            "threshold_monitor.ThresholdMonitor"
+            if model.thresholds
+            else f"{_ROOM}.BayesianNetworkMonitor",
+            model_file,
+            {},
+        ),
         *_nodes(model),
         *assignment("given", literal(model.outputs), 4),
         *assignment("foreseen", main, 4),
@@ -124,13 +137,13 @@ def _settings(model: BayesianNetworkModel) -> list[str]:
     if model.thresholds:
         rows = (
             call(
-                f"{_ROOM}.StateThreshold",
+                "claims.StateThreshold",
                 [
                     str(one.node),
                     literal(one.states),
                     str(one.at_least),
                     call(
-                        f"{_ROOM}.Threshold",
+                        "claims.Threshold",
                         [
                             text_literal(one.id),
                             number(one.activate),
@@ -188,7 +201,7 @@ def _reader(model: BayesianNetworkModel, source: Source, numbers: Mapping[str, i
     declared = source.declared
     if declared is None:
         states = literal(model.network.states[source.node])
-        return call(f"{_ROOM}.DirectReader", [states], virtual=str(model.virtual))
+        return call("direct.DirectReader", [states], virtual=str(model.virtual))
     given: dict[str, Any] = {"edges": declared.edges, "order": declared.order}
     usual: dict[str, Any] = {
         "closed_right": True,
@@ -208,9 +221,11 @@ def _reader(model: BayesianNetworkModel, source: Source, numbers: Mapping[str, i
         (key, getattr(declared, key)) for key in usual if getattr(declared, key) != usual[key]
     )
     texts = {key: literal(value) for key, value in given.items()}
-    declaration = call(f"{_ROOM}.Declaration", [str(declared.missing)], **texts)
+    declaration = call("readers.Declaration", [str(declared.missing)], **texts)
     spec = f"self.inputs[{numbers[source.spec.id]}]"
-    return call(f"{_ROOM}.Discretiser", [declaration, spec])
+    remembers = declared.hysteresis > 0.0 or declared.policy == "hold"
+    reader = "memory.Remembering" if remembers else "readers.Discretiser"
+    return call(reader, [declaration, spec])
 
 
 class _Module:
@@ -257,16 +272,19 @@ class _Module:
         names, parents = network.shape.names, network.shape.parents[node]
         card, table = network.shape.cards[node], network.tables[node]
         cases = itertools.product(*(network.states[one] for one in parents))
-        rows = [
-            Item(
-                numbers(table[k * card : (k + 1) * card]),
-                behind=comment(", ".join(case)),
+        rows: Text
+        if len(table) > _MANY:
+            texts = [*map(number, table)]
+            lines = (" ".join(texts[k : k + card]) for k in range(0, len(table), card))
+            rows = call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
+        else:
+            rows = tuple_of(
+                Item(numbers(table[k * card : (k + 1) * card]), behind=comment(", ".join(case)))
+                for k, case in enumerate(cases)
             )
-            for k, case in enumerate(cases)
-        ]
         given = f" given {', '.join(names[one] for one in parents)}" if parents else ""
         about = comment(f"{names[node]}{given}")
-        return Item(tuple_of([literal(parents), tuple_of(rows)]), prefix=f"{node}: ", above=about)
+        return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=about)
 
     def _cases(self, program: Program, name: str) -> list[str]:
         about = [self._state_names(node) for node in program.observable]
@@ -324,15 +342,14 @@ class _Module:
                 counts = [count - 1 for count in table.counts]
                 self._blocks.append(total_lines(f"{own}_total", table.rows, counts, strides))
                 named["total"] = f"{own}_total"
-            found.append(call(f"{_ROOM}.Table", [str(table.card), literal(tuple(pairs))], **named))
+            found.append(call("tables.Table", [literal(tuple(pairs))], **named))
         priors = priors_of(self._network, part.plan)
         rows = (
-            Item(numbers(prior), prefix=f"{positions[node]}: ")
-            for node, prior in priors.items()
+            Item(numbers(prior), prefix=f"{positions[node]}: ") for node, prior in priors.items()
         )
         self._blocks.append(look_up_lines(f"{name}_look_up", strides_of))
         prior_of = Group("{", tuple(rows), "}")
-        return call(f"{_ROOM}.Tables", [tuple_of(found), prior_of, f"{name}_look_up"])
+        return call("tables.Tables", [tuple_of(found), prior_of, f"{name}_look_up"])
 
     def _rows(self, table: JointTable, name: str) -> list[str]:
         about = [self._state_names(node) for node in table.inputs]
@@ -375,7 +392,7 @@ class _Module:
             steps = steps_of(plan.program, cards, positions, look_up=False)
             full = self._loop(steps, f"{name}_full") if loop else self._steps(steps, f"{name}_full")
         fields = [literal(answers_of(plan)), hard, full]
-        return call(f"{_ROOM}.Schedule", ["nodes", f"{name}_messages", *fields])
+        return call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
 
     def _slots(self, steps: Steps, name: str) -> None:
         rows = (
@@ -402,13 +419,13 @@ class _Module:
             lines.append(f"{line}  # {comment(', '.join(self._names(one.nodes)))}".rstrip(" #"))
         lines += returned(Group("[", tuple(map(Item, steps.rows)), "]"), 8)
         self._blocks.append([*lines, "", "    return step"])
-        return call(f"{_ROOM}.Steps", [f"{name}_slots", name])
+        return call("schedule.Steps", [f"{name}_slots", name])
 
     def _loop(self, steps: Steps, name: str) -> Text:
         self._slots(steps, name)
         rows = (
             Item(
-                literal((one.function, *(int(text[1:]) for text in one.operands))),
+                literal((one.message, one.function, *(int(text[1:]) for text in one.operands))),
                 behind=comment(", ".join(self._names(one.nodes))),
             )
             for one in steps.operations
@@ -416,7 +433,7 @@ class _Module:
         self._blocks.append(assignment(f"{name}_operations", tuple_of(rows), 0))
         answers = tuple(int(row.partition(".")[0][1:]) for row in steps.rows)
         named = {"operations": f"{name}_operations", "answers": literal(answers)}
-        return call(f"{_ROOM}.Steps", [f"{name}_slots"], **named)
+        return call("schedule.Steps", [f"{name}_slots"], **named)
 
 
 def _key(case: Sequence[int]) -> str:

@@ -1,6 +1,6 @@
 """Larger parts of a network: a fixed list of numpy operations on arrays of the runtime.
 
-No number is touched: ``eddi_runtime.bayesian_network.schedule`` makes the arrays when the monitor
+No number is touched: ``eddi_runtime.bayesian_network.arrays`` makes the arrays when the monitor
 starts, as the rows here describe it.
 """
 
@@ -37,11 +37,13 @@ class Operation(NamedTuple):
     """One call of numpy: its name, its operands as text, and their slots.
 
     Attributes:
+        message: number of the message that needs it.
         function: name in numpy.
         operands: text of each, the name of a slot and perhaps ``[`` case ``]``.
         nodes: that the result has an axis for.
     """
 
+    message: int
     function: str
     operands: tuple[str, ...]
     nodes: tuple[int, ...]
@@ -168,7 +170,7 @@ class _Making:
         self._results[edge] = result = self._slot("r", "result", shape)
         if not summed:
             forms = [self._form(part, self._spread(part, axes)) for part in parts]
-            self._emit("multiply", forms, result, axes)
+            self._emit(edge, "multiply", forms, result, axes)
         elif not batch:
             first, second = (left, summed), (summed, right)
             if not left or (right and axes[0] in right):  # the result lies the other way round
@@ -182,7 +184,7 @@ class _Making:
             work = self._size(summed) * self._size(second[1])
             chunk = (_GEMM if second[1] else _GEMV) // work
             flat = self._reshaped(result, shape, sizes)
-            self._emit_sliced("dot", forms, flat, sizes, 0, chunk, axes)
+            self._emit_sliced(edge, "dot", forms, flat, sizes, 0, chunk, axes)
         else:
             forms = [
                 self._form(parts[0], (batch, left, summed)),
@@ -194,10 +196,11 @@ class _Making:
             work = self._size(summed) * self._size(right)
             sizes = tuple(map(self._size, groups))
             chunk = (_GEMM if right else _GEMV) // work
-            self._emit_sliced("matmul", forms, view, sizes, 1, chunk, axes)
+            self._emit_sliced(edge, "matmul", forms, view, sizes, 1, chunk, axes)
 
     def _emit_sliced(
         self,
+        edge: Edge,
         function: str,
         forms: Sequence[str],
         result: str,
@@ -212,17 +215,20 @@ class _Making:
         """
         count = shape[axis] if len(shape) > axis else 1
         if not 0 < chunk < count:
-            self._emit(function, forms, result, nodes)
+            self._emit(edge, function, forms, result, nodes)
             return
         for start in range(0, count, chunk):
             piece = (axis, start, min(start + chunk, count))
             name, bracket, case = forms[0].partition("[")
             part = self._slot(name[0], "piece", self._number(name), *piece)
             target = self._slot("v", "piece", self._number(result), *piece)
-            self._emit(function, [f"{part}{bracket}{case}", forms[1]], target, nodes)
+            self._emit(edge, function, [f"{part}{bracket}{case}", forms[1]], target, nodes)
 
-    def _emit(self, function: str, forms: Sequence[str], result: str, nodes: Axes) -> None:
-        self.steps.operations.append(Operation(function, (*forms, result), nodes))
+    def _emit(
+        self, edge: Edge, function: str, forms: Sequence[str], result: str, nodes: Axes
+    ) -> None:
+        number = self._numbers[edge]
+        self.steps.operations.append(Operation(number, function, (*forms, result), nodes))
 
     def _spread(self, part: Edge, axes: Axes) -> tuple[Axes, ...]:
         """Return one group per axis of the result, empty where the part has no such axis."""
@@ -257,7 +263,7 @@ class _Making:
         sizes = tuple(self._cards[node] for node in axes)
         copy = self._slot("c", "result", sizes)
         turned = self._slot("v", "view", self._number(result), _turned(order, groups), sizes)
-        self.steps.operations.append(Operation("copyto", (copy, turned), axes))
+        self.steps.operations.append(Operation(number, "copyto", (copy, turned), axes))
         return self._reshaped(copy, sizes, shape)
 
     def _view(self, result: str, order: Axes, groups: tuple[Axes, ...]) -> str | None:

@@ -9,7 +9,8 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from eddi_runtime.bayesian_network import BayesianNetworkMonitor, InconsistentEvidenceError
+from eddi_runtime.bayesian_network import BayesianNetworkMonitor
+from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
@@ -143,7 +144,7 @@ def _difference(
     monitor: BayesianNetworkMonitor, peer: PgmpyNetwork, outputs: Sequence[str], case: Case
 ) -> float:
     try:
-        ours = monitor.posteriors(case)
+        ours = posteriors(monitor, case)
     except InconsistentEvidenceError:
         return 0.0  # pgmpy reports it only where the contradiction affects the query
     largest = 0.0

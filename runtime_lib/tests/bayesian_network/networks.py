@@ -7,12 +7,13 @@ import math
 from fractions import Fraction
 from types import SimpleNamespace
 
-from eddi_runtime.bayesian_network import Declaration
 from eddi_runtime.bayesian_network.engine import Engine
+from eddi_runtime.bayesian_network.memory import Remembering
+from eddi_runtime.bayesian_network.readers import Declaration, Discretiser
 
 from eddi_scaffold.compiling.bayesian_network import programs
 from eddi_scaffold.compiling.bayesian_network.declaration import read_declaration
-from eddi_scaffold.compiling.bayesian_network.emission import module_lines
+from eddi_scaffold.compiling.bayesian_network.emission import FORMAT, module_lines
 from eddi_scaffold.compiling.bayesian_network.graph import Shape
 from eddi_scaffold.compiling.bayesian_network.model import BayesianNetworkModel, Network
 from eddi_scaffold.compiling.compilation import whole_text
@@ -104,7 +105,7 @@ def compiled(net, outputs, observable, **options):
     )
     model_file = check_document(document((), ()))
     lines = module_lines(model_file, model, (), program)
-    return module_of(whole_text(model_file, {"bayesian_network": 1}, lines), "net").Monitor()
+    return module_of(whole_text(model_file, {"bayesian_network": FORMAT}, lines), "net").Monitor()
 
 
 def engine(net, outputs, observable, **options):
@@ -113,9 +114,11 @@ def engine(net, outputs, observable, **options):
     return Engine(made.nodes, made.foreseen)
 
 
-def declaration(given, states, name="N"):
-    """Return a discretisation as a compiled monitor has it."""
-    return Declaration(**vars(read_declaration(given, states, name)))
+def discretiser(given, states, spec, name="N"):
+    """Return the reader of a discretisation as a compiled monitor has it."""
+    declared = Declaration(**vars(read_declaration(given, states, name)))
+    remembers = declared.hysteresis or declared.policy == "hold"
+    return (Remembering if remembers else Discretiser)(declared, spec)
 
 
 def give(**values):

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from eddi_runtime.bayesian_network.asking import posteriors
 from eddi_runtime.bayesian_network.bounds import COMBINATIONS
 from eddi_runtime.bayesian_network.engine import Engine
 
@@ -302,7 +303,7 @@ def test_a_method_counts_before_what_is_accepted():
 
 def test_a_node_that_is_asked_about_beside_the_steps_is_no_input():
     one = monitor(RISKS, ("Risk",), direct={"Near": "near"}, thresholds=[LOW])
-    one.posteriors({"Human": "yes"})
+    posteriors(one, {"Human": "yes"})
     assert step(one, near="no").high == pytest.approx(0.08)
 
 

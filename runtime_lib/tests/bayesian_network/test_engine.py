@@ -11,7 +11,7 @@ from pathlib import Path
 
 import eddi_runtime
 import pytest
-from eddi_runtime.bayesian_network.joint import JointTables
+from eddi_runtime.bayesian_network.tables import JointTables
 
 from eddi_scaffold.compiling.bayesian_network import programs
 from eddi_scaffold.compiling.bayesian_network.graph import components

@@ -9,13 +9,13 @@ from eddi_runtime import ModelError as RuntimeModelError
 from eddi_runtime.bayesian_network import (
     BayesianNetworkMonitor,
     BayesianNetworkOutput,
-    EvidenceError,
-    InconsistentEvidenceError,
     Monitor,
     Node,
     Outcome,
 )
 from eddi_runtime.bayesian_network import outputs as out
+from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
+from eddi_runtime.bayesian_network.evidence import EvidenceError
 
 from eddi_scaffold.compiling.bayesian_network import programs
 from eddi_scaffold.compiling.document import ModelError, check_document, digest_of
@@ -213,14 +213,14 @@ class Config:
 def test_methods_of_a_person():
     hooks = Config()
     one = monitor(outputs=[], hooks=hooks)
-    engine = one._engine
+    engine = one.engine
     assert (engine.outputs, engine.observable) == ((2,), (0,))
     fast = posterior(one.execute_step(give(v=6.0)))
     assert fast["yes"] == pytest.approx(0.25 * 0.95 + 0.75 * 0.2)
     assert one.status() == out.OK
     one.execute_step(give(v=1.0))
     assert (one.status(), hooks.calls) == (out.PRIOR, 2)
-    assert one._engine is engine
+    assert one.engine is engine
 
 
 def test_a_method_that_says_nothing_leaves_the_declaration():
@@ -275,7 +275,7 @@ def test_unforeseen_evidence_and_outputs_are_taken_in(caplog):
     (logged,) = caplog.messages
     assert logged.startswith("node_Alarm sets Alarm, which was not foreseen: `observed:` of the")
     one.execute_step(give())
-    assert one._engine.observable == (3,)
+    assert one.engine.observable == (3,)
     assert one.status() == out.PRIOR
     hooks.said["Alarm"] = alarm
     assert posterior(one.execute_step(give()))["yes"] > 0.9
@@ -335,7 +335,7 @@ def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(mo
     assert one.status() == out.ERROR
     assert "`outputs:` of the configuration does not name it" in one.output_faults()[0]
     with pytest.raises(ValueError, match="was not foreseen"):
-        one.posteriors({"Gap": "near"})
+        posteriors(one, {"Gap": "near"})
 
 
 def test_outputs_in_network_order_and_none():
@@ -447,7 +447,7 @@ def test_posteriors_of_former_states_are_remembered(monkeypatch):
 def test_methods_that_say_the_same_in_each_step_are_asked_once():
     one = monitor(bins=BINS, hooks=Config())
     methods = one._methods
-    asked = [name for _, name in methods._names]
+    asked = [name for _, name, _ in methods._names]
     assert asked == ["node_Speed"]  # node_Danger only sets its flag
     assert methods.outputs
     hooks = methods._hooks
@@ -487,15 +487,15 @@ def test_nothing_is_blocked_by_a_missing_input():
 
 def test_posteriors_by_name():
     one = monitor(direct=DIRECT)
-    found = one.posteriors({"Speed": "slow", "Gap": [1.0, 0.0], "Danger": None})
+    found = posteriors(one, {"Speed": "slow", "Gap": [1.0, 0.0], "Danger": None})
     assert found == {"Danger": (0.6, 0.4)}
-    assert one.posteriors({"Alarm": "on"})["Danger"][0] > 0.9  # not observable until now
+    assert posteriors(one, {"Alarm": "on"})["Danger"][0] > 0.9  # not observable until now
     one.execute_step(give(s="slow", g="near"))
     for evidence in ({"Sped": "slow"}, {"Speed": "hot"}, {"Speed": [1.0]}, {"Gap": [-1, 1]}):
         with pytest.raises(EvidenceError):
-            one.posteriors(evidence)
+            posteriors(one, evidence)
     with pytest.raises(InconsistentEvidenceError, match="Speed=stands, Gap=far, Danger=yes"):
-        one.posteriors({"Speed": "stands", "Gap": "far", "Danger": "yes"})
+        posteriors(one, {"Speed": "stands", "Gap": "far", "Danger": "yes"})
 
 
 def changed(**more):

@@ -9,13 +9,12 @@ pytest.importorskip("yaml", reason="the oracle is YAML")
 pytest.importorskip("numpy")
 import yaml
 from eddi_runtime.bayesian_network.evidence import finding
-from eddi_runtime.bayesian_network.readers import Discretiser
 from eddi_runtime.inputs import InputSpec
 
 from eddi_scaffold.compiling.bayesian_network.graph import Shape
 from eddi_scaffold.compiling.bayesian_network.model import Network
 from eddi_scaffold.compiling.document import ModelError
-from runtime_lib.tests.bayesian_network.networks import declaration, engine, furthest
+from runtime_lib.tests.bayesian_network.networks import discretiser, engine, furthest
 from tests.shared_data import shared
 
 _REFERENCE = re.compile(r"//@nodes\.(\d+)(?:/@nodeStates\.(\d+))?")
@@ -93,10 +92,8 @@ def test_discretisation():
         given = dict(case["config"], input="x")
         if "map" in given:
             given["map"] = list(given["map"].items())
-        reader = Discretiser(
-            declaration(given, case["states"]),
-            InputSpec("x", "x", (), None, None, None, every_message=False),
-        )
+        spec = InputSpec("x", "x", (), None, None, None, every_message=False)
+        reader = discretiser(given, case["states"], spec)
         known = [*case["states"], None]
         assert [known[reader.read(value, 0)] for value in case["values"]] == case["want"], case[
             "id"
@@ -109,4 +106,4 @@ def test_discretisations_that_are_refused():
         if case["id"] in ("nan_edge", "negative_hysteresis"):
             continue  # JSON has no NaN; the generator refuses both
         with pytest.raises(ModelError):
-            declaration(dict(case["config"], input="x"), case["states"])
+            discretiser(dict(case["config"], input="x"), case["states"], InputSpec("x", "x"))

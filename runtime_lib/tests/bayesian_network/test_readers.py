@@ -5,12 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 from eddi_runtime.bayesian_network.direct import DirectReader
-from eddi_runtime.bayesian_network.readers import Discretiser
 from eddi_runtime.inputs import InputSpec
 
 from eddi_scaffold.compiling.document import ModelError
 
-from .networks import declaration
+from .networks import discretiser
 
 STATES = ("low", "mid", "high")
 
@@ -20,7 +19,7 @@ def spec(default=None, max_age=None):
 
 
 def reader(states=STATES, default=None, max_age=None, **declared):
-    return Discretiser(declaration(dict(declared, input="x"), states), spec(default, max_age))
+    return discretiser(dict(declared, input="x"), states, spec(default, max_age))
 
 
 def names(one, values, states=STATES):

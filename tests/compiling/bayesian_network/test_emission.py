@@ -99,7 +99,7 @@ def test_two_monitors_of_one_text_are_independent():
         values = {node["id"]: node["states"][0] for node in made["model"]["nodes"]}
         one.execute_step(give(**values, v=1.0, d=1.0, a="b", b="on"), 5)
         assert other.execute_step(object(), 0) == before
-        assert one._engine is not other._engine
+        assert one.engine is not other.engine
 
 
 @given(seed=st.integers(0, 10**9))

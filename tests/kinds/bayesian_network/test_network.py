@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.bayesian_network import InconsistentEvidenceError
+from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -83,7 +83,7 @@ def test_posteriors_are_those_of_brute_force(
     for output in KIND.functions.runtime_model(monitor.model)["outputs"]:
         wanted = brute_force(network, used, output)
         try:
-            found = machine.posteriors(known)[output]
+            found = posteriors(machine, known)[output]
         except InconsistentEvidenceError:
             assert wanted is None
             continue

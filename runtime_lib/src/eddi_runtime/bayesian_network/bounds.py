@@ -9,7 +9,7 @@ import itertools
 import math
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from .program import Rows
+from .engine import Rows
 
 COMBINATIONS = 1024
 """States of unknown nodes, multiplied, up to which they are all tried in a step."""

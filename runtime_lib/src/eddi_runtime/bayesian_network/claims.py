@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import List, Mapping, NamedTuple, Optional, Sequence
+from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from ..thresholds import Evidence
+from ..thresholds import Evidence, Threshold
 from .bounds import COMBINATIONS, Bounds, Infer, Open, Pair, combinations, pick_of
-from .program import Rows, StateThreshold
+from .engine import Rows
+
+__all__ = ["Claim", "Claims", "StateThreshold", "Threshold"]
 
 INCONSISTENT = "inconsistent"
 TOO_MANY = "too many unknown inputs"
@@ -16,6 +18,22 @@ UNKNOWN = (UNKNOWN_INPUTS, TOO_MANY)
 HOLD = "hold"
 NO_TIME = "no time"
 ERROR = "error"
+
+
+class StateThreshold(NamedTuple):
+    """A threshold of the probability of some states of a node.
+
+    Attributes:
+        node: number of the node.
+        states: numbers of the states whose probabilities are added up.
+        at_least: the probability must not be below; else it must not be above.
+        limits: where it begins and ends; of the negative probability for ``at_least``.
+    """
+
+    node: int
+    states: Tuple[int, ...]
+    at_least: bool
+    limits: Threshold
 
 
 class Claim(NamedTuple):
@@ -34,6 +52,19 @@ class Claim(NamedTuple):
     low: float
     high: float
     reason: str
+
+    def bounds(self, form: str) -> str:
+        """Return the bounds for people, empty where they were not computed."""
+        if math.isnan(self.low):
+            return ""
+        low, high = format(self.low, form), format(self.high, form)
+        return low if self.low == self.high else f"{low} to {high}"
+
+    def text(self) -> str:
+        """Return the result for people."""
+        active, bounds = "active" if self.active else "not active", self.bounds(".3g")
+        reason = f" ({self.reason})" if self.reason else ""
+        return f"{self.id}: {active}{', ' if bounds else ''}{bounds}{reason}"
 
 
 class Claims:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, List, Optional, Sequence, Union
+from typing import Any, Callable, Optional, Sequence
 
 from ..plain_values import plain, show
-from .evidence import EvidenceError, finding
-from .readers import Reading
+from .evidence import EvidenceError, Finding, Reading, finding
 
 
 class DirectReader:
@@ -18,15 +17,12 @@ class DirectReader:
         virtual: see ``finding``.
     """
 
-    timed = False
-    doubtful = False
-    prior_accepted = False
+    timed = doubtful = prior_accepted = False
     possible: Sequence[int] = ()
 
     def __init__(self, states: Sequence[str], *, virtual: bool) -> None:
-        self._states = tuple(states)
+        self._states, self._virtual = states, virtual
         self._number = {state: k for k, state in enumerate(states)}
-        self._virtual = virtual
         self.read = self._quick()
 
     def absent(self, now: float) -> Reading:
@@ -35,10 +31,7 @@ class DirectReader:
 
     def knows(self, raw: object) -> bool:
         """Return whether a value is an observation."""
-        try:
-            return self._judged(raw) is not None
-        except EvidenceError:
-            return False
+        return self.read(raw, 0) != len(self._states)
 
     def accepted(self, raw: object, reading: Reading) -> str:
         """Return nothing: a direct input is taken as it is."""
@@ -69,7 +62,7 @@ class DirectReader:
 
         return read
 
-    def _judged(self, raw: object) -> Union[int, List[float], None]:
+    def _judged(self, raw: object) -> Finding:
         value = plain(raw)
         if isinstance(value, str):
             if value not in self._number:
@@ -77,19 +70,10 @@ class DirectReader:
             return self._number[value]
         if raw is None or (isinstance(value, float) and math.isnan(value)):
             return None
-        if value is not None:
+        values: Any = raw
+        if type(raw).__name__ in ("ndarray", "array"):
+            values = values.tolist()
+        # "isinstance" would believe what calls itself a list.
+        if not issubclass(type(values), (list, tuple)):
             raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")
-        values: Sequence[object]
-        if issubclass(type(raw), (list, tuple)) and isinstance(raw, (list, tuple)):
-            values = raw
-        else:
-            values = _list_of_array(raw)
         return finding(values, self._states, virtual=self._virtual) if values else None
-
-
-def _list_of_array(raw: Any) -> List[object]:
-    if type(raw).__name__ in ("ndarray", "array"):
-        values = raw.tolist()
-        if isinstance(values, list):
-            return values
-    raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")

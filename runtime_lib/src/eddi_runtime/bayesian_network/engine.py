@@ -5,29 +5,74 @@ from __future__ import annotations
 import math
 from operator import eq
 from typing import (
-    TYPE_CHECKING,
+    Any,
     Dict,
     FrozenSet,
     Iterable,
     List,
+    Mapping,
     NamedTuple,
     Optional,
     Sequence,
     Tuple,
-    Union,
 )
 
-from .joint import JointTables
-from .program import NodeSpec, Part, Posteriors, Program, States, Tables, Weights
-
-if TYPE_CHECKING:
-    from .schedule import Running
+Rows = Sequence[Sequence[float]]
+States = Sequence[int]
+Weights = Mapping[int, Sequence[float]]
+Posteriors = List[List[float]]
+Cases = Mapping[Tuple[int, ...], Optional[Rows]]
 
 _TINY = 1e-200
 """A sum below this may have lost terms to underflow."""
 _LEAST_EXPONENT = -900
 """Powers of two down to which a product stays an exact double, with some room."""
 _NO_WEIGHTS: Weights = {}
+_NO_CASES: Cases = {}
+
+
+class NodeSpec(NamedTuple):
+    """A node: its name, its states, and its method ``node_<attribute>``."""
+
+    id: str
+    states: Tuple[str, ...]
+    attribute: str
+
+
+class Part(NamedTuple):
+    """A part of a network; no evidence connects it with the others.
+
+    Attributes:
+        made: its tables or its schedule. Its method ``running`` gives what infers rows that are
+            not normalised: ``hard`` from states alone, ``soft`` with virtual evidence, ``scaled``
+            slowly, but so that none is zero by underflow.
+        inputs: positions of its observable nodes among those of the program.
+        outputs: nodes whose rows it gives; empty for the probability of the evidence alone.
+        least: lower bound of the exponent of any product of its non-zero probabilities.
+    """
+
+    made: Any
+    inputs: Tuple[int, ...]
+    outputs: Tuple[int, ...]
+    least: int
+
+
+class Program(NamedTuple):
+    """Inference for some outputs and observable nodes.
+
+    Attributes:
+        outputs: nodes whose posteriors can be asked for, ascending.
+        observable: nodes that may be observed, ascending; evidence goes by position here.
+        parts: all that can matter.
+        when_observed: in place of them in steps in which each observable node is observed.
+        cases: states -> posteriors, where there are few; None: they are impossible.
+    """
+
+    outputs: Tuple[int, ...]
+    observable: Tuple[int, ...]
+    parts: Tuple[Part, ...]
+    when_observed: Tuple[Part, ...] = ()
+    cases: Cases = _NO_CASES
 
 
 class _Slot(NamedTuple):
@@ -44,8 +89,10 @@ class _Slot(NamedTuple):
     card: int
 
 
-class _Made(NamedTuple):
-    running: Union[JointTables, Running]
+class _Inference(NamedTuple):
+    """What infers one part, the positions of its inputs, and where its rows go."""
+
+    running: Any
     positions: FrozenSet[int]
     slots: Tuple[_Slot, ...]
     least: int
@@ -63,10 +110,10 @@ class Engine:
         observable: those that may be observed; None: all of the program.
 
     Attributes:
-        nodes: of the network.
         program: what was compiled.
         outputs: numbers of the outputs, ascending.
         observable: numbers of the observable nodes, ascending; evidence goes by position here.
+        positions: observable node -> its position.
         missing: "not observed" for each of them: the number of its states.
 
     Raises:
@@ -80,22 +127,22 @@ class Engine:
         outputs: Optional[Iterable[int]] = None,
         observable: Optional[Iterable[int]] = None,
     ) -> None:
-        self.nodes, self.program = nodes, program
+        self._nodes, self.program = nodes, program
         self.outputs = program.outputs if outputs is None else tuple(sorted(outputs))
         self.observable = program.observable if observable is None else tuple(sorted(observable))
+        self.positions = {node: k for k, node in enumerate(self.observable)}
         self.missing = tuple(len(nodes[node].states) for node in self.observable)
-        self._all_missing = [len(nodes[node].states) for node in program.observable]
-        self._positions = {node: k for k, node in enumerate(program.observable)}
+        self._cards = {k: (p, len(nodes[k].states)) for p, k in enumerate(program.observable)}
+        self._all_missing = [card for _, card in self._cards.values()]
         self._places: Optional[List[int]] = None
         if self.observable != program.observable:
-            self._places = [self._positions[node] for node in self.observable]
-        made: Dict[int, _Made] = {}
+            self._places = [self._cards[node][0] for node in self.observable]
+        made: Dict[int, _Inference] = {}
         for part in (*program.parts, *program.when_observed):
             if id(part) not in made:
-                made[id(part)] = self._made(part, program.observable)
+                made[id(part)] = self._inference(part)
         self._parts = [made[id(part)] for part in program.parts]
         self._when_observed = [made[id(part)] for part in program.when_observed]
-        self._alike = not self._when_observed
 
     def infer(self, states: States, weights: Weights = _NO_WEIGHTS) -> Optional[Posteriors]:
         """Return the posterior of each output, None if the evidence has probability zero.
@@ -113,12 +160,11 @@ class Engine:
                 states[place] = state
             weights = {places[position]: weight for position, weight in weights.items()}
         parts = self._parts
-        if not (weights or self._alike) and True not in map(eq, states, self._all_missing):
+        if self._when_observed and not weights and True not in map(eq, states, self._all_missing):
             parts = self._when_observed
         found: Posteriors = [[]] * len(self.outputs)
-        for part in parts:
-            running, positions, slots, _ = part
-            soft = bool(weights) and not positions.isdisjoint(weights)
+        for running, positions, slots, least in parts:
+            soft = weights and not positions.isdisjoint(weights)
             rows = running.soft(states, weights) if soft else running.hard(states)
             for number, slot in enumerate(slots):
                 row = rows[number]
@@ -126,9 +172,9 @@ class Engine:
                     row = _weighted(row, slot, states, weights)
                 total = sum(row)
                 if total < _TINY:
-                    if _may_underflow(part, weights):
-                        row = running.scaled(states, weights)[number]
-                        row = _weighted(row, slot, states, weights)
+                    if least + _exponent(positions, weights) <= _LEAST_EXPONENT:
+                        rare = running.scaled(states, weights)[number]
+                        row = _weighted(rare, slot, states, weights)
                         total = sum(row)
                     if not total:
                         return None
@@ -136,25 +182,18 @@ class Engine:
                     found[slot.output] = [one / total for one in row]
         return found
 
-    def _made(self, part: Part, observable: Sequence[int]) -> _Made:
+    def _inference(self, part: Part) -> _Inference:
         wanted = [k for k, node in enumerate(part.outputs) if node in self.outputs]
         if part.outputs and not wanted:
             wanted = [0]  # any of them tells whether the evidence is possible
-        slots = tuple(self._slot(part.outputs[k]) for k in wanted)
-        running: Union[JointTables, Running]
-        if isinstance(part.made, Tables):
-            inputs = {position: self._all_missing[position] for position in part.inputs}
-            running = JointTables(part.made, inputs, wanted or [0])
-        else:
-            from .schedule import Running  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
-
-            positions = {node: k for k, node in enumerate(observable)}
-            running = Running(part.made, positions, wanted)
-        return _Made(running, frozenset(part.inputs), slots or (_Slot(-1, -1, 1),), part.least)
+        slots = tuple(self._slot(part.outputs[k]) for k in wanted) or (_Slot(-1, -1, 1),)
+        running = part.made.running(self._cards, wanted)
+        return _Inference(running, frozenset(part.inputs), slots, part.least)
 
     def _slot(self, node: int) -> _Slot:
         place = self.outputs.index(node) if node in self.outputs else -1
-        return _Slot(place, self._positions.get(node, -1), len(self.nodes[node].states))
+        card = len(self._nodes[node].states)
+        return _Slot(place, self._cards.get(node, (-1, card))[0], card)
 
 
 def _weighted(
@@ -164,18 +203,15 @@ def _weighted(
     position = slot.position
     if position < 0:
         return row
-    weight = weights.get(position)
-    if weight is not None:
-        return [one * other for one, other in zip(row, weight)]
+    if position in weights:
+        return [one * other for one, other in zip(row, weights[position])]
     state = states[position]
     if state == slot.card:
         return row
     return [one if k == state else 0.0 for k, one in enumerate(row)]
 
 
-def _may_underflow(part: _Made, weights: Weights) -> bool:
-    """Return whether a product that is zero or tiny may be so by rounding alone."""
-    least: float = part.least
-    for position in part.positions.intersection(weights):
-        least += math.log2(min(one for one in weights[position] if one > 0.0))
-    return least <= _LEAST_EXPONENT
+def _exponent(positions: FrozenSet[int], weights: Weights) -> float:
+    """Return the least exponent of any product of the likelihoods of a part."""
+    given = (weights[position] for position in positions.intersection(weights))
+    return sum(math.log2(min(one for one in weight if one > 0.0)) for weight in given)

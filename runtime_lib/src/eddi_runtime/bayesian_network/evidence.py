@@ -13,6 +13,8 @@ from ..plain_values import plain, show
 
 Finding = Union[None, int, List[float]]
 """None: nothing is known. A number: the state, for sure. A list: likelihoods, the largest is 1."""
+Reading = Union[int, List[float]]
+"""A state, the number of states for "not observed", or likelihoods."""
 
 _EPSILON = 2.220446049250313e-16
 
@@ -23,10 +25,6 @@ class EvidenceError(ValueError):
 
 class NotForeseenError(ValueError):
     """A node is observed or asked for, and no inference was compiled for it."""
-
-
-class InconsistentEvidenceError(ValueError):
-    """The evidence has probability zero: it is impossible in the network."""
 
 
 def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = True) -> Finding:
@@ -62,17 +60,14 @@ def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = 
         largest = max(numbers)
         if sum(numbers) < math.inf:  # so none is NaN
             return [number / largest for number in numbers]
-    return _judged([_number(value, state) for value, state in zip(values, states)], virtual=virtual)
-
-
-def _judged(numbers: List[float], *, virtual: bool) -> Finding:
+    checked = [_number(value, state) for value, state in zip(values, states)]
     if not virtual:
-        return _as_in_d72(numbers)
-    others = [k for k, number in enumerate(numbers) if number]
+        return _as_in_d72(checked)
+    others = [k for k, number in enumerate(checked) if number]
     if len(others) < 2:
         return others[0] if others else None
-    largest = max(numbers)
-    return [number / largest for number in numbers]
+    largest = max(checked)
+    return [number / largest for number in checked]
 
 
 def outcomes_finding(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from .claims import Claim
-from .knowledge import Facts
-from .program import NodeSpec, Rows
+from .engine import NodeSpec, Rows
+from .knowledge import Facts, Known, Step
 
-_ALL_KNOWN = Facts(valid=True, unknown_inputs=(), undecided={}, accepted=())
+if TYPE_CHECKING:
+    from .claims import Claim
 
 
 class Explanation(NamedTuple):
@@ -25,11 +24,11 @@ class Explanation(NamedTuple):
         claims: the result of each threshold.
     """
 
-    evidence: Mapping[str, Union[str, Tuple[float, ...]]]
+    evidence: Mapping[str, Known]
     unobserved: Tuple[str, ...]
     relevance: Mapping[str, float]
-    facts: Facts = _ALL_KNOWN
-    claims: Tuple[Claim, ...] = ()
+    facts: Facts
+    claims: Tuple[Claim, ...]
 
     def text(self) -> str:
         """Return the explanation for people, the most relevant node first."""
@@ -44,56 +43,33 @@ class Explanation(NamedTuple):
         lines += [f"{name}: {' or '.join(states)}" for name, states in facts.undecided.items()]
         lines += [f"unknown: {', '.join(facts.unknown_inputs)}"] if facts.unknown_inputs else []
         lines += [f"accepted: {one}" for one in facts.accepted]
-        lines += [_of_claim(one) for one in self.claims]
-        return "\n".join(lines)
+        return "\n".join([*lines, *(one.text() for one in self.claims)])
 
 
-def _of_claim(one: Claim) -> str:
-    bounds = f"{one.low:.3g}" if one.low == one.high else f"{one.low:.3g} to {one.high:.3g}"
-    shown = "" if math.isnan(one.low) else f", {bounds}"
-    reason = f" ({one.reason})" if one.reason else ""
-    return f"{one.id}: {'active' if one.active else 'not active'}{shown}{reason}"
-
-
-def explain(
-    nodes: Sequence[NodeSpec],
-    missing: Sequence[int],
-    infer: Callable[..., Optional[Rows]],
-    states: Sequence[int],
-    weights: Mapping[int, Sequence[float]],
-) -> Explanation:
-    """Explain the posteriors for some evidence: one inference for each observed node.
+def relevance_of(
+    step: Step, nodes: Sequence[NodeSpec], infer: Callable[..., Optional[Rows]]
+) -> Dict[str, float]:
+    """Return how much each observed node moves the posteriors: one inference for each.
 
     Args:
+        step: what it saw.
         nodes: the observable ones.
-        missing: "not observed" for each of them.
         infer: returns the posteriors for states and likelihoods; None: they are impossible.
-        states: as ``infer`` takes them.
-        weights: as ``infer`` takes them.
     """
-    evidence: Dict[str, Union[str, Tuple[float, ...]]] = {}
-    observed: List[int] = []
-    for position, node in enumerate(nodes):
-        if position in weights:
-            evidence[node.id] = tuple(weights[position])
-        elif states[position] != missing[position]:
-            evidence[node.id] = node.states[states[position]]
-        else:
+    all_known = infer(step.states, step.weights)
+    found: Dict[str, float] = {}
+    for position, node in enumerate(nodes if all_known is not None else ()):
+        fewer, weights = list(step.states), dict(step.weights)
+        fewer[position] = len(node.states)
+        if not weights.pop(position, None) and fewer == step.states:
             continue
-        observed.append(position)
-    all_known = infer(list(states), weights)
-    relevance: Dict[str, float] = {}
-    for position in observed if all_known is not None else ():
-        fewer = list(states)
-        fewer[position] = missing[position]
-        without = infer(fewer, {one: w for one, w in weights.items() if one != position})
+        without = infer(fewer, weights)
         if without is not None and all_known is not None:  # never None: less is claimed
-            relevance[nodes[position].id] = _distance(all_known, without)
-    unobserved = tuple(one.id for one in nodes if one.id not in evidence)
-    return Explanation(evidence, unobserved, relevance)
+            found[node.id] = _distance(all_known, without)
+    return found
 
 
 def _distance(one: Rows, other: Rows) -> float:
     pairs = zip(one, other)
-    apart = (0.5 * sum(abs(p - q) for p, q in zip(left, right)) for left, right in pairs)
+    apart = (0.5 * sum(abs(p - q) for p, q in zip(*rows)) for rows in pairs)
     return max(apart, default=0.0)

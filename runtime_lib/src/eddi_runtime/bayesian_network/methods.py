@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping, NoReturn, Sequence, Set, Tuple, Union
+from functools import partial
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Set, Tuple
 
 from ..plain_values import one_line
-from .evidence import EvidenceError, outcomes_finding
-from .program import NodeSpec
-
-_GENERATOR_OR_COROUTINE = 0x20 | 0x80 | 0x200
+from .engine import NodeSpec
+from .evidence import EvidenceError, Reading, outcomes_finding
 
 
 class Answer:
@@ -23,7 +22,7 @@ class Answer:
     __slots__ = ("findings", "outputs", "problems")
 
     def __init__(self) -> None:
-        self.findings: Dict[int, Union[int, List[float]]] = {}
+        self.findings: Dict[int, Reading] = {}
         self.outputs: Set[int] = set()
         self.problems: Dict[int, str] = {}
 
@@ -81,21 +80,24 @@ class Methods:
         self._hooks: Any = hooks
         self._virtual = virtual
         self._data = _Data()
-        self._states = [node.states for node in nodes]
-        self._names: List[Tuple[int, str]] = []
+        self._names: List[Tuple[int, str, Tuple[str, ...]]] = []
         self._constant = Answer()
         self.outputs: Set[int] = set()
         for node, spec in enumerate(nodes):
             name = f"node_{spec.attribute}"
             if not hasattr(hooks, name):
                 continue
-            code = _code(getattr(hooks, name))
+            function: Any = getattr(getattr(hooks, name), "__func__", None)
+            code = getattr(function, "__code__", None)
             # Asked without its object: a method that uses that alone may change its result, too.
-            if _reads_nothing(code) and not self._ask_one(node, name, self._constant, _NOBODY):
-                continue
-            self._names.append((node, name))
-            self.outputs.update([node] if any(one is True for one in _constants(code)) else [])
-        self.observed = {*self._constant.findings, *(node for node, _ in self._names)}
+            if code is not None and _reads_nothing(code):
+                asked = partial(function, _NOBODY)
+                if not self._ask_one(node, name, spec.states, self._constant, asked):
+                    continue
+            self._names.append((node, name, spec.states))
+            if code is not None and any(one is True for one in code.co_consts):
+                self.outputs.add(node)
+        self.observed = {*self._constant.findings, *(node for node, *_ in self._names)}
         self.outputs |= self._constant.outputs
 
     def ask(self, eddi_input: object) -> Answer:
@@ -115,22 +117,28 @@ class Methods:
             hooks.update_dra_data(data)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             reason = f"update_dra_data raised {one_line(problem)}"
-            answer.problems.update((node, reason) for node, _ in self._names)
+            answer.problems.update((node, reason) for node, *_ in self._names)
             return answer
-        for node, name in self._names:
-            reason = self._ask_one(node, name, answer)
+        for node, name, states in self._names:
+            reason = self._ask_one(node, name, states, answer)
             if reason:
                 answer.problems[node] = reason
         return answer
 
-    def _ask_one(self, node: int, name: str, answer: Answer, *of: object) -> str:
+    def _ask_one(
+        self,
+        node: int,
+        name: str,
+        states: Sequence[str],
+        answer: Answer,
+        method: Optional[Callable[[], Any]] = None,
+    ) -> str:
         """Call one method and return what was wrong with it."""
         try:
-            method = getattr(self._hooks, name)
-            is_output, outcomes = method.__func__(*of) if of else method()
+            is_output, outcomes = (method or getattr(self._hooks, name))()
             if is_output:
                 answer.outputs.add(node)
-            found = outcomes_finding(outcomes, self._states[node], virtual=self._virtual)
+            found = outcomes_finding(outcomes, states, virtual=self._virtual)
         except EvidenceError as problem:
             return f"{name}: {problem}"
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
@@ -154,21 +162,10 @@ class _Nobody:
 _NOBODY = _Nobody()
 
 
-def _code(method: object) -> Any:
-    """Return the code of a method that was written in Python, else None."""
-    return getattr(getattr(method, "__func__", None), "__code__", None)
-
-
 def _reads_nothing(code: Any) -> bool:
     """Return whether a method has nothing to read from: no names, no attributes, no closure."""
     return (
-        code is not None
-        and not (code.co_names or code.co_freevars or code.co_cellvars)
+        not (code.co_names or code.co_freevars or code.co_cellvars)
         and (code.co_argcount, code.co_kwonlyargcount) == (1, 0)
-        and not code.co_flags & _GENERATOR_OR_COROUTINE
         and not any(isinstance(one, type(code)) for one in code.co_consts)
     )
-
-
-def _constants(code: Any) -> Tuple[object, ...]:
-    return () if code is None else tuple(code.co_consts)

@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
+from typing import (
+    TYPE_CHECKING,
+    Dict,
+    Iterable,
+    List,
+    Optional,
+    Set,
+    Tuple,
+    Union,
+)
 
 from ..clock import step_time
 from ..compatibility import ModelError
@@ -11,19 +20,18 @@ from ..inputs import InputSpec, accepted
 from ..monitor import Json, Standing, Tree
 from ..reading import Absent, read
 from . import outputs as out
-from .claims import ERROR, UNKNOWN, Claim, Claims
-from .engine import Engine
-from .evidence import EvidenceError, InconsistentEvidenceError, NotForeseenError, finding
-from .explain import Explanation, explain
-from .knowledge import NO_ANSWER, Facts, Knowledge, Source, Step
-from .methods import Answer, Methods
+from .engine import Engine, NodeSpec, Program, Rows, States, Weights
+from .evidence import NotForeseenError
+from .explain import Explanation, relevance_of
+from .knowledge import NO_ANSWER, Facts, Known, Source, Step, evidence_of, facts_of
+from .methods import Methods
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
-from .program import NodeSpec, Program, Rows, StateThreshold
-from .standings import standings
 
-Evidence = Union[None, str, Sequence[float]]
-"""Of one node: nothing, the name of a state, or one likelihood per state."""
+if TYPE_CHECKING:
+    from .claims import Claim
+
 Output = List[BayesianNetworkOutput]
+Named = Dict[str, Union[bool, float, str, None]]
 _ACTOR = 0
 _NO_TIME = math.nan  # neither before nor behind any time
 _UNKNOWN: Rows = ()
@@ -43,7 +51,6 @@ class BayesianNetworkMonitor(Monitor):
         given: nodes whose posterior is always given.
         foreseen: inference for what the model declares.
         everything: inference for any node; None where it would be too wide.
-        thresholds: the evidence for ConSerts.
         virtual: several non-zero outcomes are likelihoods; False: D7.2's rule.
         on_inconsistent: the result on evidence of probability zero: ``silent``, ``prior`` or
             ``hold``.
@@ -59,7 +66,6 @@ class BayesianNetworkMonitor(Monitor):
     given: Tuple[int, ...]
     foreseen: Program
     everything: Optional[Program] = None
-    thresholds: Tuple[StateThreshold, ...] = ()
     virtual = True
     on_inconsistent = "silent"
     relevance = False
@@ -76,26 +82,30 @@ class BayesianNetworkMonitor(Monitor):
                 foreseen, and no inference is there for it.
         """
         self._sources = self.sources()
+        self._fed = {one.node: (k, one) for k, one in enumerate(self._sources)}
         self._timed = any(source.reader.timed for source in self._sources)
-        self._timed |= any(one.limits.hold_ns for one in self.thresholds)
-        self._claims = Claims(self.thresholds) if self.thresholds else None
-        judged = {one.node for one in self.thresholds}
-        outputs, observed = {*self.foreseen.outputs}, {*self.foreseen.observable}
-        self._judged_only = judged.difference(self.given)
         self._methods = None
+        outputs, observed = {*self.foreseen.outputs}, {*self.foreseen.observable}
+        self._judged_only = outputs.difference(self.given)
         if hooks is not None:
             self._methods = Methods(hooks, self.nodes, virtual=self.virtual)
             observed |= self._methods.observed
             outputs |= self._methods.outputs
             self._judged_only -= self._methods.outputs
-        self._knowledge = Knowledge(self._sources, observed)
-        self._good: Optional[Tuple[Rows, Set[int]]] = None
-        self._source: object = None
-        self._output_faults: Tuple[str, ...] = ()
         try:
-            self._prepare(self._engine_for(outputs, observed))
+            self._prepare(outputs, observed)
         except (ImportError, NotForeseenError) as problem:
             raise ModelError(self.model_id, str(problem)) from None
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget former steps."""
+        for source in self._sources:
+            source.reader.reset()
+        self._good: Optional[Tuple[Rows, Set[int]]] = None
+        self._output_faults: Tuple[str, ...] = ()
+        self._source: object = None
+        self._last = Step(self._missing)
 
     def sources(self) -> Tuple[Source, ...]:
         """Return the declared ways from inputs to nodes, by node, with readers of their own."""
@@ -122,6 +132,7 @@ class BayesianNetworkMonitor(Monitor):
             list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
         """
         self._source = eddi_input
+        last = self._last
         now: float = 0
         if self._timed:
             time = step_time(t_ns)
@@ -129,16 +140,16 @@ class BayesianNetworkMonitor(Monitor):
         answer = NO_ANSWER
         if self._methods is not None:
             answer = self._methods.ask(eddi_input)
-            if not answer.outputs <= self._known and not self._grow(answer):
-                if self._claims is not None:
-                    self._claims.lose(ERROR)
-                return []
-        last = self._last
-        last.answer, last.problem = answer, ""
-        flagged = answer.outputs
+            if not answer.outputs <= self._known:
+                problem = self._grow(answer.outputs)
+                last = self._last = Step(self._missing)
+                if problem:
+                    last.answer, last.problem = answer, problem
+                    return []
         states = list(self._missing)
         weights: Dict[int, List[float]] = {}
-        last.raw = raw = self.read(eddi_input)
+        raw = self.read(eddi_input)
+        last.now, last.answer, last.problem, last.raw = now, answer, "", raw
         for (position, judge, absent), value in zip(self._readers, raw):
             try:
                 found = judge(value, now)
@@ -151,60 +162,45 @@ class BayesianNetworkMonitor(Monitor):
                 weights[position] = found
         if answer is not NO_ANSWER:
             answer.put(self._positions, self._missing, states, weights)
-        last.states, last.weights = states, weights
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
         if rows is _UNKNOWN:
-            rows = self._inferred(states, weights)
-        if self._claims is not None:
-            opened = self._knowledge.opened(states, weights, answer)
-            self._claims.step(now, rows, states, weights, opened)
-        last.inconsistent = rows is None
+            rows = self.engine.infer(states, weights)
+            if not weights and len(self._known_rows) < self.remembered:
+                self._known_rows[tuple(states)] = rows
+        last.states, last.weights, last.rows = states, weights, rows
+        flagged = answer.outputs
         if rows is not None:
             self._good = rows, flagged
         elif self.on_inconsistent == "prior":
-            rows = self._tried(list(self._missing), {})
+            rows = self._tried(self._missing, {})
         elif self.on_inconsistent == "hold" and self._good is not None:
             rows, flagged = self._good
         return [] if rows is None else self._output(rows, flagged)
 
-    def _inferred(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:
-        """Return the posteriors of a case that is not known, and remember it."""
-        rows = self._engine.infer(states, weights)
-        if not weights and len(self._known_rows) < self.remembered:
-            self._known_rows[tuple(states)] = rows
-        return rows
-
-    def _tried(self, states: List[int], weights: Mapping[int, List[float]]) -> Optional[Rows]:
+    def _tried(self, states: States, weights: Weights) -> Optional[Rows]:
         """Return the posteriors of a case that is only thought of: it is not worth remembering."""
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
-        return self._engine.infer(states, weights) if rows is _UNKNOWN else rows
+        return self.engine.infer(states, weights) if rows is _UNKNOWN else rows
 
     def as_json(self, output: Output) -> Optional[List[Dict[str, Json]]]:
         """Return an output as JSON; None when no posterior was given."""
         return out.as_json(output)
 
-    def series(self, output: Output) -> Dict[str, Union[bool, float, str, None]]:
+    def series(self, output: Output) -> Named:
         """Return ``Node=state`` -> probability, None for what was not given; and each threshold."""
-        found: Dict[str, Union[bool, float, str, None]] = {
-            f"{title}={name}": None
-            for node, title, states in self._titles
-            if node not in self._judged_only
-            for name in states
-        }
+        found: Named = {f"{title}={name}": None for title, states in self._given for name in states}
         for one in output:
             for given in one.output_nodes:
                 found.update((f"{given.title}={two.name}", two.value) for two in given.outcomes)
         found.update((one.id, one.active) for one in self.claims())
         return found
 
-    def decided(self, output: Output) -> Dict[str, Union[bool, float, str, None]]:
+    def decided(self, output: Output) -> Named:
         """Return each threshold, the most probable state of each node, and the status.
 
         The state is None for what was not given, the first of equally probable ones.
         """
-        found: Dict[str, Union[bool, float, str, None]] = {
-            title: None for node, title, _ in self._titles if node not in self._judged_only
-        }
+        found: Named = dict.fromkeys(title for title, _ in self._given)
         for one in output:
             for given in one.output_nodes:
                 found[given.title] = max(given.outcomes, key=lambda two: two.value).name
@@ -222,7 +218,7 @@ class BayesianNetworkMonitor(Monitor):
         problems = sorted(set(last.answer.problems.values()))
         if last.problem:
             problems.append(last.problem)
-        if last.inconsistent:
+        if last.rows is None:
             shown = ", ".join(f"{name}={value}" for name, value in self._evidence().items())
             problems.append(f"the evidence has probability zero: {shown}")
         return (*problems, *self._output_faults)
@@ -234,7 +230,7 @@ class BayesianNetworkMonitor(Monitor):
     def status(self) -> int:
         """Return OK 0, PARTIAL 1, PRIOR 2, INCONSISTENT 3 or ERROR 4 for the last step."""
         last = self._last
-        if last.inconsistent:
+        if last.rows is None:
             return out.INCONSISTENT
         if last.answer.problems or last.problem:
             return out.ERROR
@@ -245,25 +241,21 @@ class BayesianNetworkMonitor(Monitor):
 
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
-        relevance = self._explained().relevance if self.relevance else {}
+        relevance = self._relevance() if self.relevance else {}
         unobserved = self._unobserved()
         return out.status_message(self.model_id, self.status(), unobserved, self.facts(), relevance)
 
-    def evidence_message(self) -> Tree:
-        """Return the thresholds as a ``BayesianNetworkEvidence`` without header."""
-        return out.evidence_message(self.model_id, self.facts(), self.claims())
-
     def claims(self) -> List[Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
-        return [] if self._claims is None else self._claims.rows()
-
-    def beside_json(self) -> Dict[str, Json]:
-        """Return the results in addition to the posteriors, as ``json`` can write them."""
-        return out.evidence_json(self.facts(), self.claims()) if self._claims is not None else {}
+        return []
 
     def standings(self) -> List[Standing]:
-        """Return every threshold after the last step; raw posteriors claim nothing."""
-        return standings(self.claims(), self.facts()) if self._claims is not None else []
+        """Return nothing: raw posteriors claim nothing."""
+        return []
+
+    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+        """Return nothing: a node that is not observed keeps no posterior from being given."""
+        return {}
 
     def accepted(self) -> Tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
@@ -271,72 +263,16 @@ class BayesianNetworkMonitor(Monitor):
 
     def facts(self) -> Facts:
         """Return which inputs were known in the last step, and what was accepted for others."""
-        facts, last = self._knowledge.facts(self._last), self._last
-        if limitless := accepted(self.inputs, self._source):
-            facts = facts._replace(accepted=(*facts.accepted, *limitless))
-        if not last.inconsistent or self.on_inconsistent == "silent":
-            return facts
-        key = f"on_inconsistent: {self.on_inconsistent}"
-        return facts._replace(accepted=(*facts.accepted, key))
+        facts = facts_of(self._last, self.engine.observable, self.nodes, self._fed)
+        further = accepted(self.inputs, self._source)
+        if self._last.rows is None and self.on_inconsistent != "silent":
+            further = (*further, f"on_inconsistent: {self.on_inconsistent}")
+        return facts._replace(accepted=(*facts.accepted, *further))
 
     def explain(self) -> Explanation:
         """Return what was known in the last step, and how much each observed node mattered."""
-        return self._explained()._replace(facts=self.facts(), claims=tuple(self.claims()))
-
-    def _explained(self) -> Explanation:
-        last, observable = self._last, [self.nodes[one] for one in self._engine.observable]
-        return explain(observable, self._missing, self._tried, last.states, last.weights)
-
-    def posteriors(self, evidence: Mapping[str, Evidence]) -> Dict[str, Tuple[float, ...]]:
-        """Return the posterior of each output, in the order of its states; steps are not touched.
-
-        Args:
-            evidence: node -> what is known; nodes may be left out.
-
-        Raises:
-            EvidenceError: an unknown node or state, or numbers that are no likelihoods.
-            InconsistentEvidenceError: the evidence has probability zero.
-            NotForeseenError: a node was not foreseen, and no inference is there for it.
-        """
-        numbers = {spec.id: node for node, spec in enumerate(self.nodes)}
-        found: Dict[int, Union[int, List[float]]] = {}
-        for name, value in evidence.items():
-            if name not in numbers:
-                raise EvidenceError(f"there is no node {name!r}")
-            judged = _judged(self.nodes[numbers[name]], value)
-            if judged is not None:
-                found[numbers[name]] = judged
-        engine = self._engine
-        if not found.keys() <= set(engine.observable):
-            engine = self._engine_for({*engine.outputs}, {*engine.observable, *found})
-        states, weights = list(engine.missing), {}
-        for position, node in enumerate(engine.observable):
-            one = found.get(node)
-            if isinstance(one, int):
-                states[position] = one
-            elif one is not None:
-                weights[position] = one
-        rows = engine.infer(states, weights)
-        if rows is None:
-            shown = ", ".join(f"{name}={value}" for name, value in evidence.items())
-            raise InconsistentEvidenceError(f"the evidence has probability zero: {shown}")
-        return {self.nodes[node].id: tuple(row) for node, row in zip(engine.outputs, rows)}
-
-    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
-        """Return input id -> thresholds that are not active; see ``Monitor``.
-
-        A node that is not observed keeps no posterior from being given.
-        """
-        if self._claims is None:
-            return {}
-        rows = self.claims()
-        found: Dict[str, Tuple[str, ...]] = {}
-        if lost := tuple(one.id for one in rows if one.reason in UNKNOWN):
-            found = dict.fromkeys(self.facts().unknown_inputs, lost)
-        if inactive := tuple(one.id for one in rows if not one.active):
-            fed = {source.spec.id for source in self._sources}
-            found.update((name, inactive) for name in not_known if name in fed)
-        return found
+        unobserved, claims = tuple(self._unobserved()), tuple(self.claims())
+        return Explanation(self._evidence(), unobserved, self._relevance(), self.facts(), claims)
 
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
@@ -350,38 +286,25 @@ class BayesianNetworkMonitor(Monitor):
                 found.setdefault(source.spec.id, reason)
         return found
 
-    def reset(self) -> None:
-        """Forget former steps."""
-        for source in self._sources:
-            source.reader.reset()
-        if self._claims is not None:
-            self._claims.reset()
-        self._good, self._output_faults, self._source = None, (), None
-        self._last = Step(self._missing)
-
-    def _grow(self, answer: Answer) -> bool:
-        """Take outputs in that a method has flagged; False when nothing can infer them."""
-        outputs, observable = {*self._engine.outputs, *answer.outputs}, {*self._engine.observable}
+    def _grow(self, flagged: Set[int]) -> str:
+        """Take outputs in that a method has flagged; return why nothing can infer them."""
         try:
-            engine = self._engine_for(outputs, observable)
+            self._prepare({*self.engine.outputs, *flagged}, {*self.engine.observable})
         except (ImportError, NotForeseenError) as problem:
-            self._last = Step(self._missing)
-            self._last.answer, self._last.problem = answer, str(problem)
-            return False
+            return str(problem)
         self._good = None
-        self._prepare(engine)
-        return True
+        return ""
 
-    def _engine_for(self, outputs: Set[int], observed: Set[int]) -> Engine:
+    def engine_for(self, outputs: Set[int], observed: Set[int]) -> Engine:
         """Return inference for some nodes: as foreseen, else for any nodes, which takes longer.
 
         Raises:
             NotForeseenError: there is no inference for these nodes.
         """
-        if not self._not_foreseen(outputs, observed):
+        reason = self._not_foreseen(outputs, observed)
+        if not reason:
             return Engine(self.nodes, self.foreseen)
         if self.everything is None:
-            reason = self._not_foreseen(outputs, observed)
             raise NotForeseenError(f"{reason}: name it there and run `eddi-scaffold upgrade`")
         return Engine(self.nodes, self.everything, outputs, observed)
 
@@ -394,11 +317,11 @@ class BayesianNetworkMonitor(Monitor):
             for key, one in sorted(further)
         )
 
-    def _prepare(self, engine: Engine) -> None:
-        """Take over what depends on the engine."""
-        self._engine, nodes = engine, self.nodes
-        self._missing = engine.missing
-        self._positions = {node: k for k, node in enumerate(engine.observable)}
+    def _prepare(self, outputs: Set[int], observed: Set[int]) -> None:
+        """Get ready for some outputs and observable nodes."""
+        engine, nodes = self.engine_for(outputs, observed), self.nodes
+        self.engine = engine
+        self._missing, self._positions = engine.missing, engine.positions
         self._known = frozenset(engine.outputs)
         self._known_rows: Dict[Tuple[int, ...], Optional[Rows]] = {}
         if engine.program is self.foreseen:
@@ -409,13 +332,10 @@ class BayesianNetworkMonitor(Monitor):
             reason = self._not_foreseen(engine.outputs, engine.observable)
             logging.getLogger(__name__).warning("%s, so steps take longer", reason)
         self._titles = [(node, nodes[node].id, nodes[node].states) for node in engine.outputs]
+        self._given = [one[1:] for one in self._titles if one[0] not in self._judged_only]
         self._readers = [
             (self._positions[one.node], one.reader.read, one.reader.absent) for one in self._sources
         ]
-        self._knowledge.prepare(engine)
-        if self._claims is not None:
-            self._claims.prepare(engine.outputs, self._tried)
-        self._last = Step(self._missing)
 
     def _output(self, rows: Rows, flagged: Set[int]) -> Output:
         given = self.given
@@ -426,25 +346,15 @@ class BayesianNetworkMonitor(Monitor):
         ]
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
-    def _evidence(self) -> Mapping[str, object]:
-        return self._explained().evidence
+    def _evidence(self) -> Dict[str, Known]:
+        return evidence_of(self._last, self._observable())
+
+    def _relevance(self) -> Dict[str, float]:
+        return relevance_of(self._last, self._observable(), self._tried)
+
+    def _observable(self) -> List[NodeSpec]:
+        return [self.nodes[one] for one in self.engine.observable]
 
     def _unobserved(self) -> List[str]:
-        last = self._last
-        rows = zip(self._engine.observable, last.states, self._missing)
-        return [
-            self.nodes[node].id
-            for k, (node, state, missing) in enumerate(rows)
-            if state == missing and k not in last.weights
-        ]
-
-
-def _judged(node: NodeSpec, value: Evidence) -> Union[int, List[float], None]:
-    if isinstance(value, str):
-        if value not in node.states:
-            raise EvidenceError(f"{node.id}: there is no state {value!r}")
-        return node.states.index(value)
-    try:
-        return None if value is None else finding(value, node.states)
-    except EvidenceError as problem:
-        raise EvidenceError(f"{node.id}: {problem}") from None
+        evidence = self._evidence()
+        return [one.id for one in self._observable() if one.id not in evidence]

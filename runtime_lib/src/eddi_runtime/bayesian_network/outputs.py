@@ -7,7 +7,6 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from ..monitor import Field, Json, Tree
 from ..plain_values import plain
-from .claims import Claim
 from .knowledge import Facts
 
 OK, PARTIAL, PRIOR, INCONSISTENT, ERROR = range(5)
@@ -125,30 +124,6 @@ def status_message(
         "relevance": list(relevance.values()),
     }
     return "BayesianNetworkStatus", fields
-
-
-def evidence_json(facts: Facts, claims: Sequence[Claim]) -> Dict[str, Json]:
-    """Return the thresholds as ``json`` can write them; a bound that was not computed is None."""
-    rows = [one._asdict() for one in claims]
-    for row in rows:
-        row.update((k, None) for k in ("low", "high") if not math.isfinite(row[k]))
-    return {
-        "valid": facts.valid,
-        "unknown_inputs": list(facts.unknown_inputs),
-        "accepted": list(facts.accepted),
-        "evidence": rows,
-    }
-
-
-def evidence_message(network_id: str, facts: Facts, claims: Sequence[Claim]) -> Tree:
-    """Return the ``BayesianNetworkEvidence`` tree without header."""
-    fields: Dict[str, Field] = {
-        "bayesian_network_id": network_id,
-        "valid": facts.valid,
-        "unknown_inputs": list(facts.unknown_inputs),
-        "evidence": [("BayesianNetworkThreshold", one._asdict()) for one in claims],
-    }
-    return "BayesianNetworkEvidence", fields
 
 
 def _node_tree(node: Any) -> Tree:

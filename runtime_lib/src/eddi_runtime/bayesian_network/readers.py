@@ -8,16 +8,13 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, NamedTuple, Optional, Sequence, Tuple
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
-from .hysteresis import Hysteresis
+from .evidence import Reading
 
-Reading = Union[int, List[float]]
-"""A state, the number of states for "not observed", or likelihoods."""
-
-_ABSENT = -1
+ABSENT = -1
 _LARGEST = sys.float_info.max
 
 
@@ -56,36 +53,11 @@ class Declaration(NamedTuple):
     special: Tuple[Tuple[object, int], ...] = ()
 
 
-class _Remembering:
-    """What is done when there is no value: nothing, the default, or the last state for a while."""
-
-    def __init__(self, missing: int, policy: str, default: int, hold_ns: int) -> None:
-        self._missing = missing
-        self._default = default if policy == "default" else missing
-        self._hold_ns = hold_ns if policy == "hold" else -1
-        self._last: Tuple[int, float, Sequence[int]] = (missing, 0, ())
-
-    def seen(self, state: int, now: float, possible: Sequence[int] = ()) -> int:
-        if self._hold_ns >= 0:
-            self._last = state, now, possible
-        return state
-
-    def absent(self, now: float) -> Tuple[int, Sequence[int]]:
-        """Return the state, and all that it may be if there are several."""
-        if self._hold_ns < 0:
-            return self._default, ()
-        state, then, possible = self._last
-        return (state, possible) if 0 <= now - then <= self._hold_ns else (self._missing, ())
-
-    def reset(self) -> None:
-        self._last = self._missing, 0, ()
-
-
 class Discretiser:
-    """A declared discretisation.
+    """A declared discretisation that remembers nothing from one step to the next.
 
     The order of evaluation: missing or NaN, special values, infinite, range, scale and offset,
-    bins, hysteresis.
+    bins.
 
     Args:
         declaration: what is declared.
@@ -101,143 +73,98 @@ class Discretiser:
             was returned last.
     """
 
+    timed = False
+    doubtful = False
+    possible: Sequence[int] = ()
+
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
         self._declared = one = declaration
-        self._missing = one.missing
-        self._special: Dict[type, Dict[object, int]] = {}
-        for known, state in one.special:
-            self._special.setdefault(type(known), {})[known] = state
         self._edges, self._order = one.edges or (), one.order
-        self._binning = one.edges is not None
+        self._special = {(type(value), value): state for value, state in one.special}
         self._search = bisect_left if one.closed_right else bisect_right
-        self._low, self._high = one.limits
-        self._bands: Optional[Hysteresis] = None
-        if one.edges is not None and one.hysteresis > 0.0:
-            self._bands = Hysteresis(one.edges, one.hysteresis)
-        default, value = self._judged(spec.default)
-        if value is not None:
-            default = one.order[self._search(self._edges, value)]
-        limit = spec.max_age if isinstance(spec.max_age, float) else 0.0
-        self._memory = _Remembering(
-            self._missing,
-            one.policy,
-            self._missing if default == _ABSENT else default,
-            int(min(limit, 1e9) * 1e9),
-        )
-        self.timed = one.policy == "hold"
-        self.doubtful = self._bands is not None
         self.prior_accepted = one.policy == "prior"
-        self.possible: Sequence[int] = ()
+        self._default = one.missing
+        if one.policy == "default":
+            state, number = self._judged(spec.default)
+            if number is not None:
+                state = one.order[self._search(self._edges, number)]
+            self._default = one.missing if state == ABSENT else state
         self.read = self._quick()
-
-    def _read(self, raw: object, now: float) -> int:
-        state, value = self._judged(raw)
-        if value is not None:
-            return self._memory.seen(self._binned(value), now, self.possible)
-        if state in (_ABSENT, self._missing):
-            self._lose()
-        elif self._bands is not None:
-            self._bands.leave()
-            self.possible = ()
-        return self._memory.seen(state, now) if state != _ABSENT else self._without(now)
 
     def absent(self, now: float) -> int:
         """Return the state when there is no value."""
-        self._lose()
-        return self._without(now)
+        return self._default
 
     def knows(self, raw: object) -> bool:
         """Return whether a value by itself is an observation of the node."""
-        state, value = self._judged(raw)
-        return value is not None or state not in (_ABSENT, self._missing)
+        state, number = self._judged(raw)
+        return number is not None or state not in (ABSENT, self._declared.missing)
 
     def accepted(self, raw: object, reading: Reading) -> str:
         """Return the key by which a value counted as what was read of it; empty for none."""
-        state, value = self._judged(raw)
-        number = plain(raw)
-        if value is None or not isinstance(number, (float, int)):
-            policy = self._declared.policy
-            speaks = policy == "prior" or (state == _ABSENT and reading != self._missing)
-            unknown = state in (_ABSENT, self._missing)
-            return f"missing: {policy}" if unknown and speaks else ""
-        if number in (math.inf, -math.inf):
+        one, value = self._declared, plain(raw)
+        state, number = self._judged(raw)
+        if number is None or not isinstance(value, (float, int)):
+            speaks = one.policy == "prior" or (state == ABSENT and reading != one.missing)
+            unknown = state in (ABSENT, one.missing)
+            return f"missing: {one.policy}" if unknown and speaks else ""
+        if value in (math.inf, -math.inf):
             return "allow_inf: true"
-        return "" if self._low <= number <= self._high else "out_of_range: clamp"
+        return "" if one.limits[0] <= value <= one.limits[1] else "out_of_range: clamp"
 
     def fault(self, raw: object) -> Optional[str]:
         """Return what is wrong with a value; None for a usable or a missing one."""
         value = plain(raw)
         if raw is None or (isinstance(value, float) and math.isnan(value)):
             return None
-        state, number = self._judged(raw)
-        if number is not None or 0 <= state < self._missing or self._is_special(value):
+        if self.knows(raw) or (type(value), value) in self._special:
             return None
-        if not self._binning:
+        if self._declared.edges is None:
             return f"no state is declared for {show(raw)}"
-        if state == _ABSENT:
-            return f"expected a number, got {show(raw)}"
-        return f"the value {show(raw)} is not finite or outside the range"
+        if type(value) in (float, int):
+            return f"the value {show(raw)} is not finite or outside the range"
+        return f"expected a number, got {show(raw)}"
 
     def reset(self) -> None:
         """Forget former values."""
-        self._lose()
-        self._memory.reset()
-
-    def _without(self, now: float) -> int:
-        state, self.possible = self._memory.absent(now)
-        return state
-
-    def _lose(self) -> None:
-        if self._bands is not None:
-            self._bands.lose()
-            self.possible = ()
 
     def _judged(self, raw: object) -> Tuple[int, Optional[float]]:
         """Return (state, None), or a number that falls into the bins; remembers nothing."""
         value = raw if type(raw) is float else plain(raw)
-        special = self._special.get(type(value))
-        if special:
-            state = special.get(value)
+        if self._special:
+            state = self._special.get((type(value), value))
             if state is not None:
                 return state, None
-        if self._binning and (type(value) is float or type(value) is int):
-            return self._number(float(value))
-        return _ABSENT, None
-
-    def _number(self, value: float) -> Tuple[int, Optional[float]]:
-        if value != value:  # noqa: PLR0124 - the test for NaN
-            return _ABSENT, None
-        if not -math.inf < value < math.inf:
-            if not self._declared.allow_inf:
-                return self._missing, None
-        elif not self._low <= value <= self._high:
-            if not self._declared.clamp:
-                return self._missing, None
-            value = min(max(value, self._low), self._high)
-        if self._declared.scaled:
-            value = value * self._declared.scale + self._declared.offset
-        return _ABSENT, value
-
-    def _binned(self, value: float) -> int:
-        order, bands = self._order, self._bands
-        place = self._search(self._edges, value)
-        if bands is None:
-            return order[place]
-        place = bands.take(value, place)
-        if bands.possible or self.possible:
-            self.possible = [order[one] for one in bands.possible]
-        return order[place]
-
-    def _is_special(self, value: object) -> bool:
-        return value in self._special.get(type(value), ())
+        one = self._declared
+        if one.edges is None or not (type(value) is float or type(value) is int):
+            return ABSENT, None
+        number = float(value)
+        if number != number:  # noqa: PLR0124 - the test for NaN
+            return ABSENT, None
+        low, high = one.limits
+        if not -math.inf < number < math.inf:
+            if not one.allow_inf:
+                return one.missing, None
+        elif not low <= number <= high:
+            if not one.clamp:
+                return one.missing, None
+            number = min(max(number, low), high)
+        return ABSENT, number * one.scale + one.offset if one.scaled else number
 
     def _quick(self) -> Callable[[object, float], int]:
-        """Return the short way for usual values of a declaration without memory and sentinels."""
-        one, slow = self._declared, self._read
-        edges, order, scale, offset = one.edges, one.order, one.scale, one.offset
-        if edges is None or float in self._special or one.hysteresis or one.policy == "hold":
+        """Return the short way for usual values; others take the long one."""
+        one, judged, default = self._declared, self._judged, self._default
+        search, edges, order = self._search, self._edges, self._order
+        scale, offset = one.scale, one.offset
+
+        def slow(raw: object, _: float) -> int:
+            state, number = judged(raw)
+            if number is not None:
+                return order[search(edges, number)]
+            return default if state == ABSENT else state
+
+        if one.edges is None or any(type(value) is float for value, _ in one.special):
             return slow
-        search = self._search
         low, high = max(one.limits[0], -_LARGEST), min(one.limits[1], _LARGEST)
 
         def scaled(raw: object, now: float) -> int:

@@ -1,0 +1,196 @@
+"""Larger parts of a network: compiled numpy operations on arrays that are made at the start.
+
+Axes of an array are the nodes of its message, ascending; before them lies one axis for each input
+of the message, over its states and, where that may be, "not observed".
+"""
+
+from __future__ import annotations
+
+from string import ascii_letters
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set
+
+import numpy as np
+
+from .engine import Posteriors, States, Weights
+from .schedule import Message, Schedule
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_EVIDENCE = ("evidence", "prior")
+
+
+class Running:
+    """The operations of one part with their arrays. Not thread-safe: results stay in place.
+
+    Args:
+        made: what was compiled.
+        positions: node -> its place in the states.
+        wanted: which of the outputs are asked for; none: the probability of the evidence.
+
+    Attributes:
+        hard: state of each observable node by position (the number of its states: not observed)
+            -> unnormalised rows.
+    """
+
+    def __init__(self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
+        self._nodes, self._positions, self._wanted = made.nodes, positions, wanted
+        self._messages = [Message(*one) for one in made.messages]
+        self._answers = [made.answers[k] for k in wanted] or made.answers
+        self._cases: Dict[int, Array] = {
+            one.nodes[0]: self._evidence(one) for one in self._messages if one.kind in _EVIDENCE
+        }
+        self._known: Dict[int, Array] = {}
+        for number, message in enumerate(self._messages):
+            if message.known:
+                self._known[number] = self._numbers(message, self._known, cases=True)
+        self._rows: Dict[int, List[List[float]]] = {
+            node: cases.tolist() for node, cases in self._cases.items()
+        }
+        sizes = [len(rows[0]) for rows in self._rows.values()]
+        self._flat = np.zeros(sum(sizes))
+        self._vectors = dict(zip(self._rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
+        self._full = self._step(made.full or made.hard)
+        self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
+        if made.hard is not None:
+            self.hard = self._step(made.hard) if made.full else self._full
+
+    def soft(self, states: States, weights: Weights) -> Posteriors:
+        """Return unnormalised rows when some inputs have virtual evidence (by position).
+
+        Not where nodes are observed in each step.
+        """
+        values: List[float] = []
+        for node in self._rows:
+            values += self._vector(node, states, weights)
+        self._flat[:] = values
+        return self._full(states)
+
+    def scaled(self, states: States, weights: Weights) -> Posteriors:
+        """Return rows of which none is zero by underflow; slow, for very unlikely evidence.
+
+        Each message has the maximum 1, and the widest type of the machine is used: 80 bits on a
+        PC, with exponents down to -4950.
+        """
+        found: Dict[int, Any] = {}
+        for number, message in enumerate(self._messages):
+            if message.kind in _EVIDENCE:
+                array: Any = np.array(self._vector(message.nodes[0], states, weights))
+            elif message.kind == "product":
+                array = self._product(message, found, cases=False)
+            else:
+                case = tuple(states[self._positions[node]] for node in message.inputs)
+                array = self._known[number][case]
+            largest = array.max()
+            wide = array.astype(np.longdouble)
+            found[number] = wide / largest if largest > 0.0 else wide
+        if self._wanted:
+            return [[float(value) for value in found[one]] for one in self._answers]
+        total = found[self._answers[0]]
+        for one in self._answers[1:]:
+            total = total * found[one]
+        return [[float(total.sum() > 0.0)]]
+
+    def _vector(self, node: int, states: States, weights: Weights) -> List[float]:
+        position = self._positions[node]
+        rows = self._rows[node]
+        if position not in weights:
+            return rows[states[position]]
+        return [one * other for one, other in zip(weights[position], rows[-1])]
+
+    def _evidence(self, message: Message) -> Array:
+        """Return a row for each state of a node and one for "not observed"."""
+        prior = np.array(self._nodes[message.nodes[0]][1][0])
+        if message.kind == "evidence":
+            prior = np.ones(len(prior))
+        return np.vstack([np.diag((prior > 0.0).astype(float)), prior])
+
+    def _numbers(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
+        if message.kind == "product":
+            return self._product(message, of, cases=cases)
+        if message.kind in _EVIDENCE:
+            return self._cases[message.nodes[0]]
+        if message.kind == "unit":
+            return np.ones(len(self._nodes[message.nodes[0]][1][0]))
+        (node,) = message.parts
+        parents, rows = self._nodes[node]
+        axes = (*parents, node)
+        array = np.array(rows).reshape([len(self._nodes[one][1][0]) for one in axes])
+        return array.transpose([axes.index(one) for one in (*message.inputs, *message.nodes)])
+
+    def _product(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
+        """Multiply two messages and sum over the nodes that the product has no axis for."""
+        first, second = (self._messages[part] for part in message.parts)
+        axes = sorted({*first.nodes, *second.nodes})
+        inputs = message.inputs if cases else ()
+        # einsum knows 52 letters only, so they are counted anew for each pair.
+        letter = dict(zip([*axes, *(-1 - node for node in inputs)], ascii_letters))
+
+        def letters(part: Message) -> str:
+            before = part.inputs if cases else ()
+            return "".join(letter[one] for one in [*(-1 - node for node in before), *part.nodes])
+
+        formula = f"{letters(first)},{letters(second)}->{letters(message)}"
+        return np.einsum(formula, *(of[part] for part in message.parts))
+
+    def _step(self, steps: Any) -> Callable[[States], Posteriors]:
+        slots: List[Any] = []
+        for row in steps.slots:
+            slots.append(self._slot(row, slots))
+        if steps.bind is not None:
+            step: Callable[[States], Posteriors] = steps.bind(np, slots)
+            return step
+        answers = [slots[steps.answers[k]] for k in self._wanted]
+        needed = self._needed()
+        operations = [
+            (getattr(np, name), [slots[one] for one in operands])
+            for message, name, *operands in steps.operations
+            if message in needed
+        ]
+
+        def run(_: States) -> Posteriors:
+            for function, operands in operations:
+                function(*operands)
+            return [one if type(one) is list else one.tolist() for one in answers]
+
+        return run
+
+    def _needed(self) -> Set[int]:
+        """Return the messages that the answers are made of."""
+        found: Set[int] = set()
+        waiting = list(self._answers)
+        while waiting:
+            number = waiting.pop()
+            if number not in found and self._messages[number].kind == "product":
+                found.add(number)
+                waiting += self._messages[number].parts
+        return found
+
+    def _slot(self, row: Sequence[Any], slots: Sequence[Any]) -> Any:
+        kind, source, *rest = row
+        if kind == "result":
+            return np.zeros(source)
+        if kind == "ones":
+            return np.ones(source)
+        if kind == "evidence":
+            return self._vectors[source].reshape(rest[0])
+        if kind == "piece":
+            axis, start, stop = rest
+            piece = (*(slice(None),) * axis, slice(start, stop))
+            of = slots[source]
+            return [one[piece] for one in of] if type(of) is list else of[piece]
+        if kind == "view":
+            view = slots[source].transpose(rest[0]).reshape(rest[1])
+            assert np.shares_memory(view, slots[source])
+            return view
+        known = self._known[source]
+        if kind == "row":
+            return known.tolist()
+        if kind == "rows":
+            return known.reshape([-1, known.shape[-1]]).tolist()
+        order, shape = rest
+        if kind == "constant":
+            return known.transpose(order).reshape(shape).copy()
+        return list(known.transpose(order).reshape([-1, *shape]).copy())

@@ -1,0 +1,123 @@
+"""Small parts of a network: one table for all cases of evidence, with the standard library only.
+
+A step with hard or missing evidence is one look-up; virtual evidence sums over the states of the
+inputs that it is given for. Monitors of small networks so start without numpy.
+"""
+
+from __future__ import annotations
+
+import itertools
+from operator import mul
+from typing import Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from .engine import Posteriors, Rows, States, Weights
+
+
+class Table(NamedTuple):
+    """P(output, what is observed) of one output.
+
+    Attributes:
+        strides: (position of an input, distance between the rows of its states).
+        rows: one for each case; a state behind those of an input represents "not observed".
+            Empty where ``total`` gives them.
+        total: vectors of the inputs -> the row, summed over all states; None for a large table.
+    """
+
+    strides: Tuple[Tuple[int, int], ...]
+    rows: Rows = ()
+    total: Optional[Callable[[Sequence[Sequence[float]]], List[float]]] = None
+
+
+class Tables(NamedTuple):
+    """The tables of a small part, one for each output.
+
+    Attributes:
+        tables: one for each output; one for the evidence if there is no output.
+        priors: position of an input -> its prior, where that is not in the tables.
+        bind: rows of each table -> the look-up: states -> a row of each table.
+    """
+
+    tables: Tuple[Table, ...]
+    priors: Mapping[int, Sequence[float]]
+    bind: Callable[..., Callable[[States], Rows]]
+
+    def running(self, cards: Mapping[int, Tuple[int, int]], wanted: Sequence[int]) -> JointTables:
+        """Return the inference by these tables, see ``Made``."""
+        return JointTables(self, dict(cards.values()), wanted or [0])
+
+
+class JointTables:
+    """The inference of a small part, see ``Running``.
+
+    Args:
+        made: what was compiled.
+        cards: position -> number of states of each observable node.
+        wanted: which of the tables are asked for.
+    """
+
+    def __init__(self, made: Tables, cards: Mapping[int, int], wanted: Sequence[int]) -> None:
+        inputs = {position for table in made.tables for position, _ in table.strides}
+        self._priors = made.priors
+        self._vectors = {
+            one: _vectors(made.priors.get(one) or [1.0] * cards[one]) for one in inputs
+        }
+        tables = [self._filled(table) for table in made.tables]
+        look_up = made.bind(*[table.rows for table in tables])
+        self._tables = [tables[k] for k in wanted]
+        self.hard = look_up
+        if len(wanted) < len(tables):
+            self.hard = lambda states: [look_up(states)[k] for k in wanted]
+
+    def soft(self, states: States, weights: Weights) -> Rows:
+        """Return unnormalised rows when some inputs have virtual evidence."""
+        return [
+            self._row(table, states, weights)
+            if table.total is None
+            else table.total([self._vector(one, states, weights) for one, _ in table.strides])
+            for table in self._tables
+        ]
+
+    def scaled(self, states: States, weights: Weights) -> Rows:
+        """Return rows of which none is zero by underflow, for very small likelihoods."""
+        return [self._row(table, states, weights, scale=True) for table in self._tables]
+
+    def _vector(self, position: int, states: States, weights: Weights) -> Sequence[float]:
+        weight = weights.get(position)
+        if weight is None:
+            return self._vectors[position][states[position]]
+        prior = self._priors.get(position)
+        return weight if prior is None else list(map(mul, weight, prior))
+
+    def _row(
+        self, table: Table, states: States, weights: Weights, *, scale: bool = False
+    ) -> Sequence[float]:
+        offsets = [0]
+        vectors: List[Sequence[float]] = []
+        for position, stride in table.strides:
+            steps: Sequence[int] = (states[position] * stride,)
+            if position in weights:
+                vectors.append(self._vector(position, states, weights))
+                steps = range(0, stride * len(vectors[-1]), stride)
+            offsets = [one + step for one in offsets for step in steps]
+        row = [value for one in offsets for value in table.rows[one]]
+        for vector in vectors:
+            largest = max(row)
+            if scale and largest > 0.0:
+                row = [one / largest for one in row]
+            block = len(row) // len(vector)
+            slices = [row[k * block : (k + 1) * block] for k in range(len(vector))]
+            row = [sum(map(mul, vector, column)) for column in zip(*slices)]
+        return row
+
+    def _filled(self, table: Table) -> Table:
+        if table.total is None or table.rows:
+            return table
+        cases = itertools.product(*(self._vectors[position] for position, _ in table.strides))
+        return table._replace(rows=[table.total(case) for case in cases])
+
+
+def _vectors(prior: Sequence[float]) -> Posteriors:
+    """Return the vector of an input for each of its states, and for "not observed" behind them."""
+    states = range(len(prior))
+    rows = [[float(one == state and prior[one] > 0.0) for one in states] for state in states]
+    return [*rows, list(prior)]

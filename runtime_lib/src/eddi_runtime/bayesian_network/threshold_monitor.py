@@ -1,0 +1,144 @@
+"""The monitor of a network with thresholds: posteriors, and evidence for ConSerts."""
+
+from __future__ import annotations
+
+import math
+from operator import eq
+from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
+
+from ..monitor import Field, Json, Standing, Tree
+from .bounds import Open
+from .claims import ERROR, HOLD, INCONSISTENT, NO_TIME, UNKNOWN, Claim, Claims, StateThreshold
+from .knowledge import Facts
+from .monitor import BayesianNetworkMonitor, Output
+
+_REASONS = {
+    ERROR: "a hand-written method failed",
+    HOLD: "it holds, but not for long enough yet",
+    INCONSISTENT: "the evidence has probability zero",
+    NO_TIME: "the step has no time",
+}
+
+
+class ThresholdMonitor(BayesianNetworkMonitor):
+    """What the class ``Monitor`` of a compiled network with thresholds inherits.
+
+    Attributes:
+        thresholds: the evidence for ConSerts.
+    """
+
+    thresholds: Tuple[StateThreshold, ...]
+
+    def __init__(self, hooks: Optional[object] = None) -> None:
+        self._claims = Claims(self.thresholds)
+        super().__init__(hooks)
+        self._timed |= any(one.limits.hold_ns for one in self.thresholds)
+        self._doubtful = [one.reader for one in self._sources if one.reader.doubtful]
+
+    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
+        """Evaluate once; see ``BayesianNetworkMonitor``."""
+        output = super().execute_step(eddi_input, t_ns)
+        last = self._last
+        if last.problem:
+            self._claims.lose(ERROR)
+        else:
+            opened = self._opened()
+            self._claims.step(last.now, last.rows, last.states, last.weights, opened)
+        return output
+
+    def evidence_message(self) -> Tree:
+        """Return the thresholds as a ``BayesianNetworkEvidence`` without header."""
+        facts = self.facts()
+        fields: Dict[str, Field] = {
+            "bayesian_network_id": self.model_id,
+            "valid": facts.valid,
+            "unknown_inputs": list(facts.unknown_inputs),
+            "evidence": [("BayesianNetworkThreshold", one._asdict()) for one in self.claims()],
+        }
+        return "BayesianNetworkEvidence", fields
+
+    def claims(self) -> List[Claim]:
+        """Return the last result of each threshold, in the order of the configuration."""
+        return self._claims.rows()
+
+    def beside_json(self) -> Dict[str, Json]:
+        """Return the results in addition to the posteriors, as ``json`` can write them.
+
+        A bound that was not computed is None.
+        """
+        facts, rows = self.facts(), [one._asdict() for one in self.claims()]
+        for row in rows:
+            row.update((k, None) for k in ("low", "high") if not math.isfinite(row[k]))
+        return {
+            "valid": facts.valid,
+            "unknown_inputs": list(facts.unknown_inputs),
+            "accepted": list(facts.accepted),
+            "evidence": rows,
+        }
+
+    def standings(self) -> List[Standing]:
+        """Return every threshold after the last step."""
+        facts = self.facts()
+        return [
+            Standing("threshold", one.id, one.active, *_why(one, facts)) for one in self.claims()
+        ]
+
+    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+        """Return input id -> thresholds that are not active; see ``Monitor``."""
+        rows = self.claims()
+        found: Dict[str, Tuple[str, ...]] = {}
+        if lost := tuple(one.id for one in rows if one.reason in UNKNOWN):
+            found = dict.fromkeys(self.facts().unknown_inputs, lost)
+        if inactive := tuple(one.id for one in rows if not one.active):
+            fed = {source.spec.id for source in self._sources}
+            found.update((name, inactive) for name in not_known if name in fed)
+        return found
+
+    def reset(self) -> None:
+        """Forget former steps."""
+        super().reset()
+        self._claims.reset()
+
+    def _prepare(self, outputs: Set[int], observed: Set[int]) -> None:
+        super()._prepare(outputs, observed)
+        self._claims.prepare(self.engine.outputs, self._tried)
+
+    def _opened(self) -> Sequence[Open]:
+        """Return the nodes whose states are not known, where that is not accepted."""
+        last, missing = self._last, self._missing
+        doubt = self._doubtful and any(reader.possible for reader in self._doubtful)
+        if not doubt and True not in map(eq, last.states, missing):
+            return ()
+        found: List[Open] = []
+        for position, node in enumerate(self.engine.observable):
+            by_method = node in last.answer.findings or node in last.answer.problems
+            reader = self._fed[node][1].reader if node in self._fed and not by_method else None
+            if last.states[position] == missing[position]:
+                accepted = reader is not None and reader.prior_accepted
+                if position not in last.weights and not accepted:
+                    found.append((position, tuple(range(missing[position]))))
+            elif reader is not None and reader.possible:
+                found.append((position, tuple(reader.possible)))
+        return found
+
+
+def _why(one: Claim, facts: Facts) -> Tuple[Tuple[Tuple[str, str], ...], str]:
+    """Return what a threshold lacks, and why else it is not active, in words for people."""
+    if one.active:
+        return (), ""
+    if one.reason in UNKNOWN:
+        lacks = _lacks(facts)
+        return tuple(lacks.items()), "" if lacks else one.reason
+    if one.reason:
+        return (), _REASONS[one.reason]
+    bounds = one.bounds(".4g")
+    return (), f"the probability is {bounds}" if bounds else ""
+
+
+def _lacks(facts: Facts) -> Dict[str, str]:
+    """Return input or node -> why its state is not known and not accepted either."""
+    accepted = {text.partition(": ")[0] for text in facts.accepted}
+    found = {name: "not known" for name in facts.unknown_inputs if name not in accepted}
+    for node, states in facts.undecided.items():
+        found[node] = f"may be {' or '.join(states)} after a gap"
+    return found
