@@ -12,6 +12,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "bayesian_network/bounds": ("bayesian_network",),
     "bayesian_network/claims": ("bayesian_network/bounds", "thresholds"),
     "bayesian_network/direct": ("bayesian_network",),
+    "bayesian_network/explain": ("bayesian_network",),
     "bayesian_network/memory": ("bayesian_network/readers",),
     "bayesian_network/readers": ("bayesian_network",),
     "bayesian_network/schedule": ("bayesian_network", "bayesian_network/arrays"),

@@ -54,7 +54,16 @@ from eddi_scaffold.compiling.text import (
 )
 
 FORMAT = 2
-MODULES = ("claims", "direct", "memory", "readers", "schedule", "tables", "threshold_monitor")
+MODULES = (
+    "claims",
+    "direct",
+    "explain",
+    "memory",
+    "readers",
+    "schedule",
+    "tables",
+    "threshold_monitor",
+)
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 _ROOM = "bayesian_network"
 _MANY = 2_000
@@ -95,13 +104,7 @@ def module_lines(
     rest = None if further is None else module.program(further, "all_", loop=True)
     lines = [
         *module.lines(),
-        *head_lines(
-            "threshold_monitor.ThresholdMonitor"
-            if model.thresholds
-            else f"{_ROOM}.BayesianNetworkMonitor",
-            model_file,
-            {},
-        ),
+        *head_lines(", ".join(_bases(model)), model_file, {}),
         *_nodes(model),
         *assignment("given", literal(model.outputs), 4),
         *assignment("foreseen", main, 4),
@@ -113,6 +116,13 @@ def module_lines(
     if sources:
         lines += ["", *_sources(model, sources, model_file)]
     return lines
+
+
+def _bases(model: BayesianNetworkModel) -> list[str]:
+    """Return the classes that the monitor inherits from."""
+    found = ["explain.Explaining"] if model.explain else []
+    found += ["threshold_monitor.ThresholdMonitor"] if model.thresholds else []
+    return found or [f"{_ROOM}.BayesianNetworkMonitor"]
 
 
 def _nodes(model: BayesianNetworkModel) -> list[str]:
@@ -160,8 +170,6 @@ def _settings(model: BayesianNetworkModel) -> list[str]:
         lines.append("    virtual = False")
     if model.on_inconsistent != "silent":
         lines.append(f"    on_inconsistent = {text_literal(model.on_inconsistent)}")
-    if model.explain:
-        lines.append("    relevance = True")
     return lines
 
 

@@ -45,7 +45,7 @@ def test_the_bounds_run_over_every_state_of_what_is_unknown(known, low, high, ac
 
 
 def test_a_reason_says_what_keeps_it_from_being_active():
-    one = risk()
+    one = risk(explain=True)
     assert step(one).reason == "unknown inputs"
     assert step(one, near="yes").reason == ""  # whoever is there, it is too much
     assert step(one, near="no").reason == ""

@@ -155,7 +155,7 @@ def test_nodes_that_are_not_observed_are_not_fed():
 def test_impossible_evidence():
     given = give(s="stands", g="far", x="yes")
     good = give(s="slow", g="near")
-    silent = monitor(direct=DIRECT, outputs=["Alarm"])
+    silent = monitor(direct=DIRECT, outputs=["Alarm"], explain=True)
     assert silent.execute_step(given) == []
     assert silent.status() == out.INCONSISTENT
     assert silent.as_json([]) is None
@@ -271,7 +271,7 @@ class Made:
 def test_unforeseen_evidence_and_outputs_are_taken_in(caplog):
     alarm = (False, {"on": 1.0, "off": 0.0})
     hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
-    one = monitor(hooks=hooks)
+    one = monitor(hooks=hooks, explain=True)
     (logged,) = caplog.messages
     assert logged.startswith("node_Alarm sets Alarm, which was not foreseen: `observed:` of the")
     one.execute_step(give())
@@ -415,7 +415,7 @@ def test_explanation():
     one.execute_step(give(v=2.0))
     assert one.explain().unobserved == ("Gap",)
     assert "Gap: not observed" in one.explain().text()
-    direct = monitor(direct=DIRECT)
+    direct = monitor(direct=DIRECT, explain=True)
     direct.execute_step(give(g=[0.5, 1.0]))
     assert direct.explain().evidence == {"Gap": (0.5, 1.0)}
     assert "Gap: 0.5, 1" in direct.explain().text()
@@ -554,7 +554,7 @@ class Odd(Config):
 
 
 def test_a_method_that_can_read_its_object_or_a_default_is_asked_in_each_step():
-    one = monitor(bins=BINS, hooks=Odd())
+    one = monitor(bins=BINS, hooks=Odd(), explain=True)
     assert len(one._methods._names) == 4
     one.execute_step(give(v=2.0, d=3.0))
     assert one.explain().evidence == {"Speed": "slow", "Gap": "near", "Alarm": "on"}

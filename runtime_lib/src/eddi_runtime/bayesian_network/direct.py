@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 from ..plain_values import plain, show
 from .evidence import EvidenceError, Finding, Reading, finding
@@ -29,13 +29,9 @@ class DirectReader:
         """Return "not observed"."""
         return len(self._states)
 
-    def knows(self, raw: object) -> bool:
-        """Return whether a value is an observation."""
-        return self.read(raw, 0) != len(self._states)
-
-    def accepted(self, raw: object, reading: Reading) -> str:
-        """Return nothing: a direct input is taken as it is."""
-        return ""
+    def known(self, raw: object, reading: Reading) -> Tuple[bool, str]:
+        """Return whether a value is an observation; nothing is accepted in place of it."""
+        return self.read(raw, 0) != len(self._states), ""
 
     def fault(self, raw: object) -> Optional[str]:
         """Return what is wrong with a value."""

@@ -1,11 +1,13 @@
-"""How much each observed node moved the posteriors of the last step."""
+"""How much each observed node moved the posteriors of the last step (``explain: true``)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Dict, Mapping, NamedTuple, Tuple
 
-from .engine import NodeSpec, Rows
-from .knowledge import Facts, Known, Step
+from ..monitor import Tree
+from .engine import Rows
+from .knowledge import Facts, Known
+from .monitor import BayesianNetworkMonitor
 
 if TYPE_CHECKING:
     from .claims import Claim
@@ -46,27 +48,35 @@ class Explanation(NamedTuple):
         return "\n".join([*lines, *(one.text() for one in self.claims)])
 
 
-def relevance_of(
-    step: Step, nodes: Sequence[NodeSpec], infer: Callable[..., Optional[Rows]]
-) -> Dict[str, float]:
-    """Return how much each observed node moves the posteriors: one inference for each.
+class Explaining(BayesianNetworkMonitor):
+    """A monitor that says why, besides what else it is."""
 
-    Args:
-        step: what it saw.
-        nodes: the observable ones.
-        infer: returns the posteriors for states and likelihoods; None: they are impossible.
-    """
-    all_known = infer(step.states, step.weights)
-    found: Dict[str, float] = {}
-    for position, node in enumerate(nodes if all_known is not None else ()):
-        fewer, weights = list(step.states), dict(step.weights)
-        fewer[position] = len(node.states)
-        if not weights.pop(position, None) and fewer == step.states:
-            continue
-        without = infer(fewer, weights)
-        if without is not None and all_known is not None:  # never None: less is claimed
-            found[node.id] = _distance(all_known, without)
-    return found
+    def explain(self) -> Explanation:
+        """Return what was known in the last step, and how much each observed node mattered."""
+        evidence, unobserved = self._evidence()
+        facts, claims = self.facts(), tuple(self.claims())
+        return Explanation(evidence, tuple(unobserved), self._relevance(), facts, claims)
+
+    def status_message(self) -> Tree:
+        """Return the facts behind the last step, with the relevance of each observed node."""
+        name, fields = super().status_message()
+        found = self._relevance()
+        names, values = list(found), list(found.values())
+        return name, {**fields, "relevance_nodes": names, "relevance": values}
+
+    def _relevance(self) -> Dict[str, float]:
+        last = self._last
+        found: Dict[str, float] = {}
+        all_known = self._tried(last.states, last.weights)
+        for position, node in enumerate(self.engine.observable if all_known is not None else ()):
+            states, weights = list(last.states), dict(last.weights)
+            states[position] = self._missing[position]
+            if not weights.pop(position, None) and states == last.states:
+                continue
+            without = self._tried(states, weights)
+            if without is not None and all_known is not None:  # never None: less is claimed
+                found[self.nodes[node].id] = _distance(all_known, without)
+        return found
 
 
 def _distance(one: Rows, other: Rows) -> float:

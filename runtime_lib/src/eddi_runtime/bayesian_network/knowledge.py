@@ -2,17 +2,7 @@
 
 from __future__ import annotations
 
-from typing import (
-    TYPE_CHECKING,
-    Dict,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-    Union,
-)
+from typing import TYPE_CHECKING, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
 from .engine import NodeSpec, Rows
@@ -78,8 +68,8 @@ class Facts(NamedTuple):
     accepted: Tuple[str, ...]
 
 
-def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> Dict[str, Known]:
-    """Return observed node -> its state, or its likelihoods.
+def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> Tuple[Dict[str, Known], List[str]]:
+    """Return observed node -> its state, or its likelihoods; and the nodes that are not observed.
 
     Args:
         step: what it saw.
@@ -91,7 +81,7 @@ def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> Dict[str, Known]:
             found[node.id] = tuple(step.weights[position])
         elif state < len(node.states):
             found[node.id] = node.states[state]
-    return found
+    return found, [one.id for one in nodes if one.id not in found]
 
 
 def facts_of(
@@ -121,7 +111,7 @@ def facts_of(
         raw = step.raw[number] if step.raw else None
         taken = step.states[position]
         try:
-            known, key = reader.knows(raw), reader.accepted(raw, step.weights.get(position, taken))
+            known, key = reader.known(raw, step.weights.get(position, taken))
         except Exception:  # noqa: BLE001 - a hostile object
             known, key = False, ""
         if not known:

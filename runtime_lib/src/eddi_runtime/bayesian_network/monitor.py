@@ -3,16 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import (
-    TYPE_CHECKING,
-    Dict,
-    Iterable,
-    List,
-    Optional,
-    Set,
-    Tuple,
-    Union,
-)
+from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Set, Tuple, Union
 
 from ..clock import step_time
 from ..compatibility import ModelError
@@ -22,7 +13,6 @@ from ..reading import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
 from .evidence import NotForeseenError
-from .explain import Explanation, relevance_of
 from .knowledge import NO_ANSWER, Facts, Known, Source, Step, evidence_of, facts_of
 from .methods import Methods
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
@@ -54,7 +44,6 @@ class BayesianNetworkMonitor(Monitor):
         virtual: several non-zero outcomes are likelihoods; False: D7.2's rule.
         on_inconsistent: the result on evidence of probability zero: ``silent``, ``prior`` or
             ``hold``.
-        relevance: the status message has the relevance of each observed node.
         remembered: cases of states whose posteriors are kept at most.
     """
 
@@ -68,7 +57,6 @@ class BayesianNetworkMonitor(Monitor):
     everything: Optional[Program] = None
     virtual = True
     on_inconsistent = "silent"
-    relevance = False
     remembered = 1024
 
     def __init__(self, hooks: Optional[object] = None) -> None:
@@ -184,7 +172,7 @@ class BayesianNetworkMonitor(Monitor):
 
     def as_json(self, output: Output) -> Optional[List[Dict[str, Json]]]:
         """Return an output as JSON; None when no posterior was given."""
-        return out.as_json(output)
+        return [one.as_json() for one in output] or None
 
     def series(self, output: Output) -> Named:
         """Return ``Node=state`` -> probability, None for what was not given; and each threshold."""
@@ -219,7 +207,7 @@ class BayesianNetworkMonitor(Monitor):
         if last.problem:
             problems.append(last.problem)
         if last.rows is None:
-            shown = ", ".join(f"{name}={value}" for name, value in self._evidence().items())
+            shown = ", ".join(f"{name}={value}" for name, value in self._evidence()[0].items())
             problems.append(f"the evidence has probability zero: {shown}")
         return (*problems, *self._output_faults)
 
@@ -234,16 +222,15 @@ class BayesianNetworkMonitor(Monitor):
             return out.INCONSISTENT
         if last.answer.problems or last.problem:
             return out.ERROR
-        unobserved = len(self._unobserved())
-        if not unobserved and self._missing:
-            return out.OK
-        return out.PRIOR if unobserved == len(self._missing) else out.PARTIAL
+        observed, unobserved = self._evidence()
+        if observed:
+            return out.PARTIAL if unobserved else out.OK
+        return out.PRIOR
 
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
-        relevance = self._relevance() if self.relevance else {}
-        unobserved = self._unobserved()
-        return out.status_message(self.model_id, self.status(), unobserved, self.facts(), relevance)
+        _, unobserved = self._evidence()
+        return out.status_message(self.model_id, self.status(), unobserved, self.facts())
 
     def claims(self) -> List[Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
@@ -268,11 +255,6 @@ class BayesianNetworkMonitor(Monitor):
         if self._last.rows is None and self.on_inconsistent != "silent":
             further = (*further, f"on_inconsistent: {self.on_inconsistent}")
         return facts._replace(accepted=(*facts.accepted, *further))
-
-    def explain(self) -> Explanation:
-        """Return what was known in the last step, and how much each observed node mattered."""
-        unobserved, claims = tuple(self._unobserved()), tuple(self.claims())
-        return Explanation(self._evidence(), unobserved, self._relevance(), self.facts(), claims)
 
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
@@ -346,15 +328,5 @@ class BayesianNetworkMonitor(Monitor):
         ]
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
-    def _evidence(self) -> Dict[str, Known]:
-        return evidence_of(self._last, self._observable())
-
-    def _relevance(self) -> Dict[str, float]:
-        return relevance_of(self._last, self._observable(), self._tried)
-
-    def _observable(self) -> List[NodeSpec]:
-        return [self.nodes[one] for one in self.engine.observable]
-
-    def _unobserved(self) -> List[str]:
-        evidence = self._evidence()
-        return [one.id for one in self._observable() if one.id not in evidence]
+    def _evidence(self) -> Tuple[Dict[str, Known], List[str]]:
+        return evidence_of(self._last, [self.nodes[one] for one in self.engine.observable])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 from ..monitor import Field, Json, Tree
 from ..plain_values import plain
@@ -19,6 +19,13 @@ class _Record:
 
     def __eq__(self, other: object) -> bool:
         return vars(self) == vars(other) if type(other) is type(self) else NotImplemented
+
+    def as_json(self) -> Dict[str, Json]:
+        """Return the values by name, as ``json`` can write them."""
+        return {
+            name: [one.as_json() for one in value] if isinstance(value, list) else value
+            for name, value in vars(self).items()
+        }
 
     __hash__ = None  # type: ignore[assignment]  # the values may change
 
@@ -64,33 +71,14 @@ class Monitor:
         raise NotImplementedError
 
 
-def as_json(output: Sequence[BayesianNetworkOutput]) -> Optional[List[Dict[str, Json]]]:
-    """Return an output as ``json`` writes it; None when no posterior was given."""
-    if not output:
-        return None
-    return [
-        {
-            "actor_id": one.actor_id,
-            "bayesian_network_id": one.bayesian_network_id,
-            "output_nodes": [
-                {"title": node.title, "outcomes": [vars(outcome) for outcome in node.outcomes]}
-                for node in one.output_nodes
-            ],
-        }
-        for one in output
-    ]
-
-
 def output_message(output: object) -> Tuple[Union[Tree, List[Tree], None], Tuple[str, ...]]:
     """Return the ``BayesianNetworkOutput`` tree of an output and what was wrong; never raises.
 
     None when no posterior is given; what a person's code has spoilt is left out and named.
     """
-    if not output and isinstance(output, (list, tuple)):
-        return None, ()
-    faults: List[str] = []
     if not (issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple))):
         return None, ("the output is not a list; nothing is published",)
+    faults: List[str] = []
     trees: List[Tree] = []
     for one in output:
         try:
@@ -99,18 +87,10 @@ def output_message(output: object) -> Tuple[Union[Tree, List[Tree], None], Tuple
             faults.append(f"an output cannot be published: {type(problem).__name__}")
             continue
         trees.append(("BayesianNetworkOutput", {"output_nodes": nodes}))
-    if len(trees) == 1:
-        return trees[0], tuple(faults)
-    return trees or None, tuple(faults)
+    return trees[0] if len(trees) == 1 else trees or None, tuple(faults)
 
 
-def status_message(
-    network_id: str,
-    status: int,
-    unobserved: Sequence[str],
-    facts: Facts,
-    relevance: Mapping[str, float],
-) -> Tree:
+def status_message(network_id: str, status: int, unobserved: Sequence[str], facts: Facts) -> Tree:
     """Return the ``BayesianNetworkStatus`` tree without header."""
     fields: Dict[str, Field] = {
         "bayesian_network_id": network_id,
@@ -120,8 +100,8 @@ def status_message(
         "unknown_inputs": list(facts.unknown_inputs),
         "undecided": [f"{node}: {', '.join(states)}" for node, states in facts.undecided.items()],
         "accepted": list(facts.accepted),
-        "relevance_nodes": list(relevance),
-        "relevance": list(relevance.values()),
+        "relevance_nodes": [],
+        "relevance": [],
     }
     return "BayesianNetworkStatus", fields
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import Callable, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
@@ -95,29 +95,27 @@ class Discretiser:
         """Return the state when there is no value."""
         return self._default
 
-    def knows(self, raw: object) -> bool:
-        """Return whether a value by itself is an observation of the node."""
-        state, number = self._judged(raw)
-        return number is not None or state not in (ABSENT, self._declared.missing)
+    def known(self, raw: object, reading: Reading) -> Tuple[bool, str]:
+        """Return whether a value by itself is an observation of the node.
 
-    def accepted(self, raw: object, reading: Reading) -> str:
-        """Return the key by which a value counted as what was read of it; empty for none."""
-        one, value = self._declared, plain(raw)
-        state, number = self._judged(raw)
-        if number is None or not isinstance(value, (float, int)):
+        And the key by which it counted as what was read of it, empty for none.
+        """
+        one, (state, number) = self._declared, self._judged(raw)
+        if number is None:
+            known = state not in (ABSENT, one.missing)
             speaks = one.policy == "prior" or (state == ABSENT and reading != one.missing)
-            unknown = state in (ABSENT, one.missing)
-            return f"missing: {one.policy}" if unknown and speaks else ""
+            return known, "" if known or not speaks else f"missing: {one.policy}"
+        value: Any = plain(raw)
         if value in (math.inf, -math.inf):
-            return "allow_inf: true"
-        return "" if one.limits[0] <= value <= one.limits[1] else "out_of_range: clamp"
+            return True, "allow_inf: true"
+        return True, "" if one.limits[0] <= value <= one.limits[1] else "out_of_range: clamp"
 
     def fault(self, raw: object) -> Optional[str]:
         """Return what is wrong with a value; None for a usable or a missing one."""
         value = plain(raw)
         if raw is None or (isinstance(value, float) and math.isnan(value)):
             return None
-        if self.knows(raw) or (type(value), value) in self._special:
+        if self.known(raw, 0)[0] or (type(value), value) in self._special:
             return None
         if self._declared.edges is None:
             return f"no state is declared for {show(raw)}"
