@@ -5,9 +5,10 @@ Model: pedestrian.xml /
 
 from . import eddi_runtime
 from .eddi_runtime import InputSpec, bayesian_network
+from .eddi_runtime.bayesian_network import readers, tables
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 1})
-# sha256 of the lines below: 10dce6c3690cfba4b19fda2f59eea53e789526eb02c28f4457861227bb93e526
+eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 2})
+# sha256 of the lines below: f689b3370317d88e1e2faa4f7608a9f7d402ba430ec5497bad2f77f6774422e9
 
 
 def part_0_0_total(v):
@@ -36,8 +37,8 @@ def part_0_look_up(*tables):
 
 # Critical
 part_0 = bayesian_network.Part(
-    bayesian_network.Tables(
-        (bayesian_network.Table(2, ((0, 4), (1, 1)), total=part_0_0_total),),
+    tables.Tables(
+        (tables.Table(((0, 4), (1, 1)), total=part_0_0_total),),
         {0: (0.1, 0.3, 0.4, 0.2), 1: (0.2, 0.3, 0.5)},
         part_0_look_up,
     ),
@@ -135,11 +136,11 @@ def all_part_0_look_up(*tables):
 
 # AV_Shuttle_Speed, Distance_to_Pedestrian, Critical
 all_part_0 = bayesian_network.Part(
-    bayesian_network.Tables(
+    tables.Tables(
         (
-            bayesian_network.Table(4, ((1, 3), (2, 1)), total=all_part_0_0_total),
-            bayesian_network.Table(3, ((0, 3), (2, 1)), total=all_part_0_1_total),
-            bayesian_network.Table(2, ((0, 4), (1, 1)), total=all_part_0_2_total),
+            tables.Table(((1, 3), (2, 1)), total=all_part_0_0_total),
+            tables.Table(((0, 3), (2, 1)), total=all_part_0_1_total),
+            tables.Table(((0, 4), (1, 1)), total=all_part_0_2_total),
         ),
         {},
         all_part_0_look_up,
@@ -152,7 +153,7 @@ all_part_0 = bayesian_network.Part(
 
 class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
-    digest = "a1c5d335998f2b800cc35819d6b45ebf9ff36d0a3e3bd930ffce42a36fa6401d"
+    digest = "40db9187dcf64d1b289aea726091874d04cdee02fb20d93a9b6e6016563864c3"
     inputs = (
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),
@@ -193,8 +194,8 @@ class Monitor(bayesian_network.BayesianNetworkMonitor):
             bayesian_network.Source(
                 0,
                 self.inputs[0],
-                bayesian_network.Discretiser(
-                    bayesian_network.Declaration(
+                readers.Discretiser(
+                    readers.Declaration(
                         4,
                         edges=(0.05, 2.0, 4.0),
                         order=(0, 1, 2, 3),
@@ -208,8 +209,8 @@ class Monitor(bayesian_network.BayesianNetworkMonitor):
             bayesian_network.Source(
                 1,
                 self.inputs[1],
-                bayesian_network.Discretiser(
-                    bayesian_network.Declaration(3, edges=(1.0, 2.0), order=(0, 1, 2)),
+                readers.Discretiser(
+                    readers.Declaration(3, edges=(1.0, 2.0), order=(0, 1, 2)),
                     self.inputs[1],
                 ),
             ),
