@@ -8,7 +8,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 2})
-# sha256 of the lines below: f689b3370317d88e1e2faa4f7608a9f7d402ba430ec5497bad2f77f6774422e9
+# sha256 of the lines below: 4ecf72462ec1e0b876454e658b6a816fae901a77312963d73b830c303295b65e
 
 
 def part_0_0_total(v):
@@ -153,7 +153,7 @@ all_part_0 = bayesian_network.Part(
 
 class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
-    digest = "40db9187dcf64d1b289aea726091874d04cdee02fb20d93a9b6e6016563864c3"
+    digest = "a1c5d335998f2b800cc35819d6b45ebf9ff36d0a3e3bd930ffce42a36fa6401d"
     inputs = (
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),
