@@ -43,12 +43,21 @@ def generate(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     runtime: Runtime = None,
+    rename: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--rename",
+            help="`OLD=NEW`: the monitor had another name; its package moves, with all in it.",
+        ),
+    ] = None,
     dry_run: DryRun = False,
 ) -> None:
     """Generate monitors, or regenerate them; hand-written lines stay.
 
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
     """
+    from dataclasses import replace
+
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
@@ -57,8 +66,10 @@ def generate(
     from eddi_scaffold.packages.assembly import assemble, monitors_of
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
+    from eddi_scaffold.packages.identity import exchanged, left_behind
+    from eddi_scaffold.packages.renaming import read_renames
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import alone, packages_root
+    from eddi_scaffold.packages.workspace import alone, existing, packages_root
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError
     from eddi_scaffold.robot.robot_models import beside_configs
@@ -73,16 +84,27 @@ def generate(
         raise EddiError(*problems, *refused.problems) from None
     problems = [*problems, *found]
     with alone(() if dry_run else [root]):
-        assembly = assemble(monitors, target, root, problems, runtime)
+        renames = read_renames(rename or (), root, {monitor.package for monitor in monitors})
+        moved = renames.involved
+        assembly = assemble(monitors, target, root, problems, runtime, moved)
         console.problems(assembly.problems)
+        present = existing(root)
+        swapped = list(exchanged(root, present, assembly.packages, moved))
+        older = list(left_behind(present, assembly.packages, monitors, moved))
         outcome = write_packages(
             root,
             assembly.packages,
             own_template(),
             within=place,
+            renames=renames,
             dry_run=dry_run,
             progress=console.progress,
         )
+    outcome = replace(
+        outcome,
+        left=[*outcome.left, *swapped, *(text for text, is_new in older if is_new)],
+        notes=[*outcome.notes, *(text for text, is_new in older if not is_new)],
+    )
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:
         console.say(f"note: {shared}")

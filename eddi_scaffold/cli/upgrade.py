@@ -30,6 +30,7 @@ def upgrade(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.packages.generation import Outcome, write_packages
+    from eddi_scaffold.packages.identity import exchanged
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, roots, targets
     from eddi_scaffold.packages.workspace import alone, linked_package
@@ -43,6 +44,7 @@ def upgrade(
         ]
         for group, wanted, problems in planned:
             console.problems(problems)
+            swapped = list(exchanged(group.root, group.present, wanted))
             done = write_packages(
                 group.root,
                 wanted,
@@ -52,7 +54,7 @@ def upgrade(
                 progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
-            outcomes.append(replace(done, left=[*links, *done.left]))
+            outcomes.append(replace(done, left=[*links, *done.left, *swapped]))
     attention = [outcome for outcome in outcomes if outcome.attention or outcome.left]
     for outcome in sorted(
         outcomes, key=lambda o: o in attention

@@ -98,6 +98,7 @@ def assemble(
     root: Path,
     problems: Sequence[Problem],
     runtime: str | None = None,
+    gone: Container[str] = (),
 ) -> Assembly:
     """Turn monitors into packages, next to those that exist below ``root``.
 
@@ -108,11 +109,12 @@ def assemble(
         problems: what was found so far.
         runtime: where their runtime library is; by default as it was chosen before. All monitors
             that share one change with it.
+        gone: packages below ``root`` that will have another name.
 
     Raises:
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
     """
-    present = existing(root)
+    present = {name: of for name, of in existing(root).items() if name not in gone}
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
@@ -131,7 +133,8 @@ def assemble(
         if folder not in new and runtime not in {None, runtime_of([answers])}
     ]
     wanted = {package.folder: package.answers for package in packages}
-    return Assembly([*packages, *support(platform, root, wanted, config)], new, found)
+    shared = support(platform, root, wanted, config, gone)
+    return Assembly([*packages, *shared], new, found)
 
 
 def _sharing(
@@ -184,6 +187,7 @@ def support(
     root: Path,
     monitors: Mapping[str, Mapping[str, Any]],
     config: Config | None,
+    gone: Container[str] = (),
 ) -> list[PackageAnswers]:
     """Return the shared packages for these monitors and those that are there already.
 
@@ -194,6 +198,7 @@ def support(
         root: folder of all packages.
         monitors: package -> answers of those that are new, or newer.
         config: names the maintainer of the shared packages.
+        gone: packages that are there, but will have another name.
 
     Raises:
         EddiError: a monitor of an older release would stop working (G024).
@@ -202,7 +207,11 @@ def support(
     """
     present = existing(root)
     own = platform.templates.monitor
-    there = {name: answers for name, answers in present.items() if answers["template"] == own}
+    there = {
+        name: answers
+        for name, answers in present.items()
+        if answers["template"] == own and name not in gone
+    }
     older = [name for name in there if name not in monitors and not is_compiled(root / name)]
     if older:
         message = f"an older eddi-scaffold made {', '.join(older)}: not for this runtime library"

@@ -20,6 +20,7 @@ from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
 from eddi_scaffold.packages.links import follow
 from eddi_scaffold.packages.obstacles import KEPT, obstacles
+from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.packages.unpacking import unpacked
@@ -31,6 +32,7 @@ from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import (
     changed_generated,
     forget_generated,
+    listed_generated,
     recorded_generated,
     save_generated_edits,
 )
@@ -87,6 +89,7 @@ def write_packages(
     template: Template,
     *,
     within: Path | None = None,
+    renames: Renames = NO_RENAMES,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Outcome:
@@ -98,6 +101,7 @@ def write_packages(
         template: where from.
         within: folder that links to editable files may lead into, around ``root``; by default each
             package.
+        renames: packages among them that were there under another name.
         dry_run: change nothing.
         progress: called with the folder of each package before it is rendered.
 
@@ -122,9 +126,10 @@ def write_packages(
             if not package.answers:
                 rendered.mkdir(parents=True)
                 note = f"{package.folder}: removed, nothing needs it any more"
-                _merge_package(root, package, rendered, [note], within, work)
+                _merge_package(root, package, rendered, [note], within, renames, work)
                 continue
-            if is_current(root / package.folder, package, template, source):
+            moves = package.folder in renames.involved
+            if not moves and is_current(root / package.folder, package, template, source):
                 continue
             progress(package.folder)
             notes = renderer.render(package.answers, rendered)
@@ -136,7 +141,10 @@ def write_packages(
                 raise EddiError(error("K028", problem, Place(str(root / package.folder))))
             if source.notes:
                 (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
-            _merge_package(root, package, rendered, notes, within, work)
+            _merge_package(root, package, rendered, notes, within, renames, work)
+    remains = renames.remains(root, {package.folder for package in packages})
+    work.changes.update(dict.fromkeys(remains))
+    work.before.update(remains)
     if not dry_run:
         written = _write(root, work, within)
         work.left += written.left
@@ -150,19 +158,21 @@ def _merge_package(
     rendered: Path,
     notes: list[str],
     within: Path | None,
+    renames: Renames,
     work: _Work,
 ) -> None:
     target = root / package.folder
     if target.is_symlink():
         work.left.append(linked_package(target))
         return
-    tree = transaction.survey(target)
+    tree = renames.content(root, package.folder)
     names = _names(rendered)
     links = follow(target, tree, names, within, work.links.values())
     found = obstacles(package.folder, tree.others, names)
     stop = found.at_records(ANSWERS_FILE)
     if stop is None:
-        if tree.others or any(not path.startswith(KEPT) for path in tree.files):
+        written = tree.others or any(not path.startswith(KEPT) for path in tree.files)
+        if written and package.folder not in renames.former:
             _refuse_foreign(target)
         before = {path: state for path, state in tree.files.items() if path not in found.skipped}
         merged = _merged(target, package, before, rendered, found.skipped)
@@ -172,8 +182,18 @@ def _merge_package(
         return
     work.left += found.waiting_notes()
     work.links |= {f"{package.folder}/{path}": real for path, real in links.items()}
-    work.changes.update({f"{package.folder}/{p}": state for p, state in merged.changes.items()})
-    work.before.update({f"{package.folder}/{p}": before[p] for p in merged.changes if p in before})
+    changes = merged.changes
+    if package.folder in renames.involved:
+        after = {p: state for p, state in {**before, **changes}.items() if state is not None}
+        former = renames.former.get(package.folder)
+        if former is not None:
+            work.notes.append(f"{former} is called {package.folder} now; all in it moved along")
+            generated = listed_generated(rendered)
+            work.left += mentions(after, former, package.folder, generated)
+        before = transaction.tree_of(target)
+        changes = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
+    work.changes.update({f"{package.folder}/{p}": state for p, state in changes.items()})
+    work.before.update({f"{package.folder}/{p}": before[p] for p in changes if p in before})
     work.notes += [note for note in (*notes, *merged.saved) if note not in work.notes]
     work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in merged.report.notes]
     work.notes += found.untouched()

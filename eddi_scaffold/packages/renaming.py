@@ -1,0 +1,202 @@
+"""Packages that get another name: they move, with everything that a person wrote in them."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Collection, Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.packages.transaction import FileState, FolderContent, survey
+from eddi_scaffold.packages.workspace import existing
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.generated import changed_generated, recorded_generated
+from eddi_scaffold.regions.markers import decode_id, encode_id
+
+_RECORDS = ".eddi/"
+_KEPT = ("base", "pristine", "next", "rejects")
+_MANIFEST, _EDITED = f"{_RECORDS}manifest.json", f"{_RECORDS}edited.txt"
+_BASE, _ORPHANS = f"{_RECORDS}base/", f"{_RECORDS}orphans/"
+_SAVED = (_ORPHANS, f"{_RECORDS}rejects/")
+_FILE = "# file: "
+
+
+@dataclass(frozen=True)
+class Renames:
+    """Packages of one command that get other names.
+
+    Attributes:
+        former: new folder -> old folder; all are renamed at once, so names may swap.
+    """
+
+    former: Mapping[str, str]
+
+    @property
+    def involved(self) -> frozenset[str]:
+        """All folders that change."""
+        return frozenset([*self.former, *self.former.values()])
+
+    def content(self, root: Path, folder: str) -> FolderContent:
+        """Return what is in a package before it is rendered, under its new paths."""
+        old = self.former.get(folder)
+        if old is not None:
+            return _moved(root / old, folder)
+        return FolderContent() if folder in self.involved else survey(root / folder)
+
+    def remains(self, root: Path, written: Container[str]) -> dict[str, FileState]:
+        """Return the files in folders that are no packages any more."""
+        return {
+            f"{folder}/{path}": state
+            for folder in self.involved
+            if folder not in written
+            for path, state in survey(root / folder).files.items()
+        }
+
+
+NO_RENAMES = Renames({})
+
+
+def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Renames:
+    """Read ``OLD=NEW``: ids of models, or names of packages.
+
+    Args:
+        words: as given.
+        root: folder of all packages.
+        made: the packages that the command makes.
+
+    Raises:
+        EddiError: one of them cannot be made (G025).
+    """
+    former: dict[str, str] = {}
+    present = existing(root) if words else {}
+    for word in words:
+        old, new = (package_name(part) for part in word.partition("=")[::2])
+        if not (old and new):
+            raise _refused(f"{word!r} is not OLD=NEW", "--rename ConSertA=ConSertB")
+        if old not in present:
+            known = ", ".join(sorted(present)) or "none"
+            raise _refused(f"there is no package {old!r} to rename", f"there are: {known}", root)
+        if new not in made:
+            hint = "give the model of the new name, and its configuration"
+            raise _refused(f"this command makes no package {new!r}", hint)
+        if old == new or new in former or old in former.values():
+            raise _refused(f"{word!r} renames a package twice, or not at all", "give each once")
+        former[new] = old
+    for new, old in former.items():
+        _check_movable(root / old)
+        if new not in former.values() and not _is_as_made(root / new):
+            message = f"{new!r} is there already, and something in it was written by hand"
+            hint = "move what you need of it away, remove the folder, and run this again"
+            raise _refused(message, hint, root / new)
+    return Renames(former)
+
+
+def mentions(
+    files: Mapping[str, FileState], old: str, new: str, generated: Container[str]
+) -> list[str]:
+    """Report the files of a person that still have the old name of the package in them."""
+    word = re.compile(rb"(?<![\w/~])" + re.escape(old.encode()) + rb"(?![\w/])")
+    return [
+        f"{new}/{path}: the name {old!r} of the package is still in it"
+        for path in sorted(files)
+        if not path.startswith((ANSWERS_FILE, _RECORDS))
+        and path not in generated
+        and any(word.search(line) for line in _own_lines(path, files))
+    ]
+
+
+def _own_lines(path: str, files: Mapping[str, FileState]) -> Iterator[bytes]:
+    base = files.get(f"{_BASE}{path}")
+    made = set(base.data.splitlines()) if base is not None else set()
+    return (line for line in files[path].data.splitlines() if line not in made)
+
+
+def _refused(message: str, hint: str, place: Path | None = None) -> EddiError:
+    where = Place(str(place) if place is not None else "")
+    return EddiError(error("G025", f"--rename: {message}", where, hint))
+
+
+def _check_movable(package: Path) -> None:
+    """Refuse a package with what no new text can be written for: links, repositories.
+
+    Raises:
+        EddiError: it has such an entry (G025).
+    """
+    others = sorted(survey(package).others)
+    if os.path.lexists(package / ".git"):
+        others.append(".git")
+    if others:
+        message = f"{others[0]!r} cannot move along: it is no regular file"
+        hint = "move it away first (an editor's lock goes when the file is closed)"
+        raise _refused(message, hint, package)
+
+
+def _is_as_made(package: Path) -> bool:
+    """Return whether nothing in a folder was written by hand, as where there is none."""
+    files, made = survey(package).files, set(recorded_generated(package))
+    base = {name: state.data for name, state in files.items() if name.startswith(_BASE)}
+    return not changed_generated(package) and all(
+        name in made
+        or name == ANSWERS_FILE
+        or base.get(f"{_BASE}{name}") == state.data
+        or (name.startswith(_RECORDS) and not name.startswith(_SAVED))
+        for name, state in files.items()
+    )
+
+
+def _moved(package: Path, new: str) -> FolderContent:
+    """Read a package with the paths, and the records of paths, that it has under another name."""
+    tree = survey(package)
+    moved = _mover(package, new, tree)
+    files = {moved(path): state for path, state in tree.files.items()}
+    for path, state in files.items():
+        text = state.data
+        if path == _MANIFEST:
+            text = _moved_manifest(text, moved)
+        elif path == _EDITED:
+            text = "\n".join(moved(name) for name in text.decode().split("\n")).encode()
+        elif path.startswith(_ORPHANS):
+            text = _moved_orphan(text, moved)
+        files[path] = replace(state, data=text)
+    return FolderContent(files, tree.others)
+
+
+def _mover(package: Path, new: str, tree: FolderContent) -> Callable[[str], str]:
+    """Return what a path becomes: folders of generated files that have the package's name."""
+    old = package.name
+    made = [
+        *recorded_generated(package),
+        *(n[len(_BASE) :] for n in tree.files if n.startswith(_BASE)),
+    ]
+    folders = {name[: name.index(f"{old}/")] for name in made if f"/{old}/" in f"/{name}"}
+    starts = [f"{_RECORDS}{kept}/{folder}" for kept in _KEPT for folder in folders] + [*folders]
+
+    def moved(path: str) -> str:
+        start = next((s for s in starts if path.startswith(f"{s}{old}/")), None)
+        return path if start is None else f"{start}{new}{path[len(start) + len(old) :]}"
+
+    return moved
+
+
+def _moved_manifest(data: bytes, moved: Callable[[str], str]) -> bytes:
+    try:
+        record = json.loads(data)
+        digests = {moved(name): digest for name, digest in record["sha256"].items()}
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return data  # damaged: all counts as generated, as without a rename
+    return json.dumps({**record, "sha256": digests}).encode()
+
+
+def _moved_orphan(data: bytes, moved: Callable[[str], str]) -> bytes:
+    head, sign, body = data.decode("utf-8", "surrogateescape").partition("# ---\n")
+    lines = [
+        f"{_FILE}{encode_id(moved(decode_id(line[len(_FILE) :])))}"
+        if line.startswith(_FILE)
+        else line
+        for line in head.split("\n")
+    ]
+    return ("\n".join(lines) + sign + body).encode("utf-8", "surrogateescape")

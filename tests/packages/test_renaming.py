@@ -1,0 +1,250 @@
+"""A monitor gets another name: its package moves, or it is said that the old one is left behind."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.packages.transaction import recover
+from tests.cli.command import example, files_below, run
+from tests.diagnosed import assert_example
+from tests.updates.inputs import elements, write_inputs
+from tests.updates.world import killed_at
+
+pytestmark = pytest.mark.slow
+
+MODEL, CONFIG_A, CONFIG_B = "two_conserts.xml", "consert_a_config.yml", "consert_b_config.yml"
+PACKAGES = Path("ws/src/eddi_monitor")
+OLD, NEW = PACKAGES / "conserta", PACKAGES / "rover"
+GENERATE = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG_A)
+RENAME = (*GENERATE, "--rename", "ConSertA=Rover")
+HAND = "self.RtE_A_E0 = self.RtE_A_E0  # written by hand\n"
+
+
+@pytest.fixture(scope="module")
+def renamed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workspace with two monitors, hand edits and own files, whose first model has a new name."""
+    folder = example(tmp_path_factory.mktemp("made"))
+    (folder / "ws/src").mkdir(parents=True)
+    assert run("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG_B, cwd=folder).status == 0
+    assert run(*GENERATE, cwd=folder).status == 0
+    place = folder / OLD / "src/conserta/EDDIInput.py"
+    edit(place, "        self.RtE_A_E0 = RtE_E0.data\n", f"        {HAND}")
+    edit(folder / OLD / "launch/eddi_monitor.launch", "</launch>", "  <!-- mine -->\n</launch>")
+    (folder / OLD / "src/conserta/own.py").write_text("CALIBRATION = 3\n")
+    (folder / OLD / "data/conserta").mkdir(parents=True)
+    (folder / OLD / "data/conserta/run.sh").write_bytes(b"#!/bin/sh\n\xff\n")
+    (folder / OLD / "data/conserta/run.sh").chmod(0o700)
+    for name in (MODEL, CONFIG_A):
+        edit(folder / name, "ConSertA", "Rover")
+    return folder
+
+
+@pytest.fixture
+def folder(renamed: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(renamed, tmp_path / "clone"))
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def test_a_renamed_model_does_not_leave_its_package_without_a_word(folder: Path) -> None:
+    result = run(*GENERATE, cwd=folder)
+    assert result.status == 3
+    assert "left alone: conserta was made of 'ConSertA', a model that is not there" in result.err
+    assert "`--rename conserta=rover`" in result.err
+    assert HAND in (folder / OLD / "src/conserta/EDDIInput.py").read_text()
+    again = run(*GENERATE, cwd=folder)
+    assert again.status == 0
+    assert "note: conserta was made of 'ConSertA'" in again.err
+    done = run(*RENAME, cwd=folder)  # what stands there now was only generated
+    assert done.status == 0, done.err
+    check_moved(folder)
+
+
+def test_a_model_that_is_renamed_with_its_file_is_known_by_what_it_reads(tmp_path: Path) -> None:
+    for name in ("First", "Second"):
+        model, config = write_inputs(tmp_path / "in", elements("a", "b"), name)
+        edit(config, f"/{name.lower()}/a_topic", "/sensors/a")
+        edit(config, f"/{name.lower()}/b_topic", "/sensors/b")
+        words = ("generate", "--platform", "plain", "-o", "pl", "-m", model, "-c", config)
+        result = run(*words, cwd=tmp_path)
+    assert result.status == 3
+    assert "first was made of 'First'" in result.err
+
+
+def test_a_second_model_of_a_file_is_no_rename(folder: Path) -> None:
+    result = run("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG_B, cwd=folder)
+    assert "was made of" in result.err  # of the renamed one, which is in the same file
+    edit(folder / MODEL, "Rover", "ConSertA")
+    result = run("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG_B, cwd=folder)
+    assert "was made of" not in result.err
+
+
+def check_moved(folder: Path) -> None:
+    assert not files_below(folder / OLD)
+    assert HAND in (folder / NEW / "src/rover/EDDIInput.py").read_text()
+    assert "<!-- mine -->" in (folder / NEW / "launch/eddi_monitor.launch").read_text()
+    assert (folder / NEW / "src/rover/own.py").read_text() == "CALIBRATION = 3\n"
+    script = folder / NEW / "data/conserta/run.sh"
+    assert script.read_bytes() == b"#!/bin/sh\n\xff\n"
+    assert script.stat().st_mode & 0o777 == 0o700
+    launch = (folder / PACKAGES / "eddi_monitor_launcher/launch/eddi.launch").read_text()
+    assert "$(find rover)" in launch
+    assert "$(find consertb)" in launch
+    assert "conserta" not in launch
+    names = [path for path in files_below(folder / NEW) if "data/" not in path]
+    assert not [path for path in names if "conserta" in path]
+    assert run("regions", "--check", "ws", cwd=folder).status == 0
+    assert run("status", "-w", "ws", cwd=folder).status == 0
+
+
+def test_a_package_moves_with_everything_in_it(folder: Path) -> None:
+    before = files_below(folder)
+    dry = run(*RENAME, "--dry-run", cwd=folder)
+    assert dry.status == 0
+    assert files_below(folder) == before
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 0, result.err
+    assert "note: conserta is called rover now; all in it moved along" in result.err
+    check_moved(folder)
+    made = files_below(folder)
+    assert run(*GENERATE, cwd=folder).status == 0
+    assert files_below(folder) == made
+
+
+def test_an_edited_generated_file_is_kept_under_the_new_path(folder: Path) -> None:
+    path = folder / OLD / "src/conserta/EDDIMonitor.py"
+    path.write_text(path.read_text() + "# mine\n")
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 3
+    kept = folder / NEW / ".eddi/rejects/src/rover/EDDIMonitor.py.edited"
+    assert kept.read_text().endswith("# mine\n")
+
+
+def test_own_text_with_the_old_name_is_told(folder: Path) -> None:
+    (folder / OLD / "src/conserta/own.py").write_text("from conserta import EDDIInput\n")
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 3
+    assert "rover/src/rover/own.py: the name 'conserta' of the package is still in it" in result.err
+
+
+@pytest.mark.parametrize(
+    ("words", "about"),
+    [
+        (("Rover",), "'Rover' is not OLD=NEW"),
+        (("Nothing=Rover",), "there is no package 'nothing'"),
+        (("ConSertA=Other",), "this command makes no package 'other'"),
+        (("ConSertA=Rover", "ConSertB=Rover"), "twice, or not at all"),
+    ],
+)
+def test_renames_that_cannot_be_made(folder: Path, words: tuple[str, ...], about: str) -> None:
+    before = files_below(folder)
+    options = [part for word in words for part in ("--rename", word)]
+    result = run(*GENERATE, *options, cwd=folder)
+    assert result.status == 2
+    assert about in result.err
+    assert "[G025]" in result.err
+    assert files_below(folder) == before
+
+
+def test_nothing_that_was_written_is_moved_over(folder: Path) -> None:
+    assert run(*GENERATE, cwd=folder).status == 3
+    own = folder / NEW / "src/rover/own.py"
+    own.write_text("")
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 2
+    assert "something in it was written by hand" in result.err
+    assert_example("G025", result.err)
+
+
+@pytest.mark.parametrize("name", [".git", "src/conserta/link.py"])
+def test_what_is_no_regular_file_stops_a_rename(folder: Path, name: str) -> None:
+    path = folder / OLD / name
+    if name == ".git":
+        path.write_text("gitdir: ../../../.git/modules/conserta\n")
+    else:
+        path.symlink_to("own.py")
+    before = files_below(folder)
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 2
+    assert f"{name!r} cannot move along" in result.err
+    assert files_below(folder) == before
+
+
+def test_a_killed_rename_is_all_or_nothing(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    old, moved = files_below(folder / "ws"), False
+    for step in range(3, 2000, 83):
+        clone = Path(shutil.copytree(folder, tmp_path / f"at_{step}"))
+        if not killed_at(step, lambda at=clone: run(*RENAME, cwd=at), monkeypatch):
+            break
+        recover(clone / PACKAGES)
+        if files_below(clone / OLD):
+            assert files_below(clone / "ws") == old, step
+        else:
+            moved = True
+            check_moved(clone)
+    assert moved
+
+
+# models that swap their names ---------------------------------------------------------------------
+def make(folder: Path, swapped: bool, *options: str) -> list[object]:
+    """Return commands for two models with the same inputs, as they were or with swapped names."""
+    order = [elements("one", "two"), elements("two", "one")]
+    commands: list[object] = []
+    for name, inputs in zip(("Left", "Right"), order[::-1] if swapped else order, strict=True):
+        model, config = write_inputs(folder / f"{name}{swapped}", inputs, name)
+        text = config.read_text().replace(
+            "type: ConSert\n", f"type: ConSert\n  parameters: [{{model: {model.name}}}]\n"
+        )
+        config.write_text(text)
+        commands += ["-c", config]
+    return ["generate", "--platform", "plain", "-o", "pl", *commands, *options]
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> Path:
+    assert run(*make(tmp_path, swapped=False), cwd=tmp_path).status == 0
+    for name in ("left", "right"):
+        place = tmp_path / "pl" / name / "EDDIInput.py"
+        edit(place, "        self.one = one_topic.data\n", f"        self.one = 0  # of_{name}\n")
+    return tmp_path
+
+
+def test_models_that_swap_names_do_not_get_each_others_code_silently(two: Path) -> None:
+    result = run(*make(two, swapped=True), cwd=two)
+    assert result.status == 3
+    assert "left keeps its hand-written code, but its model is now what that of right" in result.err
+    assert run(*make(two, swapped=True), cwd=two).status == 0
+
+
+def test_packages_swap_their_names(two: Path) -> None:
+    options = ("--rename", "left=right", "--rename", "right=left")
+    result = run(*make(two, True, *options), cwd=two)
+    assert result.status == 0, result.err
+    assert "# of_right\n" in (two / "pl/left/EDDIInput.py").read_text()
+    assert "# of_left\n" in (two / "pl/right/EDDIInput.py").read_text()
+    assert run("status", "-w", "pl", cwd=two).status == 0
+
+
+def test_inputs_that_swap_their_topics_are_told(tmp_path: Path) -> None:
+    model, config = write_inputs(tmp_path / "in", elements("one", "two"))
+    words = ("generate", "--platform", "plain", "-o", "pl", "-m", model, "-c", config)
+    assert run(*words, cwd=tmp_path).status == 0
+    place = tmp_path / "pl/rover/EDDIInput.py"
+    edit(place, "        self.one = one_topic.data\n", "        self.one = 0\n")
+    for old, new in (("/one_", "/tmp_"), ("/two_", "/one_"), ("/tmp_", "/two_")):
+        edit(config, old, new)
+    result = run(*words, cwd=tmp_path)
+    assert result.status == 3
+    assert "one keeps its hand-written code, but reads `/rover/two_topic` now" in result.err
+    assert "two keeps" not in result.err
+    assert run(*words, cwd=tmp_path).status == 0
