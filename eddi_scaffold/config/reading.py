@@ -85,7 +85,8 @@ def read_config(
     except ValidationError as failed:
         return None, in_order([*problems, *violations(failed, places, source.name)])
     text = source.data.decode("utf-8-sig", "replace")
-    file = ConfigFile(_with_types(config, robot), source.name, places, text=text)
+    types = robot.types if robot is not None else {}
+    file = with_types(ConfigFile(config, source.name, places, text=text), types)
     problems += _repeated_ids(file)
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
@@ -140,14 +141,13 @@ def _near(path: Path) -> str | None:
     return did_you_mean(path.name, sorted(there))
 
 
-def _with_types(config: Config, robot: RobotAdditions | None) -> Config:
-    """Take in the message types of the robot's models that the inputs need, to be remembered."""
-    if robot is None:
-        return config
+def with_types(file: ConfigFile, known: MessageFields) -> ConfigFile:
+    """Take in those of the message types that the inputs need, to be remembered."""
+    config = file.config
     required = {name for item in config.EDDIInputs for name in item.requires}
     types = [source.type for source in config.SimulatorOutputs if source.id in required]
-    found = {**used(types, robot.types), **config.MessageTypes}
-    return config.model_copy(update={"MessageTypes": found})
+    found = {**used(types, known), **config.MessageTypes}
+    return replace(file, config=config.model_copy(update={"MessageTypes": found}))
 
 
 def _renamed(document: Map, problems: list[Problem]) -> Map:

@@ -10,7 +10,7 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.reading import RobotAdditions, read_configs
+from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.ages import with_default_ages
@@ -273,8 +273,10 @@ def _rejoined(
     answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
 ) -> tuple[BoundMonitor, list[Problem]]:
     kind = kinds()[answers["kind"]]
-    if config is None and answers.get("config_json"):
-        config = from_json(answers["config_json"], f"the configuration that {folder} remembers")
+    if answers.get("config_json"):
+        old = from_json(answers["config_json"], f"the configuration that {folder} remembers")
+        # types that came from models of the robot stay known without these
+        config = old if config is None else with_types(config, old.config.MessageTypes)
     marks = answers.get("default_guarantees") or ()
     monitor, problems = monitor_of(model, kind, config, marks)
     if monitor is None:

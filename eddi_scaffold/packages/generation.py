@@ -18,6 +18,7 @@ from pathlib import Path
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
+from eddi_scaffold.packages.handwritten import lost_sources
 from eddi_scaffold.packages.links import follow
 from eddi_scaffold.packages.obstacles import KEPT, obstacles
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
@@ -194,10 +195,10 @@ def _merge_package(
         changes = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
     work.changes.update({f"{package.folder}/{p}": state for p, state in changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in changes if p in before})
-    work.notes += [note for note in (*notes, *merged.saved) if note not in work.notes]
+    work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
     work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in merged.report.notes]
     work.notes += found.untouched()
-    work.attention = work.attention or bool(merged.saved) or merged.report.needs_attention
+    work.attention = work.attention or bool(merged.look) or merged.report.needs_attention
 
 
 @dataclass(frozen=True)
@@ -206,12 +207,12 @@ class _Merged:
 
     Attributes:
         changes: path -> new state, ``None`` for a removed file.
-        saved: what happened to edits of files that must not be edited.
-        report: what happened to those of the others.
+        look: what a person must look at: edits of files that must not be edited, lost inputs.
+        report: what happened to edits of the other files.
     """
 
     changes: Mapping[str, FileState | None]
-    saved: Sequence[str]
+    look: Sequence[str]
     report: SyncReport
 
 
@@ -251,7 +252,8 @@ def _merged(
     }
     _check_python(after, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
-    return _Merged(changed, saved, report)
+    lost = lost_sources(staged, read_answers(target) or {}, package.answers)
+    return _Merged(changed, [*saved, *(f"{package.folder}: {one}" for one in lost)], report)
 
 
 def _is_record(path: str) -> bool:

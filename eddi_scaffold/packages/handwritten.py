@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
+from eddi_scaffold.regions.markers import Marker, read_marker
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,42 @@ def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
         for status in (list_regions(root / package) if ids else ())
         if status.id in ids and status.state == "untouched"
     ]
+
+
+def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
+    """Return a line for each input that was made of messages, and is left to nobody now.
+
+    Args:
+        package: the folder with its newest files.
+        before: its former answers.
+        after: its answers.
+    """
+    made, now = _statements(before), _statements(after)
+    lost = {name for name, line in made.items() if line and now.get(name) == ""}
+    if not lost:
+        return []
+    untouched = {one.id for one in list_regions(package) if one.state == "untouched"}
+    return [
+        f"input {name!r} has no source any more: it was made by `{made[name]}`"
+        for name in sorted(lost)
+        if f"input:{name}" in untouched
+    ]
+
+
+def _statements(answers: Mapping[str, Any]) -> dict[str, str]:
+    """Return input -> generated statement that sets it, empty where a person must write it.
+
+    Answers may be of an older release, or damaged: what is not there says nothing.
+    """
+    found = {}
+    inputs = answers.get("inputs")
+    for one in inputs if isinstance(inputs, list) else ():
+        if isinstance(one, dict) and isinstance(body := one.get("body"), list) and body:
+            marker = read_marker(str(one.get("region_begin")), 1)
+            if isinstance(marker, Marker) and marker.id is not None:
+                waits = body[-1] == f"self.{one.get('attribute')} = None"
+                found[marker.id.removeprefix("input:")] = "" if waits else str(body[-1])
+    return found
 
 
 def written(package: Path) -> list[str]:

@@ -123,3 +123,27 @@ def test_a_monitor_is_generated_with_the_topics_of_the_system(robot: Path) -> No
         ("clear", "/front/clear", "Bool"), ("odometry", "/odom", "Odometry"),
         ("battery", "/b", "Charge"),
     ]  # fmt: skip
+
+
+def test_an_upgrade_keeps_the_message_types_of_the_robots_models(robot: Path) -> None:
+    (robot / "ws/src").mkdir(parents=True)
+    generate = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
+    assert run(*generate, "--models", NODES, cwd=robot).status == 0
+    inputs = robot / "ws/src/eddi_monitor/rover/src/rover/EDDIInput.py"
+    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
+    edit(robot / CONFIG, "max_age: 5\n", "max_age: 6\n")
+    assert run("upgrade", "-w", "ws", "-m", MODEL, "-c", CONFIG, cwd=robot).status == 0
+    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
+
+
+def test_an_input_that_loses_its_source_is_said(robot: Path) -> None:
+    (robot / "ws/src").mkdir(parents=True)
+    generate = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
+    assert run(*generate, "--models", NODES, cwd=robot).status == 0
+    again = run(*generate, cwd=robot)
+    assert again.status == 3
+    assert (
+        "rover: input 'Charge' has no source any more: it was made by `self.Charge = charge.level`"
+        in again.err
+    )
+    assert "WayIsClear" not in again.err
