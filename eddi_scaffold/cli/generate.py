@@ -11,6 +11,7 @@ from eddi_scaffold.cli.options import (
     ConfigFiles,
     DefaultGuarantees,
     DryRun,
+    Force,
     Name,
     NodeModels,
     OptionalModelFile,
@@ -50,6 +51,7 @@ def generate(
             help="`OLD=NEW`: the monitor had another name; its package moves, with all in it.",
         ),
     ] = None,
+    force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
     """Generate monitors, or regenerate them; hand-written lines stay.
@@ -97,6 +99,7 @@ def generate(
             own_template(),
             within=place,
             renames=renames,
+            force=force,
             dry_run=dry_run,
             progress=console.progress,
         )

@@ -116,4 +116,7 @@ Runtime = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
+Force = Annotated[
+    bool, typer.Option("--force", help="Also packages that a later eddi-scaffold made.")
+]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the difference, change nothing.")]

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import ConfigFiles, DryRun
+from eddi_scaffold.cli.options import ConfigFiles, DryRun, Force
 
 
 def upgrade(
@@ -19,6 +19,7 @@ def upgrade(
     ] = None,
     model: Annotated[Path | None, typer.Option("-m", "--model", help="Newer model file.")] = None,
     config: ConfigFiles = None,
+    force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
     """Bring generated packages up to date; hand-written lines stay.
@@ -50,6 +51,7 @@ def upgrade(
                 wanted,
                 template,
                 within=group.within,
+                force=force,
                 dry_run=dry_run,
                 progress=console.progress,
             )

@@ -25,7 +25,7 @@ from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.packages.unpacking import unpacked
-from eddi_scaffold.packages.workspace import linked_package
+from eddi_scaffold.packages.workspace import linked_package, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import broken_files
@@ -91,6 +91,7 @@ def write_packages(
     *,
     within: Path | None = None,
     renames: Renames = NO_RENAMES,
+    force: bool = False,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Outcome:
@@ -103,14 +104,18 @@ def write_packages(
         within: folder that links to editable files may lead into, around ``root``; by default each
             package.
         renames: packages among them that were there under another name.
+        force: also packages that a later release made.
         dry_run: change nothing.
         progress: called with the folder of each package before it is rendered.
 
     Raises:
         EddiError: a hand-edited file has damaged markers (H010), a result does not compile (H011),
-            a model cannot be compiled (K028), or the destination (F002) or the place of the
-            templates (T002) cannot be written; nothing was written.
+            a model cannot be compiled (K028), the destination (F002) or the place of the
+            templates (T002) cannot be written, a file was saved meanwhile (F013), or a later
+            release made a package (T006); nothing was written.
     """
+    if not force:
+        refuse_newer(root / package.folder for package in packages)
     work = _Work()
     if not dry_run:
         for place in dict.fromkeys([root, within or root]):

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.packages.unpacking import Unpacked
+from eddi_scaffold.packages.versions import is_newer
 from eddi_scaffold.positioned_yaml.nodes import dump_11, read_document, value_11
 from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.source import read_source
@@ -96,13 +97,9 @@ def _shelved() -> str:
 def _is_newer(version_file: Path) -> bool:
     """Return whether the bundle on the shelf came with a later release than this one."""
     try:
-        return _release(version_file.read_text("utf-8")) > _release(__version__)
-    except (OSError, ValueError):
+        return is_newer(version_file.read_text("utf-8"))
+    except (OSError, UnicodeDecodeError):
         return False
-
-
-def _release(version: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in version.strip().split("."))
 
 
 def _replace(target: Path, data: bytes) -> None:

@@ -8,9 +8,11 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
+from eddi_scaffold import __version__
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.transaction import PREFIX
+from eddi_scaffold.packages.versions import is_newer, release
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import stays
@@ -39,6 +41,33 @@ def alone(roots: Iterable[Path]) -> Iterator[None]:
     except BusyError as busy:
         hint = "run the command again when that one has ended"
         raise EddiError(error("F012", str(busy), hint=hint)) from None
+
+
+def refuse_newer(packages: Iterable[Path]) -> None:
+    """Refuse to write packages of a later release: what that one added would be taken out.
+
+    Raises:
+        EddiError: there are such packages (T006).
+    """
+    made = {
+        package: str((read_answers(package) or {}).get("generator_version", ""))
+        for package in packages
+        if not package.is_symlink()
+    }
+    newer = {package: version for package, version in made.items() if is_newer(version)}
+    if newer:
+        hint = f"install eddi-scaffold {max(newer.values(), key=release)} or later, or add --force"
+        raise EddiError(
+            *(
+                error(
+                    "T006",
+                    f"eddi-scaffold {version} made this package, and this one is {__version__}",
+                    Place(str(package / ANSWERS_FILE)),
+                    hint,
+                )
+                for package, version in newer.items()
+            )
+        )
 
 
 def is_compiled(package: Path) -> bool:

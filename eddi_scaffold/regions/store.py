@@ -112,10 +112,12 @@ def write_file(
         if check is not None:
             check()
         os.replace(temporary, path)  # noqa: PTH105 - one name for the step that commits
-    except OSError:
+    except OSError as problem:
         with suppress(OSError):
             temporary.unlink()
-        raise
+        if isinstance(problem, ChangedMeanwhileError):
+            raise
+        raise OSError(problem.errno, problem.strerror, str(path)) from None
     _sync_folder(path.parent)
     return True
 

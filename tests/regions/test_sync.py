@@ -229,6 +229,13 @@ def test_full_disk_is_reported_and_repaired(
     assert snapshot(package) == snapshot(whole)
 
 
+def test_what_cannot_be_written_is_named_and_not_the_scratch_file(tmp_path: Path) -> None:
+    name = "n" * 250  # the scratch file beside it would have a name that no disk can hold
+    with pytest.raises(OSError, match="too long") as refused:
+        write_file(tmp_path, name, b"text")
+    assert refused.value.filename == str(tmp_path / name)
+
+
 def test_damaged_markers_leave_the_file_alone(package: Path) -> None:
     text = (package / INPUT).read_text().replace("Manual edit end", "Manual edit and", 1)
     (package / INPUT).write_text(text)

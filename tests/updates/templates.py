@@ -15,6 +15,7 @@ _METHOD = (
     "    def process_{{ input.attribute }}"
     "(self{% for name in input.arguments %}, {{ name }}{% endfor %}):\n"
 )
+_IMPORTS = "{% for line in input_imports %}\n"
 _PROCESSING = "\n    def processing(self, simulator_outputs):\n"
 
 # An empty text is the end of the file.
@@ -53,7 +54,7 @@ _THIRD = {
             '"""One attribute for each input of the monitor."""',
             '"""What the monitor reads (third look)."""',
         ),
-        ("\nfrom {{ runtime_module }}", "\nimport logging\n\nfrom {{ runtime_module }}"),
+        (_IMPORTS, f"import logging\n\n{_IMPORTS}"),
         (
             "        {{ input.region_end }}\n",
             "        {{ input.region_end }}\n        logging.debug('third look')\n",

@@ -1,0 +1,64 @@
+"""A package that a later release made is not taken down by an earlier one without a word."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold import __version__
+from eddi_scaffold.packages.versions import is_newer
+from tests.cli.command import example, files_below, run
+from tests.diagnosed import assert_example
+
+pytestmark = pytest.mark.slow
+
+MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
+GENERATE = ("generate", "--platform", "plain", "-o", "ws", "-m", MODEL, "-c", CONFIG)
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workspace that version 9 has made."""
+    folder = example(tmp_path_factory.mktemp("made"))
+    assert run(*GENERATE, cwd=folder).status == 0
+    answers = folder / "ws/consertb/.copier-answers.yml"
+    text = answers.read_text()
+    answers.write_text(re.sub(r"(?m)^generator_version: .*$", "generator_version: 9.0.0", text))
+    assert answers.read_text() != text
+    return folder
+
+
+@pytest.fixture
+def folder(generated: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(generated, tmp_path / "clone"))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [GENERATE, (*GENERATE, "--dry-run"), ("upgrade", "-w", "ws"), ("upgrade", "ws/consertb")],
+)
+def test_it_is_refused_with_both_versions(folder: Path, words: tuple[str, ...]) -> None:
+    before = files_below(folder)
+    result = run(*words, cwd=folder)
+    assert result.status == 2
+    assert_example("T006", result.err.replace(f"is {__version__} ", "is 0.1.0 "))
+    assert files_below(folder) == before
+
+
+@pytest.mark.parametrize("words", [GENERATE, ("upgrade", "-w", "ws")])
+def test_it_is_done_on_purpose(folder: Path, words: tuple[str, ...]) -> None:
+    result = run(*words, "--force", cwd=folder)
+    assert result.status in {0, 3}, result.err
+    answers = (folder / "ws/consertb/.copier-answers.yml").read_text()
+    assert f"generator_version: {__version__}\n" in answers
+
+
+@pytest.mark.parametrize(
+    ("version", "newer"),
+    [(__version__, False), ("0.0.1", False), ("999.0", True), ("", False), ("unknown", False)],
+)
+def test_what_is_newer(version: str, newer: bool) -> None:
+    assert is_newer(version) is newer
