@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 RUNTIME = ROOT / "runtime_lib" / "src" / "eddi_runtime"
 CORE = {"access", "compatibility", "inputs", "monitor", "node", "plain_values"}
-CORE |= {"__init__", "__pycache__", "py", "reading", "ros1", "transports", "version"}
+CORE |= {"__init__", "__pycache__", "py", "ros1", "transports"}
 """What of the runtime is always there."""
 OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
 

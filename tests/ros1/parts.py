@@ -12,9 +12,10 @@ import rospy
 import std_msgs.msg
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.conversion import MessageError
+from eddi_runtime.node.receipts import Receipts
 from eddi_runtime.ros1 import Input
-from eddi_runtime.transports.ros1 import subscriptions
-from eddi_runtime.transports.ros1.conversion import converter
+from eddi_runtime.transports.ros1.messages import converter
+from eddi_runtime.transports.ros1.subscriptions import Callback
 
 
 def check_classes_of_genpy_are_filled_and_checked():
@@ -37,32 +38,30 @@ def check_classes_of_genpy_are_filled_and_checked():
 
 
 def check_no_message_is_skipped():
-    slots = subscriptions.Subscriptions(lambda: None)
     source = Input("sample", "/sample", std_msgs.msg.Bool, every_message=True)
-    slot = subscriptions._Slot(source, slots._lock, lambda: None)
-    slots._slots["sample"] = slot
+    slots = Receipts([source], lambda: None)
+    receive = Callback("sample", slots)
     assert slots.taken() == ({}, {"sample": []})
     for value in (True, False, True):
-        slot.receive(std_msgs.msg.Bool(value))
+        receive(std_msgs.msg.Bool(value))
     receipts, new = slots.taken()
     assert [message.data for message in new["sample"]] == [True, False, True]
     assert receipts["sample"].message is new["sample"][-1]
     assert slots.taken() == (receipts, {"sample": []})
     for _ in range(1005):
-        slot.receive(std_msgs.msg.Bool(False))
-    assert slots.dropped() == {"sample": 5}
+        receive(std_msgs.msg.Bool(False))
+    assert slots.dropped() == "5 messages of sample were dropped"
     assert len(slots.taken()[1]["sample"]) == 1000
 
 
 def check_the_age_of_a_latched_message():
     def received(message, header):
         message._connection_header = header
-        slot.receive(message)
-        return slots.receipts()["sample"]
+        receive(message)
+        return slots.latest()["sample"]
 
-    slots = subscriptions.Subscriptions(lambda: None)
-    slot = subscriptions._Slot(Input("sample", "/s", std_msgs.msg.Bool), slots._lock, lambda: None)
-    slots._slots["sample"] = slot
+    slots = Receipts([], lambda: None)
+    receive = Callback("sample", slots)
     latching, other = {"callerid": "/a", "latching": "1"}, {"callerid": "/b", "latching": "0"}
     first = received(std_msgs.msg.Bool(True), latching)
     assert first.latched

@@ -6,10 +6,9 @@ here, and ``execute_step`` evaluates it once. Pure Python 3.8; only what is belo
 """
 
 from .access import by_id, by_key, by_name, joined
-from .compatibility import ModelError, needs
+from .compatibility import ModelError, __version__, needs
 from .inputs import EDDIInputBase, InputSpec, InputState
 from .monitor import Monitor
-from .version import __version__
 
 FORMATS = (1,)
 """Formats of compiled monitors that the core of this runtime runs."""

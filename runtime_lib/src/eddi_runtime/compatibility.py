@@ -6,7 +6,8 @@ import hashlib
 from types import ModuleType
 from typing import Mapping
 
-from .version import __version__
+__version__ = "0.1.0"
+"""Of this runtime."""
 
 _MARK = b"\n# sha256 of the lines below: "
 

@@ -1,4 +1,4 @@
-"""Any value that an input may hold, as a plain Python value or as a short text.
+"""Any value that an input may hold: read, as a plain Python value, or as a short text.
 
 Robot messages and people's methods hand over numpy scalars, subclasses and proxies: all of them
 are asked here, by methods that they cannot override.
@@ -67,3 +67,34 @@ def one_line(problem: BaseException) -> str:
     except Exception:  # noqa: BLE001 - an exception may fail to print itself
         text = "it cannot be printed"
     return f"{type(problem).__name__}: {text}" if text else type(problem).__name__
+
+
+class Absent:
+    """Represents an attribute that could not be read.
+
+    Attributes:
+        problem: why, empty when the object simply has no such attribute.
+    """
+
+    __slots__ = ("problem",)
+
+    def __init__(self, problem: str = "") -> None:
+        self.problem = problem
+
+
+ABSENT = Absent()
+
+
+def read(source: object, attribute: str, input_id: str) -> object:
+    """Return the value of an attribute, an ``Absent`` where it cannot be read; never raises.
+
+    An object that was not generated may hold an id that is no identifier as it is.
+    """
+    for name in (attribute, input_id):
+        try:
+            return getattr(source, name)
+        except AttributeError:  # noqa: PERF203 - the second is rare
+            continue
+        except Exception as problem:  # noqa: BLE001 - a property may raise anything
+            return Absent(f"reading it raised {type_name(problem)}")
+    return ABSENT

@@ -1,7 +1,7 @@
 """A robot in one process: nodes of the example on a transport of its own, in virtual time.
 
 The nodes are the generated ``RosNode.py``; only what they take from a transport is replaced, by
-one that delivers at once. The order within a step is that of every adapter.
+one that delivers at once.
 """
 
 from __future__ import annotations
@@ -11,13 +11,11 @@ import sys
 from contextlib import nullcontext
 from types import SimpleNamespace
 
-from eddi_runtime import __version__
 from eddi_runtime.inputs import UNKNOWN_AGE
-from eddi_runtime.node import health
-from eddi_runtime.node.outputs import beside, channels, check_outputs, each, picked
-from eddi_runtime.node.receipts import Receipt
-from eddi_runtime.node.schedule import Schedule
-from eddi_runtime.node.topics import Input, Output
+from eddi_runtime.node import health, node, receipts
+from eddi_runtime.node.node import Node
+from eddi_runtime.node.outputs import Output
+from eddi_runtime.node.receipts import Input
 
 from runtime_lib.tests.node.message_package import (
     EDDI_MESSAGES,
@@ -32,74 +30,63 @@ HERTZ = 8.0
 """Of every node, unless a test changes it: times on this grid are exact."""
 
 
-class ToyNode:
+class ToyNode(Node):
     """Base class of a generated node, as ``MonitorNode`` of a transport is.
 
     Attributes:
         busy: seconds that a step takes.
-        error: what goes wrong in a step.
+        error: what is wrong with an output.
         steps: times of the steps.
         levels: (time, level of the inputs), whenever that changed.
     """
 
-    STARTUP_GRACE = 10.0
-
     def __init__(self, robot, eddi_monitor, eddi_input):
-        self.robot, self.monitor, self.eddi_input = robot, eddi_monitor, eddi_input
-        self.core = eddi_monitor.monitor
-        eddi_input.bind(self.core.inputs)
-        self.schedule = Schedule(1.0 / self.FREQUENCY, self.MODE == "on_change")
-        self.health = health.Health(self.core, eddi_input, self.schedule.period, self.STARTUP_GRACE)
-        self.receipts = {}
+        super().__init__(eddi_monitor, eddi_input, converter(self.MESSAGES))
+        self.robot = robot
         self.busy, self.error = 0.0, ""
         self.steps, self.levels = [], []
-        self.converter = converter(self.MESSAGES)
-        result = self.core.message(self.core.execute_step(object()))
-        check_outputs(self.converter, result, self.core, self.OUTPUTS)
-        self.core.reset()
+        self.core, self.schedule, self.health = self._core, self._schedule, self._health
+        self.prepare()
+        self.init_publisher()
+
+    def advertise(self, channel):
+        return lambda message: self.robot.publish(full(channel.topic), message, self)
+
+    def topics(self):
+        return {source.id: full(source.topic) for source in self.INPUTS}
+
+    def now_ns(self):
+        return self.robot.t_ns()
+
+    def report_now(self):
+        self.levels.append((self.steps[-1] - BEGIN, self._health._level))
 
     def receive(self, topic, message, age=0.0):
         for source in self.INPUTS:
             if full(source.topic) == topic:
-                before = self.receipts.get(source.id)
-                count = 1 if before is None else before.received + 1
-                self.receipts[source.id] = Receipt(message, self.robot.now, count, age)
+                self._receipts.receive(source.id, message, age)
                 if self.MODE == "on_change":
                     self.turn()
 
-    def step(self):
-        started = self.robot.now
-        receipts = dict(self.receipts)
-        ages = {name: one.age_at(started) for name, one in receipts.items()}
-        t_ns = self.robot.t_ns()
-        self.eddi_input.begin_step(ages, None, t_ns)
-        self.eddi_input.processing({name: one.message for name, one in receipts.items()})
-        output = self.monitor.execute_step(self.eddi_input, t_ns)
+    def create_ros_msg(self, eddi_output):
         self.robot.now += self.busy
-        for channel in channels(self.OUTPUTS):
-            trees = beside(self.core, channel.of) if channel.of else self.core.message(output)
-            for one in each(self.converter.messages(trees)):
-                self.robot.publish(full(channel.topic), picked(one, channel), self)
-        self.steps.append(started)
-        if self.health.after_step(output, receipts, self.error, self.robot.now - started):
-            self.levels.append((started - BEGIN, self.health._level))
+        return super().create_ros_msg(eddi_output)
+
+    def _publish(self, output):
+        return super()._publish(output) or self.error
+
+    def step(self):
+        self.steps.append(self.robot.now)
+        super().step()
 
     def turn(self):
         """Do what the loop does when a step is due."""
         started = self.robot.now
         self.step()
-        self.schedule.stepped(started, self.robot.now)
+        self._schedule.stepped(started, self.robot.now)
 
     def report(self, *, periodic=True):
-        return self.health.collect(
-            identity={"runtime_version": __version__},
-            receipts=self.receipts,
-            overruns=self.schedule.overruns,
-            master="not watched",
-            wrong_types=(),
-            periodic=periodic,
-            topics={source.id: full(source.topic) for source in self.INPUTS},
-        )
+        return self.collect(periodic=periodic)
 
     def values(self):
         return dict(self.report(periodic=False).values)
@@ -125,7 +112,9 @@ class Robot:
             for one in ("info", "warn", "error")
         }
         monkeypatch.setattr(health, "LOG", SimpleNamespace(**levels))
-        monkeypatch.setattr(health, "time", SimpleNamespace(monotonic=lambda: self.now))
+        clock = SimpleNamespace(monotonic=lambda: self.now)
+        for module in (health, node, receipts):
+            monkeypatch.setattr(module, "time", clock)
 
     def t_ns(self):
         """Return the time of a step, of a clock that may be set back."""

@@ -2,8 +2,7 @@
 
 import pytest
 from eddi_runtime.node.conversion import MessageError
-from eddi_runtime.node.outputs import beside, channels, check_outputs, each, picked
-from eddi_runtime.node.topics import Output
+from eddi_runtime.node.outputs import Output, beside, channels, check_outputs, each, picked
 
 from runtime_lib.tests.node.message_package import EDDI_MESSAGES, STD_MSGS, converter
 

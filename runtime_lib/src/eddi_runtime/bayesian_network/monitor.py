@@ -9,7 +9,7 @@ from ..clock import step_time
 from ..compatibility import ModelError
 from ..inputs import InputSpec, accepted
 from ..monitor import Json, Standing, Tree
-from ..reading import Absent, read
+from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
 from .evidence import NotForeseenError

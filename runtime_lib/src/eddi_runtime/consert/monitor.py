@@ -19,7 +19,7 @@ from typing import (
 
 from ..inputs import InputSpec, accepted
 from ..monitor import Field, Monitor, Standing, Tree
-from ..reading import ABSENT, read
+from ..plain_values import ABSENT, read
 from .explain import Explanation, Graph, Node, Reason, Sets
 from .messages import output_message
 from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from typing import Sequence, Tuple, Union
 
-from ..plain_values import plain, show
-from ..reading import ABSENT, Absent
+from ..plain_values import ABSENT, Absent, plain, show
 
 FALSE, UNKNOWN, TRUE = 0, 1, 2
 NAMES = ("FALSE", "UNKNOWN", "TRUE")

@@ -8,8 +8,7 @@ from ..clock import step_time
 from ..expressions.conditions import Conditions, Value, known_value, reduced, scaled, stamp
 from ..inputs import InputSpec, accepted
 from ..monitor import Monitor, Standing, Tree
-from ..plain_values import show
-from ..reading import Absent, read
+from ..plain_values import Absent, read, show
 from .messages import output_messages
 
 Rows = List[Dict[str, Any]]

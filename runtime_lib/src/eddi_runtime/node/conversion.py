@@ -5,20 +5,22 @@ a numpy scalar only once somebody listens (rospy does). So every value is checke
 here, and a message is always filled completely.
 """
 
-import contextlib
 import math
-import numbers
 from types import ModuleType
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..monitor import Tree
+from ..plain_values import plain
 
-Convert = Callable[[object], object]
 Trees = Union[Tree, List[Tree], None]
 """What one step of a monitor gives: one message tree, several, or none."""
 
-_INTEGERS = {f"{sign}int{bits}": (sign, bits) for sign in ("", "u") for bits in (8, 16, 32, 64)}
+_WHOLE: Mapping[str, Tuple[int, int]] = {
+    **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+    **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+}
 _FLOATS = {"float32": 3.4028235e38, "float64": math.inf}
+_EXACT = {"bool": bool, "string": str}
 _HEADERS = ("Header", "std_msgs/Header")
 
 
@@ -42,61 +44,6 @@ class MessageError(TypeError):
     """A value does not fit the message; the text names field, expected type and value."""
 
 
-def _wrong(field: str, expected: str, value: object) -> MessageError:
-    shown = repr(value)
-    if len(shown) > 80:
-        shown = shown[:77] + "..."
-    return MessageError(f"{field}: {expected} expected, got {type(value).__name__} {shown}")
-
-
-def _boolean(field: str) -> Convert:
-    def convert(value: object) -> bool:
-        kind = type(value)
-        if kind is bool or (kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_")):
-            return bool(value)
-        raise _wrong(field, "bool", value)
-
-    return convert
-
-
-def _integer(field: str, name: str) -> Convert:
-    sign, bits = _INTEGERS[name]
-    low, high = (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-
-    def convert(value: object) -> int:
-        if isinstance(value, numbers.Integral) and not isinstance(value, bool):
-            number = int(value)
-            if low <= number <= high:
-                return number
-        raise _wrong(field, name, value)
-
-    return convert
-
-
-def _floating(field: str, name: str) -> Convert:
-    largest = _FLOATS[name]
-
-    def convert(value: object) -> float:
-        if isinstance(value, numbers.Real) and not isinstance(value, bool):
-            with contextlib.suppress(OverflowError):
-                number = float(value)
-                # NaN passes: only the kind knows whether that is its "no value".
-                if not math.isfinite(number) or abs(number) <= largest:
-                    return number
-        raise _wrong(field, name, value)
-
-    return convert
-
-
-def _text(field: str) -> Convert:
-    def convert(value: object) -> str:
-        if isinstance(value, str):
-            return str(value)
-        raise _wrong(field, "str", value)
-
-    return convert
-
-
 class Converter:
     """Turns ``("Name", {field: value})`` into messages of one message package.
 
@@ -106,7 +53,7 @@ class Converter:
 
     def __init__(self, classes: MessageClasses) -> None:
         self._classes = classes
-        self._plans: Dict[str, Tuple[Any, Dict[str, Convert], Optional[str]]] = {}
+        self._plans: Dict[str, Tuple[Any, Dict[str, str], Optional[str]]] = {}
 
     def message(self, tree: Tree) -> object:
         """Build one message.
@@ -118,14 +65,13 @@ class Converter:
         plan = self._plans.get(name)
         if plan is None:
             plan = self._plans[name] = self._plan(name)
-        cls, converts, header = plan
-        if fields.keys() != converts.keys():
+        cls, kinds, header = plan
+        if fields.keys() != kinds.keys():
             raise MessageError(
                 f"{name}: fields {', '.join(sorted(fields))} given,"
-                f" the message has {', '.join(sorted(converts))}; rebuild the message package"
+                f" the message has {', '.join(sorted(kinds))}; rebuild the message package"
             )
-        values = {field: convert(fields[field]) for field, convert in converts.items()}
-        built = cls(**values)
+        built = cls(**{k: self._value(name, k, kind, fields[k]) for k, kind in kinds.items()})
         if header is not None:
             getattr(built, header).stamp = self._classes.stamp()
         return built
@@ -146,52 +92,49 @@ class Converter:
         """Return ``package/Name`` of a message or of its class."""
         return self._classes.type_name(message)
 
-    def _plan(self, name: str) -> Tuple[Any, Dict[str, Convert], Optional[str]]:
-        module = self._classes.module
-        cls = getattr(module, name, None)
+    def _plan(self, name: str) -> Tuple[Any, Dict[str, str], Optional[str]]:
+        """Return the class of a message, its fields without a header, and its header."""
+        cls = getattr(self._classes.module, name, None)
         if cls is None:
-            raise MessageError(f"message {name} is not in {module.__name__}")
-        converts: Dict[str, Convert] = {}
-        header = None
-        for field, kind in self._classes.fields(cls):
-            if kind in _HEADERS and field == "header":
-                header = field
-            else:
-                converts[field] = self._convert(f"{name}.{field}", kind)
-        return cls, converts, header
+            raise MessageError(f"message {name} is not in {self._classes.module.__name__}")
+        kinds = dict(self._classes.fields(cls))
+        header = "header" if kinds.get("header") in _HEADERS else None
+        if header is not None:
+            del kinds[header]
+        return cls, kinds, header
 
-    def _convert(self, field: str, kind: str) -> Convert:
+    def _value(self, message: str, field: str, kind: str, value: object) -> object:
         if kind.endswith("]"):
-            return self._array(field, kind)
-        if kind == "bool":
-            return _boolean(field)
-        if kind in _INTEGERS:
-            return _integer(field, kind)
-        if kind in _FLOATS:
-            return _floating(field, kind)
-        if kind == "string":
-            return _text(field)
-        return self._nested(field, kind)
-
-    def _array(self, field: str, kind: str) -> Convert:
-        element, _, length = kind[:-1].partition("[")
-        convert_one = self._convert(field, element)
-        size = int(length) if length else None
-
-        def convert(value: object) -> List[object]:
-            if not isinstance(value, (list, tuple)) or (size is not None and len(value) != size):
-                raise _wrong(field, kind, value)
-            return [convert_one(item) for item in value]
-
-        return convert
-
-    def _nested(self, field: str, kind: str) -> Convert:
-        def convert(value: object) -> object:
-            if not isinstance(value, tuple) or len(value) != 2:
-                raise _wrong(field, kind, value)
+            one, _, length = kind[:-1].partition("[")
+            if isinstance(value, (list, tuple)) and (not length or len(value) == int(length)):
+                return [self._value(message, field, one, item) for item in value]
+        elif kind in _EXACT or kind in _WHOLE or kind in _FLOATS:
+            found = _scalar(kind, value)
+            if found is not None:
+                return found
+        elif isinstance(value, tuple) and len(value) == 2:
             built = self.message(value)
-            if self.type_name(built) != kind:
-                raise _wrong(field, kind, value)
-            return built
+            if self.type_name(built) == kind:
+                return built
+        expected = "str" if kind == "string" else kind
+        given = f"{type(value).__name__} {value!r}"
+        shown = given if len(given) <= 80 else given[:77] + "..."
+        raise MessageError(f"{message}.{field}: {expected} expected, got {shown}")
 
-        return convert
+
+def _scalar(kind: str, value: object) -> Union[bool, int, float, str, None]:
+    """Return a value as a plain one of a type, None where it is none of that type."""
+    found = plain(value)
+    if kind in _EXACT:
+        return found if type(found) is _EXACT[kind] else None
+    if isinstance(found, (str, bool)) or found is None:
+        return None
+    if kind in _WHOLE:
+        low, high = _WHOLE[kind]
+        return found if isinstance(found, int) and low <= found <= high else None
+    try:
+        number = float(found)
+    except OverflowError:
+        return None
+    # NaN passes: only the kind knows whether that is its "no value".
+    return number if not math.isfinite(number) or abs(number) <= _FLOATS[kind] else None

@@ -1,10 +1,12 @@
 """Facts about the steps of one monitor: logged when they change, kept for the diagnostics."""
 
+import threading
 import time
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..inputs import EDDIInputBase, InputSpec
 from ..monitor import Monitor, Output
+from ..plain_values import one_line
 from .logs import LOG
 from .receipts import Receipt
 from .report import (
@@ -22,7 +24,11 @@ from .report import (
     level_of,
     report,
 )
+from .schedule import Waker
 
+PERIOD_S = 1.0
+"""Between two reports without a new level."""
+_CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic
 _KNOWN = (FRESH, LATCHED)
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
 _CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
@@ -238,6 +244,48 @@ def _sources(spec: InputSpec, seen: _Seen, topics: Mapping[str, str]) -> Tuple[S
 
 def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:
     return any(name in receipts and receipts[name].latched for name in spec.requires)
+
+
+class Diagnostics:
+    """A thread of its own, so that a monitor slower than 1 Hz, or one that hangs, is reported.
+
+    Once a second, and at once on a new level.
+
+    Args:
+        collect: returns the present report; ``True`` as argument for the periodic one.
+        publish: sends one.
+    """
+
+    def __init__(
+        self, collect: Callable[[bool], Report], publish: Callable[[Report], None]
+    ) -> None:
+        self._collect, self._publish = collect, publish
+        self._waker = Waker()
+        self._stopped = False
+
+    def start(self) -> None:
+        """Begin to report."""
+        threading.Thread(target=self._run, name="diagnostics", daemon=True).start()
+
+    def stop(self) -> None:
+        """Report no more; returns at once and may be called in a signal handler."""
+        self._stopped = True
+        self._waker.wake()
+
+    def level_changed(self) -> None:
+        """Report at once."""
+        self._waker.wake()
+
+    def _run(self) -> None:
+        periodic = True
+        while not self._stopped:
+            try:
+                self._publish(self._collect(periodic))
+            except Exception as error:  # noqa: BLE001 - a report must never end the reporting
+                if not self._stopped:
+                    LOG.error("diagnostics: %s", one_line(error))
+            time.sleep(_CALM_S)
+            periodic = not self._waker.wait(PERIOD_S - _CALM_S)
 
 
 class Changes:

@@ -1,28 +1,80 @@
-"""The topics of one monitor: which message, or which value of it, goes where."""
+"""What a node publishes: which message of a monitor, or which value of it, goes to which topic."""
 
-from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
 
 from ..access import Step, follow
 from .conversion import Converter, MessageError, Trees
-from .topics import Output
+
+
+class Output(NamedTuple):
+    """One publication: an ``EDDIOutputs`` entry of eddi_config.yml.
+
+    Attributes:
+        id: name of the output, for people.
+        topic: name of the message's topic.
+        type: message class of the transport.
+        status_topic: topic of the facts behind the result, ``None`` for none.
+        status_type: its message class (with a header), ``None`` for none.
+        field: place of the value that is published alone, as ``data`` of a message of
+            std_msgs: names of fields, positions and ``("id", id)``; empty: the whole message.
+        only: id of the one message, of several in a step, that goes here; ``None``: all.
+        of: which message of the monitor: empty for the result, else the name of one beside it
+            (``evidence``), which the monitor's ``evidence_message()`` gives.
+    """
+
+    id: str
+    topic: str
+    type: Any
+    status_topic: Optional[str] = None
+    status_type: Any = None
+    field: Tuple[Step, ...] = ()
+    only: Optional[str] = None
+    of: str = ""
 
 
 class Channel(NamedTuple):
-    """One topic.
-
-    Attributes:
-        of: which message of the monitor, as in ``Output``.
-        topic: ROS name.
-        type: ROS message class.
-        field: as in ``Output``.
-        only: as in ``Output``.
-    """
+    """One topic; the attributes are those of ``Output``."""
 
     of: str
     topic: str
     type: Any
     field: Tuple[Step, ...] = ()
     only: Optional[str] = None
+
+
+Publish = Callable[[object], None]
+"""Sends one message to one topic."""
+
+
+class Publications:
+    """The topics of one monitor.
+
+    Args:
+        outputs: what to publish.
+        advertise: returns what sends to a topic.
+    """
+
+    def __init__(self, outputs: Iterable[Output], advertise: Callable[[Channel], Publish]) -> None:
+        self._topics: Dict[str, List[Tuple[Channel, Publish]]] = {}
+        for channel in channels(outputs):
+            self._topics.setdefault(channel.of, []).append((channel, advertise(channel)))
+
+    @property
+    def beside(self) -> List[str]:
+        """Names of the messages that somebody was promised beside the result."""
+        return [name for name in self._topics if name]
+
+    def publish(self, message: object, of: str = "") -> None:
+        """Publish on every topic of the result, or of a message beside it.
+
+        Args:
+            message: a message, a list of them, or None.
+            of: name of the message, empty for the result.
+        """
+        for channel, publish in self._topics.get(of, ()):
+            for one in each(message):
+                if channel.only in (None, getattr(one, "id", None)):
+                    publish(picked(one, channel))
 
 
 def channels(outputs: Iterable[Output]) -> Iterator[Channel]:

@@ -1,8 +1,34 @@
-"""What is known about the last message of an input."""
+"""What a node has received: the latest message of every source, and those that are all wanted."""
 
-from typing import NamedTuple
+import threading
+import time
+from collections import deque
+from typing import Any, Callable, Deque, Dict, Iterable, List, NamedTuple, Tuple
 
 from ..inputs import UNKNOWN_AGE
+
+DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
+MAX_QUEUED = 1000
+"""Messages between two steps; older ones are dropped and counted."""
+
+
+class Input(NamedTuple):
+    """One subscription: a ``SimulatorOutputs`` entry of eddi_config.yml.
+
+    Attributes:
+        id: name under which ``EDDIInput.processing`` finds the message.
+        topic: absolute or relative name; remapping and namespaces apply.
+        type: message class of the transport.
+        buffer_bytes: receive buffer. rospy hands out old messages when a message is larger
+            than the buffer, so it must be raised for images and point clouds.
+        every_message: no message is skipped: those between two steps are queued.
+    """
+
+    id: str
+    topic: str
+    type: Any
+    buffer_bytes: int = DEFAULT_BUFFER_BYTES
+    every_message: bool = False
 
 
 class Receipt(NamedTuple):
@@ -29,3 +55,63 @@ class Receipt(NamedTuple):
     def age_at(self, now: float) -> float:
         """Return how old the message is, in seconds."""
         return self.age + now - self.at
+
+
+class Receipts:
+    """What a transport hands over in its own threads; all conversion happens in the loop.
+
+    Args:
+        sources: what is subscribed to.
+        arrived: called after every message (``on_change`` wakes the loop here).
+    """
+
+    def __init__(self, sources: Iterable[Input], arrived: Callable[[], None]) -> None:
+        self._lock = threading.Lock()
+        self._arrived = arrived
+        self._latest: Dict[str, Receipt] = {}
+        self._queues: Dict[str, Deque[object]] = {
+            one.id: deque(maxlen=MAX_QUEUED) for one in sources if one.every_message
+        }
+        self._dropped: Dict[str, int] = {}
+
+    def receive(self, source: str, message: object, age: float = 0.0) -> None:
+        """Store one message.
+
+        Args:
+            source: id of the input.
+            message: as the transport hands it out.
+            age: see ``Receipt``.
+        """
+        now = time.monotonic()
+        with self._lock:
+            before = self._latest.get(source)
+            number = 1 if before is None else before.received + 1
+            self._latest[source] = Receipt(message, now, number, age)
+            queue = self._queues.get(source)
+            if queue is not None:
+                if len(queue) == MAX_QUEUED:
+                    self._dropped[source] = self._dropped.get(source, 0) + 1
+                queue.append(message)
+        self._arrived()
+
+    def latest(self) -> Dict[str, Receipt]:
+        """Return the last message of every input that has one, at one instant."""
+        with self._lock:
+            return dict(self._latest)
+
+    def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[object]]]:
+        """Return the last messages, and those since the last call of inputs that take each of them.
+
+        At one instant: one that came between the two would be new without having been received.
+        """
+        with self._lock:
+            new = {name: list(queue) for name, queue in self._queues.items()}
+            for queue in self._queues.values():
+                queue.clear()
+            return dict(self._latest), new
+
+    def dropped(self) -> str:
+        """Return how many messages were dropped because too many came in one period, in words."""
+        with self._lock:
+            found = self._dropped.items()
+            return "; ".join(f"{count} messages of {name} were dropped" for name, count in found)

@@ -8,7 +8,7 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec, accepted
 from ..monitor import Json, Standing, Tree
-from ..reading import read
+from ..plain_values import read
 from ..thresholds import Evidence, Threshold
 from . import result as out
 from .component import NOTHING, Component, Estimate, Importance, Moment

@@ -6,8 +6,7 @@ import math
 import sys
 from typing import Any, List, NamedTuple, Optional, Tuple, Union
 
-from ..plain_values import plain, show
-from ..reading import Absent
+from ..plain_values import Absent, plain, show
 
 Taken = Union[bool, float, List[Optional[bool]], None]
 

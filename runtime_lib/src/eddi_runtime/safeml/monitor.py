@@ -11,7 +11,7 @@ from ..clock import NO_TIME, step_time
 from ..history import Messages
 from ..inputs import InputSpec, accepted
 from ..monitor import Standing, Tree
-from ..reading import Absent, read
+from ..plain_values import Absent, read
 from .arrays import NUMPY, Array, Numbers, array_of
 from .axes import Axes
 from .comparison import Comparison

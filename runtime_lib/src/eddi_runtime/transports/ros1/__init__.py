@@ -1,6 +1,7 @@
 """ROS 1 adapter of the runtime: the only part of it that imports rospy."""
 
-from ...node.topics import Input, Output
+from ...node.outputs import Output
+from ...node.receipts import Input
 from .node import MonitorNode
 from .start import reported
 

@@ -6,7 +6,7 @@ A start that cannot work ends here, so that the ROS graph never sees a broken no
 import sys
 import time
 from contextlib import contextmanager
-from typing import Dict, Iterator, Sequence
+from typing import Dict, Iterator
 
 import rosgraph
 import rosgraph.names
@@ -15,6 +15,7 @@ import rospy.client
 import rospy.names
 
 from ...compatibility import ModelError
+from ...node.settings import Settings, settings
 from .master import Peer, Refused, Unreachable, answers_as
 
 _ADVICE = "run `eddi-scaffold upgrade`, or `copier recopy --trust` in the package"
@@ -80,14 +81,27 @@ def wait_for_master(node: str) -> Peer:
             return master
 
 
-def refuse_duplicate(master: Peer, node: str) -> None:
-    """Refuse to start while a living node has our name.
+def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
+    """Return what a person has set, as soon as the master answers and nothing forbids a start.
 
-    The master would shut the other one down, with respawn on both sides for ever in turns.
+    Args:
+        node: its full name.
+        frequency: of the generated node.
+        startup_grace: of the generated node.
 
     Raises:
-        StartError: with the address of the other node.
+        StartError: a living node has our name, or a parameter is wrong.
     """
+    master = wait_for_master(node)
+    _refuse_duplicate(master, node)
+    options, wrong = settings(_private_parameters(master, node), frequency, startup_grace)
+    if wrong:
+        raise StartError("; ".join(wrong))
+    return options
+
+
+def _refuse_duplicate(master: Peer, node: str) -> None:
+    # The master would shut the other one down, with respawn on both sides for ever in turns.
     try:
         uri = master.uri_of(node)
     except Unreachable:
@@ -96,7 +110,7 @@ def refuse_duplicate(master: Peer, node: str) -> None:
         raise StartError(f"a node with the name {node} is running at {uri}; nothing was started")
 
 
-def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str, object]:
+def _private_parameters(master: Peer, node: str) -> Dict[str, object]:
     """Return the private parameters: the master's, then those of the command line."""
     try:
         given = master.call("getParam", node)
@@ -104,7 +118,7 @@ def private_parameters(master: Peer, node: str, argv: Sequence[str]) -> Dict[str
         given = {}
     parameters: Dict[str, object] = dict(given) if isinstance(given, dict) else {}
     try:
-        parameters.update(rospy.client.load_command_line_node_params(list(argv)))
+        parameters.update(rospy.client.load_command_line_node_params(list(sys.argv)))
     except rospy.ROSInitException as error:
         raise StartError(str(error)) from error
     return parameters

@@ -1,56 +1,42 @@
-"""Latest message of every input. Callbacks only store; all conversion happens in the loop."""
+"""The subscriptions of one monitor: rospy's threads hand over messages, and how old they are."""
 
 import threading
-import time
-from collections import deque
-from typing import Any, Callable, Deque, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Dict
 
 import rospy
 
 from ...inputs import UNKNOWN_AGE
-from ...node.receipts import Receipt
-from ...node.topics import DEFAULT_BUFFER_BYTES, Input
+from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Receipts
 
 _MAX_PUBLISHERS = 32
-_MAX_QUEUED = 1000
-"""Messages between two steps; older ones are dropped and counted."""
 
 
-class _Slot:
-    """Receives the messages of one input."""
+class Callback:
+    """Takes the messages of one input; rospy calls it in a thread of each publisher.
 
-    def __init__(self, source: Input, lock: threading.Lock, arrived: Callable[[], None]) -> None:
-        self.source = source
-        self.receipt: Optional[Receipt] = None
-        self._lock = lock
-        self._arrived = arrived
+    Args:
+        source: id of the input.
+        receipts: where they are stored.
+    """
+
+    def __init__(self, source: str, receipts: Receipts) -> None:
+        self._source, self._receipts = source, receipts
         self._greeted: Dict[str, object] = {}
-        self._queue: Deque[object] = deque(maxlen=_MAX_QUEUED)
-        self.dropped = 0
+        self._lock = threading.Lock()
 
-    def receive(self, message: object) -> None:
-        """Store one message; runs in a thread of rospy."""
-        now = time.monotonic()
+    def __call__(self, message: object) -> None:
+        """Store one message."""
         header = getattr(message, "_connection_header", None) or {}
         # rospy keeps one header object per connection: a new object means a first message.
         publisher = str(header.get("callerid", ""))
-        latched = header.get("latching") == "1" and self._greeted.get(publisher) is not header
+        latched = header.get("latching") == "1"
         with self._lock:
+            first = self._greeted.get(publisher) is not header
             if len(self._greeted) >= _MAX_PUBLISHERS:
                 self._greeted.clear()  # every rostopic pub has a name of its own
             self._greeted[publisher] = header
-            number = 1 if self.receipt is None else self.receipt.received + 1
-            self.receipt = Receipt(message, now, number, _stamped_age(message) if latched else 0.0)
-            if self.source.every_message:
-                self.dropped += len(self._queue) == _MAX_QUEUED
-                self._queue.append(message)
-        self._arrived()
-
-    def taken(self) -> List[object]:
-        """Return the queued messages, oldest first, and forget them; the caller has the lock."""
-        messages = list(self._queue)
-        self._queue.clear()
-        return messages
+            age = _stamped_age(message) if latched and first else 0.0
+            self._receipts.receive(self._source, message, age)
 
 
 def _stamped_age(message: object) -> float:
@@ -62,67 +48,14 @@ def _stamped_age(message: object) -> float:
     return age if age >= 0.0 else UNKNOWN_AGE
 
 
-class Subscriptions:
-    """The subscriptions of one monitor.
-
-    Args:
-        arrived: called after every stored message (``on_change`` wakes the loop here).
-    """
-
-    def __init__(self, arrived: Callable[[], None]) -> None:
-        self._lock = threading.Lock()
-        self._arrived = arrived
-        self._slots: Dict[str, _Slot] = {}
-        self._subscribers: Dict[str, Any] = {}
-
-    def subscribe(self, sources: Iterable[Input]) -> None:
-        """Subscribe to every input; blocks while the ROS master does not answer."""
-        for source in sources:
-            slot = _Slot(source, self._lock, self._arrived)
-            self._slots[source.id] = slot
-            more = {}
-            if source.buffer_bytes != DEFAULT_BUFFER_BYTES:
-                more["buff_size"] = source.buffer_bytes
-            self._subscribers[source.id] = rospy.Subscriber(
-                source.topic,
-                source.type,
-                slot.receive,
-                queue_size=_MAX_QUEUED if source.every_message else 1,
-                tcp_nodelay=True,
-                **more,
-            )
-
-    def receipts(self) -> Dict[str, Receipt]:
-        """Return the last message of every input that has one, at one instant."""
-        with self._lock:
-            return self._receipts()
-
-    def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[object]]]:
-        """Return the last messages, and those since the last call of inputs that take each of them.
-
-        At one instant: one that came between the two would be new without having been received.
-        """
-        with self._lock:
-            each = {n: slot.taken() for n, slot in self._slots.items() if slot.source.every_message}
-            return self._receipts(), each
-
-    def _receipts(self) -> Dict[str, Receipt]:
-        return {
-            name: slot.receipt for name, slot in self._slots.items() if slot.receipt is not None
-        }
-
-    def dropped(self) -> Dict[str, int]:
-        """Return input id -> messages that were dropped because too many came in one period."""
-        with self._lock:
-            return {name: slot.dropped for name, slot in self._slots.items() if slot.dropped}
-
-    def topics(self) -> Dict[str, str]:
-        """Return input id -> resolved topic of every subscription."""
-        return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
-
-    def expected_types(self) -> Dict[str, Tuple[str, str]]:
-        """Return resolved topic -> (input id, ROS type name) of every subscription."""
-        return {
-            subscriber.resolved_name: (name, str(subscriber.type))
-            for name, subscriber in self._subscribers.items()
-        }
+def subscribe(source: Input, receipts: Receipts) -> Any:
+    """Return the subscriber of an input; blocks while the ROS master does not answer."""
+    large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
+    return rospy.Subscriber(
+        source.topic,
+        source.type,
+        Callback(source.id, receipts),
+        queue_size=MAX_QUEUED if source.every_message else 1,
+        tcp_nodelay=True,
+        **({"buff_size": source.buffer_bytes} if large else {}),
+    )
