@@ -51,7 +51,7 @@ def test_a_property_that_raises_is_a_fault_of_that_input_only():
     assert active(made.execute_step(Source())) == ["G"]
     assert made.faults()["a"] == "reading it raised ZeroDivisionError"
     assert made.faults()["b"] == "reading it raised ValueError"
-    assert made.fault_counts() == {"a": 1, "b": 1, "c": 1, "n": 1, "d": 0}
+    assert set(made.faults()) == {"a", "b", "c", "n"}
 
 
 def test_interrupts_are_not_swallowed():

@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from eddi_scaffold.compiling.consert.emission import FORMAT
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.ros1.world import Master, free_port, make_messages, until
 
@@ -187,7 +188,7 @@ def test_models_that_cannot_be_used(world, master, model_files, tmp_path):
     for name, text in {
         "damaged": good[: good.rindex("        return [")],
         "changed": good.replace("== 2", "== 1", 1),
-        "newer": good.replace("consert: 1}", "consert: 99}"),
+        "newer": good.replace(f"consert: {FORMAT}}}", "consert: 99}"),
     }.items():
         (tmp_path / f"{name}.py").write_text(text)
     nodes = {

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import inputs
-from .inputs import Computed, InputSpec, InputState, aged, invalid
+from .inputs import InputSpec, InputState, aged, invalid
+
+if TYPE_CHECKING:  # travels where a monitor has one
+    from .expressions.expression import Expression
 
 
 class Messages(List[Any]):
@@ -25,7 +28,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
     def __init__(self) -> None:
         super().__init__()
         self.__new: Optional[Mapping[str, Sequence[object]]] = None
-        self.__expressions: Dict[str, Computed] = {}
+        self.__expressions: Dict[str, Expression] = {}
         self.__messages: Mapping[str, object] = {}
         self.__now: Optional[int] = None
 

@@ -10,7 +10,6 @@ from typing import (
     Mapping,
     NamedTuple,
     Optional,
-    Protocol,
     Sequence,
     Tuple,
     Union,
@@ -20,17 +19,6 @@ from .plain_values import one_line
 
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above every limit until the next one comes."""
-
-
-class Computed(Protocol):
-    """What computes one input from messages (``eddi_runtime.expressions.expression``)."""
-
-    names: Mapping[str, Tuple[str, str]]
-
-    def value(
-        self, t: int, messages: Mapping[str, object], ages: Mapping[str, float]
-    ) -> Union[bool, float, str, None]:
-        """Evaluate once and return the input's value, None for UNKNOWN."""
 
 
 class InputSpec(NamedTuple):
@@ -58,7 +46,7 @@ class InputSpec(NamedTuple):
     factor: Optional[Tuple[int, int]] = None
     default: object = None
     every_message: bool = False
-    expression: Optional[Callable[[], Computed]] = None
+    expression: Optional[Callable[[], Any]] = None
     accepts: Tuple[str, ...] = ()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import (
     TYPE_CHECKING,
+    Any,
     Dict,
     Iterable,
     List,
@@ -19,9 +20,8 @@ from typing import (
 
 from ..inputs import InputSpec, accepted
 from ..monitor import Field, Monitor, Standing, Tree
-from ..plain_values import ABSENT, read
+from ..plain_values import ABSENT, plain, read
 from .explain import Explanation, Graph, Node, Reason, Sets
-from .messages import output_message
 from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge
 
 if TYPE_CHECKING:  # travels where a monitor has one
@@ -115,11 +115,8 @@ class ConSert(Monitor[Rows]):
         return tuple([read(source, spec.attribute, spec.id) for spec in self.inputs])
 
     def judge(self, leaf: int, raw: object) -> int:
-        """Return the truth value of a raw value, and count it when its type is wrong."""
-        value, why = judge(self.leaves[leaf], raw)
-        if why == FAULT:
-            self._fault_counts[leaf] += 1
-        return value
+        """Return the truth value of a raw value."""
+        return judge(self.leaves[leaf], raw)[0]
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
         """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
@@ -279,17 +276,13 @@ class ConSert(Monitor[Rows]):
             if why == FAULT
         }
 
-    def fault_counts(self) -> Dict[str, int]:
-        """Return input id -> in how many steps its value had a wrong type, since the start."""
-        return {spec.id: n for spec, n in zip(self.inputs, self._fault_counts)}
-
     def message(self, output: object) -> Tree:
         """Return an output as a ``ConSertOutput`` tree; never raises.
 
         Only a bool is taken as active: a row that a person's code has spoilt is published as not
         active, and ``output_faults`` reports it.
         """
-        tree, self._output_faults = output_message(output, self.published_ids)
+        tree, self._output_faults = _output_message(output, self.published_ids)
         return tree
 
     def status_message(self) -> Tree:
@@ -318,7 +311,6 @@ class ConSert(Monitor[Rows]):
             self.filter.reset(len(self.inputs))
         self.raw = (ABSENT,) * len(self.inputs)
         self.source = None
-        self._fault_counts = [0] * len(self.inputs)
         self._output_faults = ()
         self._groups = ((), {})
 
@@ -375,3 +367,37 @@ def _state(source: object, input_id: str) -> Optional[Reason]:
         return Reason(str(found.state), str(found.reason))
     except Exception:  # noqa: BLE001 - any object may be given as input
         return None
+
+
+def _output_message(output: object, published: Sequence[str]) -> Tuple[Tree, Tuple[str, ...]]:
+    """Return the ``ConSertOutput`` tree of an output and what was wrong with it; never raises.
+
+    Args:
+        output: what ``execute_step`` gave, or what a person's code made of it.
+        published: ids that are published as not active when the output is no list at all.
+    """
+    faults: List[str] = []
+    rows: Sequence[object]
+    if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
+        rows = output
+    else:
+        faults.append("the output is not a list; nothing is published as active")
+        rows = [{"id": one, "active": False} for one in published]
+    trees = [_row_tree(row, faults) for row in rows]
+    guarantees = [tree for tree in trees if tree is not None]
+    return ("ConSertOutput", {"guarantees": guarantees}), tuple(faults)
+
+
+def _row_tree(row: Any, faults: List[str]) -> Optional[Tree]:
+    try:
+        name, active = plain(row["id"]), plain(row["active"])
+    except Exception:  # noqa: BLE001 - a person's code may have put anything there
+        faults.append("a row of the output has no 'id' or no 'active'; it is left out")
+        return None
+    if not isinstance(name, str):
+        faults.append("the 'id' of a row of the output is not a text; it is left out")
+        return None
+    if not isinstance(active, bool):
+        faults.append(f"'active' of {name!r} is not a bool; published as not active")
+        active = False
+    return "Guarantee", {"id": name, "active": active}

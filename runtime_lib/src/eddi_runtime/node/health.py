@@ -4,6 +4,7 @@ import threading
 import time
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from ..compatibility import __version__
 from ..inputs import EDDIInputBase, InputSpec
 from ..monitor import Monitor, Output
 from ..plain_values import one_line
@@ -51,22 +52,6 @@ class _Seen(NamedTuple):
     error: str = ""
 
 
-class _Reasons(NamedTuple):
-    """The last report of the monitor.
-
-    Attributes:
-        at: monotonic seconds.
-        kinds: states of the inputs then.
-        blocks: input id -> what it blocks.
-        monitor: what it made of its inputs.
-    """
-
-    at: float = -_REFRESH_S
-    kinds: Optional[Tuple[str, ...]] = None
-    blocks: Mapping[str, Sequence[str]] = {}
-    monitor: MonitorFact = MonitorFact()
-
-
 class Health:
     """What the loop notes after each step and the diagnostics thread reads.
 
@@ -92,7 +77,9 @@ class Health:
         self._grace = startup_grace
         self._inputs = tuple(monitor.inputs)
         self._seen = _Seen(time.monotonic())
-        self._reasons = _Reasons()
+        self._said = MonitorFact()
+        self._kinds: Sequence[str] = ()  # states of the inputs when the monitor was asked
+        self._asked_at = -_REFRESH_S
         self._changes = Changes()
         self._errors: Dict[str, int] = {}
         self._logged: Dict[str, Tuple[str, float]] = {}
@@ -126,18 +113,19 @@ class Health:
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
             self._log_input(spec.id, reason if state == INVALID else "")
         kinds = tuple(state for state, _ in states)
-        changed = self._changes.note(output) or kinds != self._reasons.kinds
-        if changed or now - self._reasons.at >= _REFRESH_S:
-            self._reasons = self._ask(now, kinds)
+        changed = self._changes.note(output) or kinds != self._kinds
+        if changed or now - self._asked_at >= _REFRESH_S:
+            self._kinds, self._asked_at = kinds, now
+            self._said = self._asked(kinds)
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
-        self._level = level_of(kinds, error, self._reasons.monitor.accepted)
+        self._level = level_of(kinds, error, self._said.accepted)
         return self._level != before
 
-    def _ask(self, now: float, kinds: Tuple[str, ...]) -> _Reasons:
+    def _asked(self, kinds: Sequence[str]) -> MonitorFact:
         unknown = [spec.id for spec, kind in zip(self._inputs, kinds) if kind not in _KNOWN]
-        fact = MonitorFact(tuple(self._monitor.standings()), tuple(self._monitor.accepted()))
-        return _Reasons(now, kinds, dict(self._monitor.blocked(unknown)), fact)
+        standings, accepted = tuple(self._monitor.standings()), tuple(self._monitor.accepted())
+        return MonitorFact(standings, accepted, dict(self._monitor.blocked(unknown)))
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
@@ -177,7 +165,6 @@ class Health:
     def collect(
         self,
         *,
-        identity: Mapping[str, str],
         receipts: Mapping[str, Receipt],
         overruns: int,
         master: str,
@@ -188,7 +175,6 @@ class Health:
         """Return the present report; called by the diagnostics thread.
 
         Args:
-            identity: pairs that never change.
             receipts: what has been received.
             overruns: steps that were left out so far.
             master: state of the watchdog.
@@ -197,11 +183,14 @@ class Health:
             topics: id of a source -> full name of its topic.
         """
         now = time.monotonic()
-        seen, reasons = self._seen, self._reasons
+        seen, said = self._seen, self._said
+        then = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
         facts = [
             self._fact(spec, state, receipts, now)._replace(
-                blocks=tuple(reasons.blocks.get(spec.id, ())) if state[0] != FRESH else (),
-                sources=_sources(spec, seen, topics),
+                blocks=tuple(said.blocks.get(spec.id, ())) if state[0] != FRESH else (),
+                sources=tuple(
+                    SourceFact(topics.get(name, name), then.get(name)) for name in spec.requires
+                ),
             )
             for spec, state in zip(self._inputs, seen.states)
         ]
@@ -218,7 +207,8 @@ class Health:
         )
         if periodic:
             self._reported_overruns = overruns
-        return report(identity, facts, reasons.monitor, node)
+        identity = {"model_digest": self._monitor.digest, "runtime_version": __version__}
+        return report(identity, facts, said, node)
 
     def _fact(
         self, spec: InputSpec, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
@@ -234,12 +224,6 @@ class Health:
             errors=self._errors.get(spec.id, 0),
             limit=spec.max_age,
         )
-
-
-def _sources(spec: InputSpec, seen: _Seen, topics: Mapping[str, str]) -> Tuple[SourceFact, ...]:
-    """Return the topics of an input, with the ages that they had in the step."""
-    ages = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
-    return tuple(SourceFact(topics.get(name, name), ages.get(name)) for name in spec.requires)
 
 
 def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:

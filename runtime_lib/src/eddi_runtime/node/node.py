@@ -214,7 +214,6 @@ class Node:
             wrong_types: topics whose publisher sends another type, as sentences.
         """
         return self._health.collect(
-            identity={"model_digest": self._core.digest, "runtime_version": __version__},
             receipts=self._receipts.latest(),
             overruns=self._schedule.overruns,
             master=master,

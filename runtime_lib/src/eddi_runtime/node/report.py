@@ -76,10 +76,12 @@ class MonitorFact(NamedTuple):
     Attributes:
         standings: every guarantee, threshold or event, active or not.
         accepted: acceptances in use, as ``input: key``.
+        blocks: input id -> what it blocks.
     """
 
     standings: Tuple[Standing, ...] = ()
     accepted: Tuple[str, ...] = ()
+    blocks: Mapping[str, Sequence[str]] = {}
 
 
 class NodeFact(NamedTuple):

@@ -90,7 +90,7 @@ class Reliability:
             if factor is not None and isinstance(value, float):
                 value, fault = take(rule, value * factor[0] / factor[1])
             if fault:
-                self._found_faults({spec.id: fault})
+                self._faults[spec.id] = fault
             values[spec.id] = value
         return values
 
@@ -102,7 +102,6 @@ class Reliability:
         self._quanta = 0
         self._base = 0
         self._faults: Dict[str, str] = {}
-        self._counts: Dict[str, int] = {}
         self._taken: Mapping[str, Taken] = {}
         self._result = ReliabilityResult(
             valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=_NAN,
@@ -135,7 +134,7 @@ class Reliability:
             known[name] = step(values, moment, known)
         for component in self._parts:
             if component.said:
-                self._found_faults(component.said)
+                self._faults.update(component.said)
                 component.said = NOTHING
         low, high, alive, mttf, unknown, why = known[self.top]
         if self.moving and values[MISSION_END] is None:
@@ -162,11 +161,6 @@ class Reliability:
         )
         return self._result
 
-    def _found_faults(self, faults: Mapping[str, str]) -> None:
-        for name, fault in faults.items():
-            self._faults[name] = fault
-            self._counts[name] = self._counts.get(name, 0) + 1
-
     def _pass(self, now: Optional[int]) -> Tuple[int, str]:
         """Return how many quanta to propagate, and what is wrong with the clock."""
         if now is None:  # the next time that is one makes up for it
@@ -192,7 +186,7 @@ class Reliability:
             return ""
         values[MISSION_END] = None
         shown = f"{left:g} s is above mission_time ({longest:g} s); it counts as unknown"
-        self._found_faults({MISSION_END: shown})
+        self._faults[MISSION_END] = shown
         return "mission_end is above mission_time"
 
     def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
@@ -226,10 +220,6 @@ class Reliability:
     def latched(self) -> Dict[str, int]:
         """Return model -> how often a claim was ignored that something failed works again."""
         return {n: one.latched for n, one in self.components.items() if one.latched}
-
-    def fault_counts(self) -> Mapping[str, int]:
-        """Return input id -> how often its value could not be used, since the start."""
-        return self._counts
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
         """Return a result with its names; what is not finite becomes None."""
