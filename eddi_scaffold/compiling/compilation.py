@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from importlib import import_module
 from itertools import chain
+from typing import Any
 
-from eddi_scaffold.compiling.bayesian_network import emission as bayesian_network
-from eddi_scaffold.compiling.consert import emission as consert
 from eddi_scaffold.compiling.document import ModelError, ModelFile
-from eddi_scaffold.compiling.event import emission as event
 from eddi_scaffold.compiling.expressions import emission as expressions
-from eddi_scaffold.compiling.reliability import emission as reliability
-from eddi_scaffold.compiling.safeml import emission as safeml
 from eddi_scaffold.compiling.text import WIDTH, comment
 
 CORE_FORMAT = 1
@@ -21,22 +18,11 @@ CORE_FORMAT = 1
 
 _CONSTANTS = {"INF": 'float("inf")', "NAN": 'float("nan")'}
 
-KINDS: dict[str, tuple[int, Callable[[ModelFile], list[str]]]] = {
-    "bayesian_network": (bayesian_network.FORMAT, bayesian_network.lines_of),
-    "consert": (consert.FORMAT, consert.lines_of),
-    "event": (event.FORMAT, event.lines_of),
-    "reliability": (reliability.FORMAT, reliability.lines_of),
-    "safeml": (safeml.FORMAT, safeml.lines_of),
-}
-"""Kind -> format of its part of the runtime, and what writes its class."""
-
-_MODULES: dict[str, Sequence[str]] = {
-    "bayesian_network": bayesian_network.MODULES,
-    "consert": consert.MODULES,
-    "expressions": expressions.MODULES,
-    "reliability": reliability.MODULES,
-}
-"""Part of the runtime -> its modules that a monitor imports where it uses them."""
+KINDS = ("bayesian_network", "consert", "event", "reliability", "safeml")
+"""Each is a folder here; its ``emission`` offers ``lines_of``, which writes the class of a monitor,
+the ``FORMAT`` of its part of the runtime and, if there are any, the ``MODULES`` of that part which
+only some monitors import.
+"""
 
 
 def compile_model(model_file: ModelFile, runtime: str = "") -> str:
@@ -50,15 +36,25 @@ def compile_model(model_file: ModelFile, runtime: str = "") -> str:
         ModelError: the model is wrong, or its kind is not known.
     """
     if model_file.kind not in KINDS:
-        known = ", ".join(sorted(KINDS))
+        known = ", ".join(KINDS)
         raise ModelError(
             model_file.path, f"the kind {model_file.kind!r} is not known, only {known}"
         )
-    number, lines_of = KINDS[model_file.kind]
+    emission = _emission(model_file.kind)
+    parts = {model_file.kind: emission.FORMAT}
     try:
-        return whole_text(model_file, {model_file.kind: number}, lines_of(model_file), runtime)
+        return whole_text(model_file, parts, emission.lines_of(model_file), runtime)
     except ModelError as problem:
         raise ModelError(model_file.path, problem.reason) from None
+
+
+def _emission(part: str) -> Any:
+    """Import what writes for one part of the runtime; to import it for all takes longer."""
+    return import_module(f"eddi_scaffold.compiling.{part}.emission")
+
+
+def _modules(part: str) -> Sequence[str]:
+    return getattr(_emission(part), "MODULES", ())
 
 
 def whole_text(
@@ -75,8 +71,9 @@ def whole_text(
         about += ["", f"Model: {comment(source)} {comment(path) if isinstance(path, str) else ''}"]
     lines = [*expressions.expression_lines(model_file.inputs), *lines]
     body = "\n".join(lines)
-    names = _used(body, ("InputSpec", "expressions", *chain(*_MODULES.values())))
-    modules = {part: [one for one in found if one in names] for part, found in _MODULES.items()}
+    offered = {part: _modules(part) for part in ("expressions", *parts)}
+    names = _used(body, ("InputSpec", "expressions", *chain(*offered.values())))
+    modules = {part: [one for one in found if one in names] for part, found in offered.items()}
     if "expressions" in names or modules["expressions"]:
         parts = {**parts, "expressions": expressions.FORMAT}
     constants = [

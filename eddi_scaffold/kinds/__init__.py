@@ -281,10 +281,6 @@ def _none(_: object) -> Sequence[NoReturn]:
     return ()
 
 
-def _not_in_eddi(_document: EddiDocument, _source: Source, _marks: Sequence[str]) -> Reading:
-    return Reading((), ())
-
-
 def _no_meanings(_document: JsonObject | None, _part: str | None) -> Meanings:
     return {}
 
@@ -307,7 +303,7 @@ class Functions(Generic[M]):
     """What a kind does with its models, which are of the type ``M``.
 
     Attributes:
-        read_eddi: EDDI document -> models and problems; by default an EDDI has none of them.
+        read_eddi: EDDI document -> models and problems, of a kind that has an ``in_eddi``.
         read_file: such a file -> models and problems.
         check: problems of one model that the readers do not see (static checks).
         counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
@@ -349,7 +345,7 @@ class Functions(Generic[M]):
     export: Callable[[M], Mapping[str, str]]
     inputs: Callable[[M], Sequence[ModelInput]]
     runtime_model: Callable[[M], JsonObject]
-    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading] = _not_in_eddi
+    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading] | None = None
     check: Callable[[M], Sequence[Problem]] = _none
     beside: Callable[[M], Mapping[str, str]] = _nothing
     configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is
@@ -379,6 +375,8 @@ class Kind(Generic[M]):
         title: for people (``ConSert``).
         config_types: spellings of ``Model: type:`` in a configuration, compared without case.
         sniff: does this file, by its first bytes and name, hold a model of this kind by itself?
+        in_eddi: XPath, below a root of an EDDI, of all that its models may be read from; empty
+            for a kind of which an EDDI has none.
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
         output_message: name of the message that the monitor publishes.
         options: keys of ``Model:`` in a configuration that this kind understands.
@@ -397,6 +395,7 @@ class Kind(Generic[M]):
     messages: Mapping[str, str]
     output_message: str
     load: Callable[[], Functions[M]]
+    in_eddi: str = ""
     options: tuple[str, ...] = ()
     inputs_of_model: bool = True
     without_input: str = "nothing that needs it becomes known"

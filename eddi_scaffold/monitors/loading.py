@@ -7,13 +7,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_scaffold.kinds import Model, Options, Reading, kinds
+from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.positioned_yaml.nodes import read_map
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.unread import foreign, unread
+from eddi_scaffold.readers.xmi import select
 from eddi_scaffold.source import Source, read_source
 
 YAML_SUFFIXES = (".yml", ".yaml")
@@ -78,13 +80,20 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
         return Reading((), tuple(problems))
     models: list[Model] = []
     for kind in kinds().values():
-        reading = kind.functions.read_eddi(document, source, default_guarantees)
-        models += reading.models
-        problems = [*problems, *reading.problems]
+        # to import the functions of a kind takes longer than to look for its models
+        read = kind.functions.read_eddi if _is_in(document, kind) else None
+        if read is not None:
+            reading = read(document, source, default_guarantees)
+            models += reading.models
+            problems = [*problems, *reading.problems]
     found = foreign(document) if not models else None
     if found is not None:
         return Reading((), (found,))
     return Reading(tuple(models), tuple(problems), tuple(unread(document)))
+
+
+def _is_in(document: EddiDocument, kind: Kind[Model]) -> bool:
+    return bool(kind.in_eddi) and any(select(root, kind.in_eddi) for root in document.roots)
 
 
 def _is_utf8(data: bytes) -> bool:

@@ -1,4 +1,4 @@
-"""`--help` answers at once: what is heavy is imported where it is used."""
+"""`--help` answers at once, ConSerts without numpy: what is heavy is imported where it is used."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ print(json.dumps(sorted({name.partition(".")[0] for name in sys.modules})), file
 """
 
 
+CONSERTS = str(ROOT / "examples" / "two-conserts" / "two_conserts.xml")
 OF_TYPER = {"pydantic"}
 """What Typer itself imports as soon as it parses the arguments of a command."""
 
@@ -35,9 +36,10 @@ OF_TYPER = {"pydantic"}
         (["--version"], set()),
         (["generate", "--help"], OF_TYPER),
         (["chek"], OF_TYPER),
+        (["check", CONSERTS], {*OF_TYPER, "lxml", "rospkg", "yaml"}),
     ],
 )
-def test_help_imports_nothing_heavy(words: list[str], allowed: set[str]) -> None:
+def test_nothing_heavy_is_imported_before_it_is_needed(words: list[str], allowed: set[str]) -> None:
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, *words],
         env={**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"},

@@ -97,6 +97,6 @@ def test_a_changed_file_is_refused(tmp_path, monkeypatch):
 
 
 def test_another_format_of_a_part_is_refused():
-    text = compile_model(check_document(large())).replace("consert: 1}", "consert: 7}")
-    with pytest.raises(ModelError, match=r"format 7 of eddi_runtime\.consert, but .* runs 1: run"):
+    text = compile_model(check_document(large())).replace("consert: 2}", "consert: 7}")
+    with pytest.raises(ModelError, match=r"format 7 of eddi_runtime\.consert, but .* runs 2: run"):
         exec(text, {"__file__": "compiled.py"})

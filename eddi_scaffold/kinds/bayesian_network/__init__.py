@@ -20,6 +20,11 @@ _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
     "renamed", "evidence",
 )  # fmt: skip
+IN_EDDI = (
+    'descendant-or-self::*[contains(local-name(), "ayesianNetwork") or '
+    '@*[local-name() = "type" and contains(., "ayesianNetwork")]]'
+)
+"""Networks, as elements of an EDDI."""
 
 
 def _sniff(source: Source) -> bool:
@@ -46,6 +51,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="BayesianNetworkOutput",
     load=_functions,
+    in_eddi=IN_EDDI,
     options=_KEYS,
     inputs_of_model=False,
     aliases=(

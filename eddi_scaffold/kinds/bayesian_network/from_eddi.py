@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
 
+from eddi_scaffold.kinds.bayesian_network import IN_EDDI
 from eddi_scaffold.kinds.bayesian_network.check import check_network, first_missing
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem
@@ -17,10 +18,6 @@ from eddi_scaffold.source import Source
 
 CLASS = "bayesiannetwork"
 _FEATURES = ("bayesiannetwork", "bayesiannetworks")
-_CANDIDATES = (
-    'descendant-or-self::*[contains(local-name(), "ayesianNetwork") or '
-    '@*[local-name() = "type" and contains(., "ayesianNetwork")]]'
-)
 _NAME = Spelling("name")
 _NODES = Spelling("nodes", ("node",))
 _STATES = Spelling("nodeStates", ("nodeState", "states"))
@@ -50,7 +47,7 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], li
 def network_elements(document: EddiDocument) -> Iterator[Element]:
     """Yield the elements of class BayesianNetwork, wherever they are contained."""
     for root in document.roots:
-        for element in select(root, _CANDIDATES):
+        for element in select(root, IN_EDDI):
             stated = document.class_of(element).name
             if stated == CLASS or (not stated and fold(document.feature(element)) in _FEATURES):
                 yield element

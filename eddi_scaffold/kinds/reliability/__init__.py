@@ -26,6 +26,12 @@ _CONFIG = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
+IN_EDDI = (
+    'descendant-or-self::*[@*[local-name() = "type" and ('
+    'contains(translate(., "FAULTRE", "faultre"), "faulttree") or '
+    'contains(translate(., "MARKOVCHIN", "markovchin"), "markovchain"))]]'
+)
+"""Chains and trees, as elements of an EDDI; classes are compared without case."""
 
 
 def _sniff(source: Source) -> bool:
@@ -50,6 +56,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="ReliabilityOutput",
     load=_functions,
+    in_eddi=IN_EDDI,
     options=_KEYS,
     without_input="p_fail is the worst case of it, and not valid",
     inputs_of_model=False,  # `observe` and `observed` of a configuration make inputs

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from eddi_scaffold.kinds.reliability import IN_EDDI
 from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.eddi_laws import Laws
 from eddi_scaffold.kinds.reliability.model import (
@@ -23,12 +24,6 @@ from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
 
-_CANDIDATES = (
-    'descendant-or-self::*[@*[local-name() = "type" and ('
-    'contains(translate(., "FAULTRE", "faultre"), "faulttree") or '
-    'contains(translate(., "MARKOVCHIN", "markovchin"), "markovchain"))]]'
-)
-"""Classes are compared without case."""
 _NAME = Spelling("name")
 _FAILURES = Spelling("failures", ("failure",))
 _FAILURE, _FAIL_STATE = Spelling("failure"), Spelling("failState")
@@ -70,7 +65,7 @@ class _Reader:
     def systems(self) -> list[ReliabilitySystem]:
         elements: list[Element] = []
         for root in self.document.roots:
-            elements += select(root, _CANDIDATES)
+            elements += select(root, IN_EDDI)
         for element in elements:
             kind = self.document.class_of(element).name
             if kind == "markovchain":
