@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,11 +11,14 @@ from typing import Literal
 from eddi_scaffold.regions.bodies import same_body
 from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines, separator_lines
 from eddi_scaffold.regions.files import entries, read_regular, stays
-from eddi_scaffold.regions.generated import GENERATED
+from eddi_scaffold.regions.fitting import made_of, missing_parts
+from eddi_scaffold.regions.generated import ANSWERS, GENERATED, answers_digest, recorded_answers
+from eddi_scaffold.regions.git import former_texts
 from eddi_scaffold.regions.lost import lost_markers
 from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, parse
 from eddi_scaffold.regions.markers import with_sig
 from eddi_scaffold.regions.merge import check_text, dissolve, kind_of
+from eddi_scaffold.regions.outside import same_lines
 from eddi_scaffold.regions.paths import is_relative
 from eddi_scaffold.regions.placements import adopt_ids
 from eddi_scaffold.regions.review import doubtful_names
@@ -32,7 +35,7 @@ from eddi_scaffold.regions.sync import Refusal, linked_folders
 
 _PROBE = 8000
 """Bytes in which git looks for a zero byte, to tell that a file is no text."""
-State = Literal["untouched", "edited", "orphaned", "rejected", "broken"]
+State = Literal["untouched", "edited", "orphaned", "rejected", "broken", "unfit"]
 
 
 @dataclass(frozen=True)
@@ -40,10 +43,11 @@ class RegionStatus:
     """One region, saved body, rejected edit or damaged marker.
 
     Attributes:
-        id: the region; of a rejected edit the edited file; empty for a damaged marker.
+        id: the region; of a rejected edit the edited file; empty for what concerns a file.
         file: file relative to the package; of saved bodies the file they came from.
         line: line of the begin marker, ``None`` when it is in no file.
-        state: ``untouched`` holds the default.
+        state: ``untouched`` holds the default; ``unfit``: file and records are of different
+            renderings.
         notes: what to look at.
         review: whether a person must look (``regions --check`` fails).
     """
@@ -67,6 +71,10 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
     for name in files_below(root / EDDI / "pristine"):
         found.extend(_of_file(root, name))
+    broken = {one.file for one in found if one.state == "broken"}
+    found += [
+        one for one in unfit_files(root, partial(former_texts, root)) if one.file not in broken
+    ]
     for path, orphan in load_orphans(root).items():
         place = path.relative_to(root).as_posix()
         file, note = orphan.file if is_relative(orphan.file) else place, f"saved in {place}"
@@ -75,7 +83,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
         note = "put the edit where it belongs now, then delete this file"
         file = f"{EDDI}/rejects/{name}"
         found.append(RegionStatus(name, file, None, "rejected", (note,), review=True))
-    return (*found, *_conflicts(root, {one.file for one in found if one.state == "broken"}))
+    return (*found, *_conflicts(root, broken))
 
 
 def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
@@ -106,6 +114,58 @@ def _has_lost_renderings(records: Path) -> bool:
     """Return whether renderings of editable files are gone; some templates have no such file."""
     has_none = (records / GENERATED).is_file() and not files_below(records / "base")
     return not has_none and not (records / "pristine").is_dir()
+
+
+def unfit_files(
+    root: Path, former: Callable[[str], Mapping[str, str]] = lambda _: {}
+) -> list[RegionStatus]:
+    """Return the files that were not made of what the records of the package say.
+
+    Args:
+        root: the package.
+        former: versions of a file in the history, by commit; none where that is not known.
+    """
+    found = []
+    recorded = recorded_answers(root)
+    if recorded and recorded != answers_digest(root):
+        note = "the last finished rendering was of other answers; generate again"
+        found.append(_unfit(ANSWERS, note))
+    for name in files_below(root / EDDI / "pristine"):
+        notes = _misfits(root, name, former)
+        if notes:
+            found.append(_unfit(name, *notes))
+    return found
+
+
+def _misfits(root: Path, name: str, former: Callable[[str], Mapping[str, str]]) -> list[str]:
+    pristine, merged = (read_text(root / EDDI / kind / name) for kind in ("pristine", "base"))
+    if isinstance(pristine, Fault) or isinstance(merged, Fault) or pristine is None:
+        return []
+    rendered = without_sentinel(pristine)
+    if rendered is None:
+        return ["its rendering is not whole (interrupted, or of two branches); generate again"]
+    if rendered != merged:
+        return ["its newest rendering has not been merged into it; generate again"]
+    _, mine, theirs, _ = _documents(root, name)
+    base = _base(root, name, theirs)
+    if mine is None or base is None:
+        return []
+    place = f"{EDDI}/base/{name}"
+    notes = missing_parts(base, mine, python=kind_of(name) == "python")
+    if same_lines(base.skeleton, mine.skeleton):
+        return notes
+    olds = {key: parse(text)[0] for key, text in former(place).items() if text != merged}
+    commit = made_of(base, mine, olds)
+    if commit is not None:
+        cure = f"git checkout {commit} -- {place}', then upgrade"
+        notes.append(f"generated lines are of the rendering in {commit}; run '{cure}")
+    elif notes:
+        notes[-1] += f"; where you removed nothing: take {place} of the file's branch, then upgrade"
+    return notes
+
+
+def _unfit(name: str, *notes: str) -> RegionStatus:
+    return RegionStatus("", name, None, "unfit", notes, review=True)
 
 
 def broken_files(root: Path) -> tuple[Refusal, ...]:

@@ -22,7 +22,8 @@ GENERATED = "generated.txt"
 """File of a package's records that every rendering has."""
 _MANIFEST = "manifest.json"
 _EDITED = "edited.txt"
-_ANSWERS = ".copier-answers.yml"
+ANSWERS = ".copier-answers.yml"
+"""File of a package in which Copier keeps the answers."""
 
 
 def listed_generated(root: Path) -> list[str]:
@@ -79,7 +80,7 @@ def record_generated(root: Path) -> bool:
 
 def answers_digest(root: Path) -> str:
     """Return the SHA-256 of a package's answers, without where the templates lay."""
-    text = read_text(root / _ANSWERS)
+    text = read_text(root / ANSWERS)
     kept, origin = [], False
     for line in (text if isinstance(text, str) else "").split("\n"):
         origin = line.startswith("_") or (origin and line[:1] in {" ", ""})
@@ -168,6 +169,7 @@ def _digest(path: Path) -> str | None:
 
 
 __all__ = [
+    "ANSWERS",
     "GENERATED",
     "SENTINEL",
     "answers_digest",

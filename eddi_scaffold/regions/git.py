@@ -18,6 +18,9 @@ from eddi_scaffold.regions.paths import is_relative
 
 _NAME = ".git"
 _LIMIT_S = 60.0
+_SIDES = ("MERGE_HEAD", "CHERRY_PICK_HEAD", "REBASE_HEAD")
+"""The other branch of a merge under way."""
+_MOST_VERSIONS = 20
 _SETTINGS = (
     "safe.bareRepository=explicit",
     "core.hooksPath=/dev/null",
@@ -112,8 +115,35 @@ def repository_of(folder: Path) -> Repository | None:
     return None
 
 
-def committed_bytes(folder: Path, path: str) -> bytes | None:
-    """Return a file's bytes in the last commit, ``None`` without git or without the file.
+def committed_bytes(folder: Path, path: str, commit: str = "HEAD") -> bytes | None:
+    """Return a file's bytes in a commit, ``None`` without git or without the file.
+
+    Args:
+        folder: a real package, no scratch copy.
+        path: the file, relative to it.
+        commit: a name that git gave, by default that of the last one.
+    """
+    found = repository_of(folder)
+    if found is None or not is_relative(path):
+        return None
+    place = Path(os.path.realpath(folder)).relative_to(found.work_tree) / path
+    try:
+        return git("cat-file", "blob", f"{commit}:{place.as_posix()}", repository=found.git_dir)
+    except (OSError, GitError):
+        return None
+
+
+def committed_text(folder: Path, path: str, commit: str = "HEAD") -> str | None:
+    """Return the same as text, ``None`` as well where it is not UTF-8."""
+    data = committed_bytes(folder, path, commit)
+    try:
+        return data.decode() if data is not None else None
+    except UnicodeDecodeError:
+        return None
+
+
+def former_texts(folder: Path, path: str) -> dict[str, str]:
+    """Return the versions that a file had in the history, by commit, the newest first.
 
     Args:
         folder: a real package, no scratch copy.
@@ -121,21 +151,16 @@ def committed_bytes(folder: Path, path: str) -> bytes | None:
     """
     found = repository_of(folder)
     if found is None or not is_relative(path):
-        return None
-    place = Path(os.path.realpath(folder)).relative_to(found.work_tree) / path
+        return {}
+    place = (Path(os.path.realpath(folder)).relative_to(found.work_tree) / path).as_posix()
+    sides = [name for name in _SIDES if (found.git_dir / name).is_file()]
+    words = ("rev-list", "--full-history", f"--max-count={_MOST_VERSIONS}", "HEAD", *sides)
     try:
-        return git("cat-file", "blob", f"HEAD:{place.as_posix()}", repository=found.git_dir)
+        commits = git(*words, "--", place, repository=found.git_dir).decode().split()
     except (OSError, GitError):
-        return None
-
-
-def committed_text(folder: Path, path: str) -> str | None:
-    """Return the same as text, ``None`` as well where it is not UTF-8."""
-    data = committed_bytes(folder, path)
-    try:
-        return data.decode() if data is not None else None
-    except UnicodeDecodeError:
-        return None
+        return {}
+    texts = {commit[:12]: committed_text(folder, path, commit) for commit in commits}
+    return {commit: text for commit, text in texts.items() if text is not None}
 
 
 def _git_dir(place: Path) -> Path | None:
