@@ -8,7 +8,7 @@ from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.rendering import Template, read_answers
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
-from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.check import broken_files, unfit_files
 from eddi_scaffold.regions.generated import (
     answers_digest,
     changed_generated,
@@ -35,7 +35,7 @@ def is_current(target: Path, package: PackageAnswers, template: Template, source
     if source.changed or package.saved or target.is_symlink() or not target.is_dir():
         return False
     tree = transaction.survey(target)
-    if tree.others or UNCOMMITTED in tree.files or broken_files(target):
+    if tree.others or UNCOMMITTED in tree.files or broken_files(target) or unfit_files(target):
         return False
     origin = {"_commit": source.commit, "_src_path": template.location}
     answers = read_answers(target) or {}

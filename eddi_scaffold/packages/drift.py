@@ -83,7 +83,9 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         regions = list_regions(root)
         states = Counter(str(region.state) for region in regions)
         findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
-        findings += [f"{r.file}: {r.id}: {'; '.join(r.notes)}" for r in regions if r.review]
+        findings += [
+            ": ".join(filter(None, (r.file, r.id, "; ".join(r.notes)))) for r in regions if r.review
+        ]
         reports.append(
             Drift(folder, [p for p in changed if p not in edited], edited, dict(states), findings)
         )

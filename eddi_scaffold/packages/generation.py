@@ -28,7 +28,7 @@ from eddi_scaffold.packages.unpacking import unpacked
 from eddi_scaffold.packages.workspace import linked_package, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.check import broken_files, unfit_files
 from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import (
     changed_generated,
@@ -37,7 +37,7 @@ from eddi_scaffold.regions.generated import (
     recorded_generated,
     save_generated_edits,
 )
-from eddi_scaffold.regions.git import committed_text
+from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.python_text import parse_python
 from eddi_scaffold.regions.store import save_orphan
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
@@ -258,7 +258,13 @@ def _merged(
     _check_python(after, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
     lost = lost_sources(staged, read_answers(target) or {}, package.answers)
-    return _Merged(changed, [*saved, *(f"{package.folder}: {one}" for one in lost)], report)
+    unfit = unfit_files(staged, partial(former_texts, target)) if package.answers else ()
+    look = [
+        *saved,
+        *(f"{package.folder}: {one}" for one in lost),
+        *(f"{package.folder}/{one.file}: {'; '.join(one.notes)}" for one in unfit),
+    ]
+    return _Merged(changed, look, report)
 
 
 def _is_record(path: str) -> bool:

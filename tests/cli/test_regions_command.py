@@ -58,3 +58,14 @@ def test_a_broken_marker_is_looked_at(package: Path) -> None:
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
     assert any(line.startswith("broken") for line in shown.out.splitlines())
+
+
+def test_a_file_that_does_not_fit_its_records_is_looked_at(package: Path) -> None:
+    call = next(line for line in (package / FILE).read_text().split("\n") if ".update(" in line)
+    edit(package, f"{call}\n", "")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    assert f"unfit       {FILE}" in shown.out.replace(f"{package}/", "")
+    assert "is called by the newest rendering, not by the file" in shown.out
+    told = run("status", package, cwd=package)
+    assert (told.status, "is called by the newest rendering" in told.out) == (1, True)
