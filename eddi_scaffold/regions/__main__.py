@@ -19,13 +19,17 @@ if not __package__:  # run as a folder: make the template's checkout importable,
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.driver import merge_driver
 from eddi_scaffold.regions.generated import note_edits
 from eddi_scaffold.regions.git import committed_text
 from eddi_scaffold.regions.lock import BusyError, locked
 from eddi_scaffold.regions.sync import AGAIN, SyncReport, sync_package
 
 _WAIT_S = 10.0
-_USAGE = "usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)\n"
+_USAGE = """\
+usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)
+       python <template>/eddi_scaffold/regions merge-driver %O %A %B %P   (by git)
+"""
 
 
 def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> int:
@@ -50,6 +54,9 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
             lines = [f"{root}: error: {busy}: nothing was changed; when it has ended, update again"]
         sys.stderr.write("".join(f"{line}\n" for line in lines))
         return 1 if lines else 0
+    if len(words) == 5 and words[0] == "merge-driver":
+        base, ours, theirs = (root / word for word in words[1:4])
+        return merge_driver(base, ours, theirs, words[4])
     sys.stderr.write(_USAGE)
     return 0 if words in (["-h"], ["--help"]) else 2
 

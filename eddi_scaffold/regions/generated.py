@@ -20,7 +20,7 @@ from eddi_scaffold.regions.store import (
 
 GENERATED = "generated.txt"
 """File of a package's records that every rendering has."""
-_MANIFEST = "manifest.json"
+MANIFEST = "manifest.json"
 _EDITED = "edited.txt"
 ANSWERS = ".copier-answers.yml"
 """File of a package in which Copier keeps the answers."""
@@ -73,7 +73,7 @@ def record_generated(root: Path) -> bool:
         return False
     record = {"answers": answers_digest(root), "sha256": digests}
     text = json.dumps(record, indent=1, sort_keys=True) + "\n"
-    changed = write_file(root, f"{EDDI}/{_MANIFEST}", text.encode())
+    changed = write_file(root, f"{EDDI}/{MANIFEST}", text.encode())
     note.unlink(missing_ok=True)
     return changed
 
@@ -105,7 +105,7 @@ def changed_generated(root: Path) -> list[str]:
 
 def forget_generated(root: Path) -> None:
     """Drop the record, because every generated-only file is about to be rendered anew."""
-    (root / EDDI / _MANIFEST).unlink(missing_ok=True)
+    (root / EDDI / MANIFEST).unlink(missing_ok=True)
     (root / EDDI / _EDITED).unlink(missing_ok=True)
 
 
@@ -153,7 +153,7 @@ def _recorded(root: Path) -> dict[str, str]:
 
 
 def _manifest(root: Path) -> dict[str, object]:
-    text = read_text(root / EDDI / _MANIFEST)
+    text = read_text(root / EDDI / MANIFEST)
     try:
         found = json.loads(text) if isinstance(text, str) else {}
     except (ValueError, RecursionError):
@@ -171,6 +171,7 @@ def _digest(path: Path) -> str | None:
 __all__ = [
     "ANSWERS",
     "GENERATED",
+    "MANIFEST",
     "SENTINEL",
     "answers_digest",
     "changed_generated",

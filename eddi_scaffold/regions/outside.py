@@ -42,6 +42,7 @@ _LEAVES = ("return", "raise")
 
 @dataclass
 class _Merge:
+    both: bool = False  # two branches: regions and definitions come and go on either side
     rejects: list[Reject] = field(default_factory=list)
 
 
@@ -50,6 +51,8 @@ def merge_python(
     mine: Sequence[str],
     theirs: Sequence[str],
     changed: Collection[str] = (),
+    *,
+    both: bool = False,
 ) -> tuple[list[str], list[Reject]]:
     """Merge three skeletons of a Python file; never moves a line into another definition.
 
@@ -58,6 +61,7 @@ def merge_python(
         mine: the person's lines.
         theirs: the new rendering.
         changed: regions that are another element's in ``theirs``, and so are their functions.
+        both: the two are branches: definitions with regions come and go on either side.
 
     Returns:
         The merged skeleton, and the person's edits that did not fit in.
@@ -65,7 +69,7 @@ def merge_python(
     Raises:
         SyntaxError: one of the three does not parse.
     """
-    merge = _Merge()
+    merge = _Merge(both)
     before, own = (_without_heirs(split(lines), changed) for lines in (base, mine))
     lines = _block(merge, before, own, split(theirs), "")
     return lines, merge.rejects
@@ -104,7 +108,11 @@ def _block(
         was, person = old.get(key), own.get(key)
         if person is not None:
             chosen[key] = _both(merge, was, person, item, _name(scope, key))
-        elif was is None or regions_in(item.lines) or not same_lines(was.lines, item.lines):
+        elif (
+            was is None
+            or (regions_in(item.lines) and not merge.both)
+            or not same_lines(was.lines, item.lines)
+        ):
             chosen[key] = list(item.lines)
         # else: the person removed what the generator left as it was
     order = _Order(chosen)
@@ -118,7 +126,7 @@ def _block(
             lost = replaced.get(key)
             if lost is not None:
                 merge.rejects.append(Reject(_name(scope, lost.key), lost.lines, person.lines))
-            elif was is None and not regions_in(person.lines):
+            elif was is None and (merge.both or not regions_in(person.lines)):
                 order.insert(key, order.end if key in last else anchor or "")
                 chosen[key] = list(person.lines)
             elif was is None or not same_lines(was.lines, person.lines):
