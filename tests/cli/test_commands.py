@@ -33,6 +33,7 @@ COMMANDS = [
         "status",
         "trace",
         "regions",
+        "merge-driver",
         "diagram",
         "compose",
     ),
