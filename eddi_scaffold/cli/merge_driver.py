@@ -14,9 +14,9 @@ def merge_driver(
     theirs: Annotated[Path, typer.Argument(help="%B: of the other branch.")],
     path: Annotated[str, typer.Argument(help="%P: the file in the repository.")],
 ) -> None:
-    """Merge two branches of an editable file by its regions, for git.
+    """Merge two branches of an editable file by its regions; git runs it as a merge driver.
 
-    Example: git config merge.eddi-scaffold.driver 'eddi-scaffold merge-driver %O %A %B %P'
+    Example: eddi-scaffold merge-driver %O %A %B %P
     """
     from eddi_scaffold.regions import driver
 
