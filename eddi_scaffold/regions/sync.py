@@ -245,9 +245,19 @@ def _write(
             save_reject(root, planned.texts.path, planned.merged.patch.encode())
     for planned in plan:
         _write_next(root, planned)
-    for planned in plan:
-        if _write_one(root, planned):
-            touched.append(planned.texts.path)  # noqa: PERF401 - kept when a later write fails
+    left = list(plan)
+    try:
+        while left:
+            if _write_one(root, left[0]):
+                touched.append(left[0].texts.path)
+            left.pop(0)
+    except (
+        ChangedMeanwhileError
+    ):  # the merge that follows saves what leaves the files that are left
+        saved = {places[orphan] for planned in left for orphan in planned.merged.orphans}
+        for path in saved - stored.keys():
+            remove_file(path)
+        raise
     for planned in plan:
         for orphan in planned.merged.taken:
             remove_file(places[orphan])

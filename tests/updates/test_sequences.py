@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import VERSIONS, Templates, git
-from tests.updates.world import DONE, World, long_profile, snapshot
+from tests.updates.world import DONE, World, long_profile, saved_at, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -114,6 +114,12 @@ class Life:
         data = path.read_bytes().replace(b"\r\n", b"\n")
         path.write_bytes(data.replace(b"\n", b"\r\n") if self.chance.random() < 0.7 else data)
 
+    def mode(self) -> None:
+        self.world.change_mode(self.chance.choice((0o600, 0o644, 0o664, 0o755, 0o444)))
+
+    def link(self) -> None:
+        self.world.toggle_link()
+
     # what runs ---------------------------------------------------------------------------------
     def run(self, word: str) -> None:
         result = getattr(self.world, word)()
@@ -164,6 +170,36 @@ class Life:
             again = self.chance.choice([word for word in OPERATIONS if word != "update"])
         self.run(again)
 
+    def save(self, words: tuple[str, ...] = ("generate", "upgrade")) -> None:
+        """Save a file while an operation runs: it is refused, or both are in it."""
+        self._some_change()
+        word = self.chance.choice(words)
+        with pytest.MonkeyPatch.context() as context:
+            operation = getattr(self.world, word)
+            result = saved_at(self.chance.randrange(40), operation, self.edit, context)
+        note(f"  {word} -> {result.status} {result.words}")
+        assert result.status in {0, 2, 3}, result
+        DONE[f"saves during a run, {'refused' if result.status == 2 else 'merged'}"] += 1
+        if result.status == 2:
+            assert "while this command was running" in result.words
+            self.world.check(finished=False)
+            self.run(word)
+        else:
+            self.world.settle()
+            self.world.check()
+
+    def two(self) -> None:
+        """Run two operations at once."""
+        self._some_change()
+        words = [self.chance.choice(("generate", "upgrade", "copy")) for _ in range(2)]
+        self.world.seen.append(self.world.inputs)
+        done = self.world.both(*(getattr(self.world, word) for word in words))
+        note(f"  {words} -> {done}")
+        assert set(done) <= {0, 2, 3}, done
+        DONE["two runs at once"] += 1
+        self.world.check(finished=False)
+        self.run(self.chance.choice(words))
+
     def broken(self) -> None:
         """Break a marker: nothing of the file is touched; then repair it."""
         self._some_change()
@@ -196,7 +232,7 @@ class Life:
 WORDS = (
     *OPERATIONS, *OPERATIONS, *CHANGES, *CHANGES,
     "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside",
-    "line_ends", "kill", "broken",
+    "line_ends", "kill", "broken", "save", "two", "mode", "link",
 )  # fmt: skip
 
 

@@ -109,6 +109,8 @@ class World:
         self.seen: list[tuple[Element, ...]] = []  # models that the package may be at
         self.look = 0  # of the last finished operation
         self.steady = False  # the last operation finished, and so did the one before, at one look
+        self.is_link = False  # the main file is one
+        self.mode: int | None = None  # that a person gave the main file
         self.workspace.mkdir()
         git(self.workspace, "init", "-q")
 
@@ -193,6 +195,24 @@ class World:
             os.kill(child, signal.SIGKILL)
         with contextlib.suppress(ChildProcessError):
             os.waitpid(child, 0)
+
+    def both(self, first: Callable[[], Result], second: Callable[[], Result]) -> tuple[int, int]:
+        """Run two operations at once, in processes of their own; return how they ended."""
+        children = []
+        for operation in (first, second):
+            child = os.fork()
+            if child == 0:  # pragma: no cover - ends here
+                nowhere = os.open(os.devnull, os.O_RDWR)
+                for handle in (0, 1, 2):
+                    os.dup2(nowhere, handle)
+                status = 70
+                try:
+                    status = operation().status
+                finally:
+                    os._exit(status)
+            children.append(child)
+        one, other = (os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children)
+        return one, other
 
     def _copier(
         self, run: Callable[..., object], *where: object, data: dict[str, object]
@@ -333,6 +353,23 @@ class World:
         self.lines[token] = line
         return token
 
+    def change_mode(self, mode: int) -> None:
+        """Give the main file, or the one that it leads to, other permissions."""
+        (self.package / self.main).chmod(mode)
+        self.mode = mode
+
+    def toggle_link(self) -> None:
+        """Move the main file elsewhere in the package and leave a link, or take it back."""
+        place, real = self.package / self.main, self.package / "mine" / "EDDIInput.py"
+        if place.is_symlink():
+            place.unlink()
+            real.rename(place)
+        else:
+            real.parent.mkdir(exist_ok=True)
+            place.rename(real)
+            place.symlink_to(os.path.relpath(real, place.parent))
+        self.is_link = place.is_symlink()
+
     def damage(self, kind: int) -> str:
         """Break a marker of the main file; returns the whole text, to repair it."""
         whole = self.text()
@@ -431,6 +468,9 @@ class World:
                     assert re.findall(r"def (\w+)", after)[0] == line.above, line
 
     def _check_files(self) -> None:
+        main = self.package / self.main
+        assert main.is_symlink() == self.is_link
+        assert self.mode in {None, main.stat().st_mode & 0o777}
         for path in sorted(self.package.rglob("*")):
             assert path.suffix != ".rej", path
             if path.is_file() and ".eddi/rejects" not in path.as_posix():
@@ -497,6 +537,31 @@ def killed_at(step: int, operation: Callable[[], object], context: pytest.Monkey
         except Killed:
             return True
     return False
+
+
+def saved_at(
+    step: int,
+    operation: Callable[[], Result],
+    person: Callable[[], object],
+    context: pytest.MonkeyPatch,
+) -> Result:
+    """Run an operation; a person saves something at its n-th write, before that is in its place."""
+    left = step
+
+    def guard(real: Callable[..., object]) -> Callable[..., object]:
+        def one(*arguments: object, **options: object) -> object:
+            nonlocal left
+            left -= 1
+            if left == -1:
+                person()
+            return real(*arguments, **options)
+
+        return one
+
+    with context.context() as inner:
+        inner.setattr(transaction, "_write", guard(transaction._write))
+        inner.setattr(os, "fsync", guard(os.fsync))
+        return operation()
 
 
 def snapshot(folder: Path) -> dict[str, bytes]:
