@@ -22,6 +22,7 @@ from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.driver import merge_driver
 from eddi_scaffold.regions.generated import note_edits
 from eddi_scaffold.regions.git import committed_text
+from eddi_scaffold.regions.interrupted import ANSWERS, begin_update
 from eddi_scaffold.regions.lock import BusyError, locked
 from eddi_scaffold.regions.sync import AGAIN, SyncReport, sync_package
 
@@ -66,6 +67,8 @@ def _check(root: Path) -> list[str]:
     broken = broken_files(root)
     if not broken:
         note_edits(root)
+        interrupted = begin_update(root)
+        return [f"{ANSWERS}:1: error: {interrupted}"] if interrupted else []
     return [f"{refusal.file}:{refusal.line}: error: {refusal.reason}" for refusal in broken]
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from eddi_scaffold.regions.files import stays
 from eddi_scaffold.regions.generated import record_generated
+from eddi_scaffold.regions.interrupted import end_update
 from eddi_scaffold.regions.marked_file import Fault, parse
 from eddi_scaffold.regions.merge import may_return, merge, retire
 from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile
@@ -121,6 +122,7 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
             refused.clear()
             _sync(root, committed, refused, touched, notes)
         record_generated(root)
+        end_update(root)
     except OSError as problem:
         reason = f"{problem.strerror or problem}; nothing is lost; remove the reason, {AGAIN}"
         refused.append(Refusal(_relative(root, problem.filename), 1, reason))

@@ -1,0 +1,34 @@
+"""An update of Copier's that was killed: the next one must not take half of it for hand edits.
+
+Copier records the new version in the answers before it has brought all files to it. A second update
+would then start from the new version, and keep what is still old as a person's edit of it. So the
+answers of before stay beside the package until the merge has ended, and are put back.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from eddi_scaffold.regions.store import EDDI, read_text, remove_file, write_file
+
+ANSWERS = ".copier-answers.yml"
+_BEFORE = f"{EDDI}/updating.yml"
+
+
+def begin_update(root: Path) -> str | None:
+    """Keep the answers of before an update; return what to do where one was interrupted."""
+    before, now = read_text(root / _BEFORE), read_text(root / ANSWERS)
+    if isinstance(before, str) and before != now:
+        write_file(root, ANSWERS, before.encode())
+        return (
+            "the last update was interrupted; the answers are again those that the files were made"
+            " of: commit, and run the same update again"
+        )
+    if isinstance(now, str):
+        write_file(root, _BEFORE, now.encode())
+    return None
+
+
+def end_update(root: Path) -> None:
+    """Drop them: the package is at its answers."""
+    remove_file(root / _BEFORE)
