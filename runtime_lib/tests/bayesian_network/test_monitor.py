@@ -447,7 +447,7 @@ def test_posteriors_of_former_states_are_remembered(monkeypatch):
 def test_methods_that_say_the_same_in_each_step_are_asked_once():
     one = monitor(bins=BINS, hooks=Config())
     methods = one._methods
-    asked = [name for _, name, _ in methods._names]
+    asked = [name for _, name, *_ in methods._asked]
     assert asked == ["node_Speed"]  # node_Danger only sets its flag
     assert methods.outputs
     hooks = methods._hooks
@@ -467,7 +467,7 @@ def test_methods_that_say_the_same_in_each_step_are_asked_once():
             return is_bn_output, {"yes": 0.0, "no": 0.0}
 
     for kind in (Calling, Growing):
-        assert len(monitor(bins=BINS, hooks=kind())._methods._names) == 2
+        assert len(monitor(bins=BINS, hooks=kind())._methods._asked) == 2
 
 
 def test_time_is_for_holding_only():
@@ -555,7 +555,7 @@ class Odd(Config):
 
 def test_a_method_that_can_read_its_object_or_a_default_is_asked_in_each_step():
     one = monitor(bins=BINS, hooks=Odd(), explain=True)
-    assert len(one._methods._names) == 4
+    assert len(one._methods._asked) == 4
     one.execute_step(give(v=2.0, d=3.0))
     assert one.explain().evidence == {"Speed": "slow", "Gap": "near", "Alarm": "on"}
     one.execute_step(give(v=2.0, d=3.0))

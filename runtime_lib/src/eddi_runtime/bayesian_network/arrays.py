@@ -6,7 +6,6 @@ of the message, over its states and, where that may be, "not observed".
 
 from __future__ import annotations
 
-from string import ascii_letters
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set
 
 import numpy as np
@@ -39,16 +38,13 @@ class Running:
         self._nodes, self._positions, self._wanted = made.nodes, positions, wanted
         self._messages = [Message(*one) for one in made.messages]
         self._answers = [made.answers[k] for k in wanted] or made.answers
-        self._cases: Dict[int, Array] = {
-            one.nodes[0]: self._evidence(one) for one in self._messages if one.kind in _EVIDENCE
-        }
         self._known: Dict[int, Array] = {}
+        self._rows: Dict[int, List[List[float]]] = {}
         for number, message in enumerate(self._messages):
             if message.known:
-                self._known[number] = self._numbers(message, self._known, cases=True)
-        self._rows: Dict[int, List[List[float]]] = {
-            node: cases.tolist() for node, cases in self._cases.items()
-        }
+                self._known[number] = self._numbers(message)
+            if message.kind in _EVIDENCE:
+                self._rows[message.nodes[0]] = self._known[number].tolist()
         sizes = [len(rows[0]) for rows in self._rows.values()]
         self._flat = np.zeros(sum(sizes))
         self._vectors = dict(zip(self._rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
@@ -100,40 +96,36 @@ class Running:
             return rows[states[position]]
         return [one * other for one, other in zip(weights[position], rows[-1])]
 
-    def _evidence(self, message: Message) -> Array:
-        """Return a row for each state of a node and one for "not observed"."""
-        prior = np.array(self._nodes[message.nodes[0]][1][0])
-        if message.kind == "evidence":
-            prior = np.ones(len(prior))
-        return np.vstack([np.diag((prior > 0.0).astype(float)), prior])
-
-    def _numbers(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
+    def _numbers(self, message: Message) -> Any:
+        """Return the known numbers of a message for every case of its inputs."""
         if message.kind == "product":
-            return self._product(message, of, cases=cases)
-        if message.kind in _EVIDENCE:
-            return self._cases[message.nodes[0]]
+            return self._product(message, self._known, cases=True)
+        if message.kind == "table":
+            (node,) = message.parts
+            parents, rows = self._nodes[node]
+            axes = (*parents, node)
+            array = np.array(rows).reshape([len(self._nodes[one][1][0]) for one in axes])
+            return array.transpose([axes.index(one) for one in (*message.inputs, *message.nodes)])
+        first = np.array(self._nodes[message.nodes[0]][1][0])
+        vector = first if message.kind == "prior" else np.ones(len(first))
         if message.kind == "unit":
-            return np.ones(len(self._nodes[message.nodes[0]][1][0]))
-        (node,) = message.parts
-        parents, rows = self._nodes[node]
-        axes = (*parents, node)
-        array = np.array(rows).reshape([len(self._nodes[one][1][0]) for one in axes])
-        return array.transpose([axes.index(one) for one in (*message.inputs, *message.nodes)])
+            return vector
+        # A row for each state, and one for "not observed".
+        return np.vstack([np.diag((vector > 0.0).astype(float)), vector])
 
     def _product(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
         """Multiply two messages and sum over the nodes that the product has no axis for."""
         first, second = (self._messages[part] for part in message.parts)
-        axes = sorted({*first.nodes, *second.nodes})
-        inputs = message.inputs if cases else ()
-        # einsum knows 52 letters only, so they are counted anew for each pair.
-        letter = dict(zip([*axes, *(-1 - node for node in inputs)], ascii_letters))
+        axes = [*sorted({*first.nodes, *second.nodes}), *(-1 - one for one in message.inputs)]
+        # einsum knows 52 axes only, so they are counted anew for each pair.
+        number = {axis: k for k, axis in enumerate(axes)}
 
-        def letters(part: Message) -> str:
+        def numbers(part: Message) -> List[int]:
             before = part.inputs if cases else ()
-            return "".join(letter[one] for one in [*(-1 - node for node in before), *part.nodes])
+            return [number[one] for one in (*(-1 - node for node in before), *part.nodes)]
 
-        formula = f"{letters(first)},{letters(second)}->{letters(message)}"
-        return np.einsum(formula, *(of[part] for part in message.parts))
+        one, other = (of[part] for part in message.parts)
+        return np.einsum(one, numbers(first), other, numbers(second), numbers(message))
 
     def _step(self, steps: Any) -> Callable[[States], Posteriors]:
         slots: List[Any] = []

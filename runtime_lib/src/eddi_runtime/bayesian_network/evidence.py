@@ -78,6 +78,8 @@ def outcomes_finding(
     Raises:
         EvidenceError: as ``finding`` does, or the keys are not the states of the node.
     """
+    if tuple(outcomes) == states:  # as generated
+        return finding(list(outcomes.values()), states, virtual=virtual)
     try:
         values = [outcomes[state] for state in states]
     except KeyError as problem:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
+from types import SimpleNamespace
 from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Set, Tuple
 
 from ..plain_values import one_line
 from .engine import NodeSpec
 from .evidence import EvidenceError, Reading, outcomes_finding
+
+_Method = Tuple[int, str, Tuple[str, ...], Optional[Callable[[], Any]]]
+"""Number of a node, name of its method, states of the node; what is called in place of it."""
 
 
 class Answer:
@@ -21,9 +25,9 @@ class Answer:
 
     __slots__ = ("findings", "outputs", "problems")
 
-    def __init__(self) -> None:
-        self.findings: Dict[int, Reading] = {}
-        self.outputs: Set[int] = set()
+    def __init__(self, known: Optional[Answer] = None) -> None:
+        self.findings: Dict[int, Reading] = {} if known is None else known.findings.copy()
+        self.outputs: Set[int] = set() if known is None else known.outputs.copy()
         self.problems: Dict[int, str] = {}
 
     def put(
@@ -43,26 +47,15 @@ class Answer:
         """
         for node in self.problems:  # it would have set what is not known
             if node in positions:
-                position = positions[node]
-                states[position] = missing[position]
-                weights.pop(position, None)
+                states[positions[node]] = missing[positions[node]]
+                weights.pop(positions[node], None)
         for node, finding in self.findings.items():
             position = positions[node]
             if isinstance(finding, int):
                 states[position] = finding
                 weights.pop(position, None)
             else:
-                states[position] = missing[position]
-                weights[position] = finding
-
-
-class _Data:
-    """What ``update_dra_data`` gets: D7.2's methods take ``.data`` of it."""
-
-    __slots__ = ("data",)
-
-    def __init__(self) -> None:
-        self.data: object = None
+                states[position], weights[position] = missing[position], finding
 
 
 class Methods:
@@ -79,25 +72,26 @@ class Methods:
     def __init__(self, hooks: object, nodes: Sequence[NodeSpec], *, virtual: bool) -> None:
         self._hooks: Any = hooks
         self._virtual = virtual
-        self._data = _Data()
-        self._names: List[Tuple[int, str, Tuple[str, ...]]] = []
+        self._data = SimpleNamespace(data=None)  # D7.2's methods take `.data` of it
+        self._asked: List[_Method] = []
         self._constant = Answer()
         self.outputs: Set[int] = set()
         for node, spec in enumerate(nodes):
             name = f"node_{spec.attribute}"
-            if not hasattr(hooks, name):
+            method: Any = getattr(hooks, name, None)
+            if method is None:
                 continue
-            function: Any = getattr(getattr(hooks, name), "__func__", None)
+            function: Any = getattr(method, "__func__", None)
             code = getattr(function, "__code__", None)
             # Asked without its object: a method that uses that alone may change its result, too.
             if code is not None and _reads_nothing(code):
-                asked = partial(function, _NOBODY)
-                if not self._ask_one(node, name, spec.states, self._constant, asked):
+                self._ask([(node, name, spec.states, partial(function, _NOBODY))], self._constant)
+                if self._constant.problems.pop(node, None) is None:
                     continue
-            self._names.append((node, name, spec.states))
+            self._asked.append((node, name, spec.states, None))
             if code is not None and any(one is True for one in code.co_consts):
                 self.outputs.add(node)
-        self.observed = {*self._constant.findings, *(node for node, *_ in self._names)}
+        self.observed = {*self._constant.findings, *(node for node, *_ in self._asked)}
         self.outputs |= self._constant.outputs
 
     def ask(self, eddi_input: object) -> Answer:
@@ -105,49 +99,35 @@ class Methods:
 
         What one raises is noted and its node is not observed.
         """
-        known = self._constant
-        if not self._names:
-            return known
-        answer = Answer()
-        answer.findings.update(known.findings)
-        answer.outputs |= known.outputs
-        hooks, data = self._hooks, self._data
-        data.data = eddi_input
+        if not self._asked:
+            return self._constant
+        answer = Answer(self._constant)
+        self._data.data = eddi_input
         try:
-            hooks.update_dra_data(data)
+            self._hooks.update_dra_data(self._data)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             reason = f"update_dra_data raised {one_line(problem)}"
-            answer.problems.update((node, reason) for node, *_ in self._names)
-            return answer
-        for node, name, states in self._names:
-            reason = self._ask_one(node, name, states, answer)
-            if reason:
-                answer.problems[node] = reason
+            answer.problems.update((node, reason) for node, *_ in self._asked)
+        else:
+            self._ask(self._asked, answer)
         return answer
 
-    def _ask_one(
-        self,
-        node: int,
-        name: str,
-        states: Sequence[str],
-        answer: Answer,
-        method: Optional[Callable[[], Any]] = None,
-    ) -> str:
-        """Call one method and return what was wrong with it."""
-        try:
-            is_output, outcomes = (method or getattr(self._hooks, name))()
-            if is_output:
-                answer.outputs.add(node)
-            found = outcomes_finding(outcomes, states, virtual=self._virtual)
-        except EvidenceError as problem:
-            return f"{name}: {problem}"
-        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            return f"{name} raised {one_line(problem)}"
-        if found is not None:
-            answer.findings[node] = found
-        elif not self._virtual and any(outcomes.values()):
-            return f"{name}: evidence_mode d7.2 drops its outcomes"
-        return ""
+    def _ask(self, asked: Sequence[_Method], answer: Answer) -> None:
+        hooks, virtual = self._hooks, self._virtual
+        for node, name, states, other in asked:
+            try:
+                is_output, outcomes = (other or getattr(hooks, name))()
+                if is_output:
+                    answer.outputs.add(node)
+                found = outcomes_finding(outcomes, states, virtual=virtual)
+                if found is not None:
+                    answer.findings[node] = found
+                elif not virtual and any(outcomes.values()):
+                    answer.problems[node] = f"{name}: evidence_mode d7.2 drops its outcomes"
+            except EvidenceError as problem:  # noqa: PERF203 - what the others say counts
+                answer.problems[node] = f"{name}: {problem}"
+            except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+                answer.problems[node] = f"{name} raised {one_line(problem)}"
 
 
 class _Nobody:
