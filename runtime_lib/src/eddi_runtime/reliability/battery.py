@@ -7,10 +7,12 @@ use and one of recovery.
 from __future__ import annotations
 
 import math
+from itertools import accumulate, repeat
+from operator import mul
 from typing import List, Optional, Sequence, Tuple
 
 from .chain import Matrix, dot, factors
-from .component import Component, Estimate, Known, Moment, Values
+from .component import Component, Estimate, Known, Moment, Values, sure
 from .laws import Arrhenius
 
 _BANDS = {4: 0, 3: 2, 2: 4}
@@ -65,6 +67,9 @@ class Battery(Component):
             factor = self._heat.factor(hot)
         first = _BANDS.get(self._band, _EMPTY)
         hours = factor * moment.horizon
+        if level is not None and not colder:
+            fails, works = self._ahead.of(first, hours)
+            return sure(fails, works, self._life(first, factor))
         possible = range(first, first + 1)
         if level is None:  # with repair it may have been charged
             possible = range(0 if self._repair else first, _STATES)
@@ -72,9 +77,12 @@ class Battery(Component):
         low = float(possible[0] >= _EMPTY) if colder else min(failed)
         missing = [self._level] if level is None else []
         missing += [self._hot.name] if colder and self._hot is not None else []
-        life = min([self._lives[state] for state in possible])
-        life = life / factor if factor > 0.0 and life > 0.0 else life
+        life = min([self._life(state, factor) for state in possible])
         return Estimate(low, max(failed), min(working), life, tuple(missing))
+
+    def _life(self, state: int, factor: float) -> float:
+        life = self._lives[state]
+        return life / factor if factor > 0.0 and life > 0.0 else life
 
     def _believed(self, level: Optional[float]) -> Optional[float]:
         """Return the level, None where the band is not known either."""
@@ -119,7 +127,9 @@ class FreeHorizon:
         for state, rate in enumerate(exits):
             self._jump[state][state] += max(1.0 - rate / whole, 0.0)
         self._limit = min(max(self._fastest * longest, 0.01), _PREPARED)
-        self._count = math.ceil(self._limit + 40.0 + 10.0 * math.sqrt(self._limit))
+        # beside the tail of the distribution: as many jumps as lead to F, with all their digits
+        self._count = math.ceil(self._limit + 28.0 + 10.0 * math.sqrt(self._limit))
+        self._shares = [1.0 / k for k in range(1, self._count + 1)]
         alive = [float(state < _EMPTY) for state in range(_STATES)]
         self._terms = list(zip(self._moved([1.0 - one for one in alive]), self._moved(alive)))
         self._powers: List[Matrix] = []
@@ -162,9 +172,5 @@ class FreeHorizon:
         return [[one / sum(row) for one in row] for row in zip(*columns)]
 
     def _poisson(self, mean: float) -> List[float]:
-        weight = math.exp(-mean)
-        weights = [weight]
-        for k in range(1, self._count + 1):
-            weight *= mean / k
-            weights.append(weight)
-        return weights
+        grows = map(mul, self._shares, repeat(mean))
+        return list(accumulate(grows, mul, initial=math.exp(-mean)))

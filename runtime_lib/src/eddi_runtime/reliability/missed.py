@@ -9,7 +9,8 @@ one of these.
 
 from __future__ import annotations
 
-from operator import mul, sub
+from itertools import repeat
+from operator import mul, sub, truediv
 from typing import AbstractSet, FrozenSet, Iterable, List
 
 from .chain import INCONSISTENT, Belief, Chain, Seen
@@ -57,7 +58,7 @@ class Missed:
             kept = list(map(mul, belief, one.mask))
             weight = sum(kept)
             if weight > 0.0:
-                left.append([value / weight for value in kept])
+                left.append(list(map(truediv, kept, repeat(weight))))
         if self.lost and (self._repair or not one.alive):  # it was repaired, or is still down
             left.append(self._chain.sure_of(one.worst))
         return left
@@ -70,17 +71,18 @@ def hull(beliefs: List[Belief]) -> List[Belief]:
     """
     if len(beliefs) <= sum(map(any, zip(*beliefs))):
         return beliefs
-    least = list(map(min, zip(*beliefs)))
-    rest = [list(map(sub, belief, least)) for belief in beliefs]
-    corners = [state for state, column in enumerate(zip(*rest)) if any(column)]
+    columns = list(zip(*beliefs))
+    least = list(map(min, columns))
+    corners = [state for state, most in enumerate(map(max, columns)) if most > least[state]]
     if not corners:
         return beliefs[:1]
-    most = max(map(sum, rest))
-    whole = sum(least) + most
+    rest = max([sum(map(sub, belief, least)) for belief in beliefs])
+    whole = sum(least) + rest
+    common = [value / whole for value in least]
     found: List[Belief] = []
     for corner in corners:
-        belief = [value / whole for value in least]
-        belief[corner] = (least[corner] + most) / whole
+        belief = common[:]
+        belief[corner] = (least[corner] + rest) / whole
         found.append(belief)
     return found
 
