@@ -90,7 +90,7 @@ def generate(
         moved = renames.involved
         assembly = assemble(monitors, target, root, problems, runtime, moved)
         console.problems(assembly.problems)
-        present = existing(root)
+        present = existing(root, {monitor.package for monitor in monitors})
         swapped = list(exchanged(root, present, assembly.packages, moved))
         older = list(left_behind(present, assembly.packages, monitors, moved))
         outcome = write_packages(

@@ -114,7 +114,8 @@ def assemble(
     Raises:
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
     """
-    present = {name: of for name, of in existing(root).items() if name not in gone}
+    renewed = {monitor.package for monitor in monitors}
+    present = {name: of for name, of in existing(root, renewed).items() if name not in gone}
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
@@ -205,7 +206,7 @@ def support(
 
     The maintainer of a shared package was set when it was first generated, and is kept.
     """
-    present = existing(root)
+    present = existing(root, monitors)
     own = platform.templates.monitor
     there = {
         name: answers

@@ -13,6 +13,7 @@ from typing import Any
 
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.packages.answers_check import model_id
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.platforms import PackageAnswers
 
@@ -49,14 +50,15 @@ def left_behind(
             sources = {monitor.model.source.name: monitor.model.source for monitor in monitors}
             models = (model for one in sources.values() for model in read_models(one).models)
             known = {(model.kind, model.name) for model in models}
-        if (answers["kind"], _name(answers)) not in known:
+        if (answers["kind"], model_id(answers)) not in known:
             new = [one for one in heirs if one.folder not in present]
             heir = (new or heirs)[0]
+            old, now = model_id(answers), model_id(heir.answers)
             text = (
-                f"{folder} was made of {_name(answers)!r}, a model that is not there any more, and "
-                f"its monitor still runs; if the name is {_name(heir.answers)!r} now, repeat this "
-                f"with `--rename {folder}={heir.folder}`, which takes hand-written code along, "
-                "else remove the folder and repeat this"
+                f"{folder} was made of {old!r}, a model that is no longer there, and its monitor "
+                f"still runs; if the name is {now!r} now, repeat this with `--rename "
+                f"{folder}={heir.folder}`, which takes hand-written code along, else remove the "
+                "folder and repeat this"
             )
             yield text, bool(new)
 
@@ -117,10 +119,6 @@ def _may_be(new: Mapping[str, Any], old: Mapping[str, Any]) -> bool:
         return False
     topics = _topics(new)
     return new["model_file"] == old["model_file"] or (bool(topics) and topics == _topics(old))
-
-
-def _name(answers: Mapping[str, Any]) -> str:
-    return str(json.loads(answers["model_json"])["id"])
 
 
 def _content(answers: Mapping[str, Any]) -> object:

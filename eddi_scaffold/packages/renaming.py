@@ -72,7 +72,7 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
         EddiError: one of them cannot be made (G025).
     """
     former: dict[str, str] = {}
-    present = existing(root) if words else {}
+    present = existing(root, made) if words else {}
     for word in words:
         old, new = (package_name(part) for part in word.partition("=")[::2])
         if not (old and new):

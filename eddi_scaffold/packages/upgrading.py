@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import read_configs
 from eddi_scaffold.escaping import markdown_code
@@ -16,6 +15,7 @@ from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models
+from eddi_scaffold.packages.answers_check import check_answers, model_id
 from eddi_scaffold.packages.assembly import (
     rejoined,
     runtime_of,
@@ -24,7 +24,7 @@ from eddi_scaffold.packages.assembly import (
     wiring_with,
     with_runtime,
 )
-from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
@@ -54,11 +54,7 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     Raises:
         EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
-    found = _found(workspace, packages)
-    for group in found:
-        for folder, answers in group.present.items():
-            _check_answers(group.root / folder, answers)
-    return found
+    return _found(workspace, packages)
 
 
 def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
@@ -222,30 +218,9 @@ def _answers(package: Path) -> dict[str, Any]:
         message = "this folder is not a generated package"
         hint = "`-w` names a folder with packages"
         raise EddiError(error("U003", message, Place(str(package)), hint))
+    check_answers(package, answers)
     return answers
-
-
-def _check_answers(package: Path, answers: dict[str, Any]) -> None:
-    """Refuse answers that a person or a merge has damaged, before something is made of them."""
-    try:
-        _platform(answers)
-        if "model_json" in answers:
-            model_id(answers)
-            kinds()[answers["kind"]]
-            if answers.get("config_json"):
-                from_json(answers["config_json"], package.name)
-    except (KeyError, TypeError, ValueError, RecursionError) as damage:
-        reason = str(damage).partition("\n")[0]
-        message = f"the answers of the package are damaged: {reason}"
-        hint = "restore the file from git, or generate the package again"
-        place = Place(str(package / ANSWERS_FILE))
-        raise EddiError(error("T005", message, place, hint)) from None
 
 
 def _platform(answers: dict[str, Any]) -> Platform:
     return owner_of(str(answers["template"]))
-
-
-def model_id(answers: dict[str, Any]) -> str:
-    """Return the id of the model that a monitor package was generated from."""
-    return str(json.loads(answers["model_json"])["id"])

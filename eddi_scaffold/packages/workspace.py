@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
+from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.transaction import PREFIX
@@ -20,10 +21,29 @@ from eddi_scaffold.regions.generated import recorded_generated
 from eddi_scaffold.regions.lock import BusyError, locked
 
 
-def existing(root: Path) -> dict[str, dict[str, Any]]:
-    """Return folder name -> answers of the generated packages directly below ``root``."""
-    found = ((folder.name, read_answers(folder)) for folder in _folders(root))
-    return {name: answers for name, answers in found if answers is not None}
+def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, Any]]:
+    """Return folder name -> answers of the generated packages directly below ``root``.
+
+    Args:
+        root: folder of all packages.
+        renewed: packages that get new answers; they are left out where theirs are damaged.
+
+    Raises:
+        EddiError: the answers of another package are damaged (T005).
+    """
+    found = {}
+    for folder in _folders(root):
+        answers = read_answers(folder)
+        if answers is None:
+            continue
+        try:
+            check_answers(folder, answers)
+        except EddiError:
+            if folder.name in renewed:
+                continue
+            raise
+        found[folder.name] = answers
+    return found
 
 
 @contextmanager
