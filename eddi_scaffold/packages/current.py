@@ -11,10 +11,8 @@ from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.regions.check import broken_files, unfit_files
 from eddi_scaffold.regions.generated import (
     answers_digest,
-    changed_generated,
-    listed_generated,
+    is_placed,
     recorded_answers,
-    recorded_generated,
 )
 from eddi_scaffold.regions.store import without_sentinel
 
@@ -53,10 +51,7 @@ _NO_FILE = transaction.FileState(b"\0")
 
 def _is_whole(target: Path, tree: transaction.FolderContent) -> bool:
     """Return whether all that the last rendering made is there, merged, and as it was made."""
-    recorded = recorded_generated(target)
-    if not recorded or recorded != listed_generated(target) or changed_generated(target):
-        return False
-    if any(name not in tree.files for name in recorded):
+    if not is_placed(target):
         return False
     rendered, merged = _below(tree, _PRISTINE), _below(tree, _BASE)
     return (

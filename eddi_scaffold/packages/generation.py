@@ -30,13 +30,7 @@ from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import broken_files, unfit_files
 from eddi_scaffold.regions.files import entries, stays
-from eddi_scaffold.regions.generated import (
-    changed_generated,
-    forget_generated,
-    listed_generated,
-    recorded_generated,
-    save_generated_edits,
-)
+from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.python_text import parse_python
 from eddi_scaffold.regions.store import save_orphan
@@ -140,8 +134,9 @@ def write_packages(
             progress(package.folder)
             notes = renderer.render(package.answers, rendered)
             for name, data in package.files.items():
-                (rendered / name).parent.mkdir(parents=True, exist_ok=True)
-                (rendered / name).write_bytes(data)
+                target = rendered / GENERATED / name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(data)
             problem = write_compiled(rendered)
             if problem is not None:
                 raise EddiError(error("K028", problem, Place(str(root / package.folder))))
@@ -172,7 +167,7 @@ def _merge_package(
         work.left.append(linked_package(target))
         return
     tree = renames.content(root, package.folder)
-    names = _names(rendered)
+    names = [*_names(rendered), *_names(rendered / GENERATED)]
     links = follow(target, tree, names, within, work.links.values())
     found = obstacles(package.folder, tree.others, names)
     stop = found.at_records(ANSWERS_FILE)
@@ -212,8 +207,8 @@ class _Merged:
 
     Attributes:
         changes: path -> new state, ``None`` for a removed file.
-        look: what a person must look at: edits of files that must not be edited, lost inputs.
-        report: what happened to edits of the other files.
+        look: inputs without their sources, files that do not fit their base.
+        report: what happened to hand edits.
     """
 
     changes: Mapping[str, FileState | None]
@@ -238,29 +233,33 @@ def _merged(
         skipped: files of the rendering that wait for an obstacle in their place.
     """
     staged = rendered.with_name("staged")
-    saved: Sequence[str] = ()
     if before:
         _copy(before, staged)
         _refuse(broken_files(staged), target)
         # outside edits are merged per definition, which text that is not Python does not have
-        _check_python({p: s for p, s in before.items() if f".eddi/pristine/{p}" in before}, target)
-        saved = _keep_generated_edits(staged, rendered)
+        editable = {p for p in before if f".eddi/pristine/{p}" in before}
+        _check_python(before, editable, target)
     _copy_rendering(rendered, staged, skipped)
     for body in package.saved:
         save_orphan(staged, body)
-    report = sync_package(staged, partial(committed_text, target))
+
+    def earlier(path: str) -> str | None:
+        state = before.get(path)
+        return committed_text(target, path) if state is None else state.text
+
+    report = sync_package(staged, earlier)
     _refuse(report.refused, target)
     after = {
         path: _with_mode(state, before.get(path))
         for path, state in transaction.tree_of(staged).items()
         if package.answers or not _is_record(path)
     }
-    _check_python(after, target)
+    ours = {*_names(rendered / ".eddi" / "pristine"), *_names(rendered / GENERATED)}
+    _check_python(after, ours, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
     lost = lost_sources(staged, read_answers(target) or {}, package.answers)
     unfit = unfit_files(staged, partial(former_texts, target)) if package.answers else ()
     look = [
-        *saved,
         *(f"{package.folder}: {one}" for one in lost),
         *(f"{package.folder}/{one.file}: {'; '.join(one.notes)}" for one in unfit),
     ]
@@ -342,26 +341,13 @@ def _turn(path: str, state: FileState | None) -> int:
     return 3 if folder == "base" else 1
 
 
-def _keep_generated_edits(staged: Path, rendered: Path) -> list[str]:
-    """Save edited generated-only files before they are replaced, and drop those that vanished."""
-    edited = changed_generated(staged)
-    saved = save_generated_edits(staged, edited)
-    notes = [
-        f"{name} must not be edited, but was: your text is kept in {copy.relative_to(staged)}"
-        for name, copy in zip(edited, saved, strict=True)
-    ]
-    for name in recorded_generated(staged):
-        # not of pathlib: false for names that no disk can hold
-        if os.path.isfile(staged / name) and not os.path.exists(rendered / name):  # noqa: PTH110, PTH113
-            (staged / name).unlink()
-    forget_generated(staged)
-    return notes
-
-
 def _copy_rendering(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
     """Put a rendering over a package; an editable file that is there stays for the merge."""
-    shutil.rmtree(staged / ".eddi" / "pristine", ignore_errors=True)
-    (staged / UNCOMMITTED).unlink(missing_ok=True)
+    for folder in (".eddi/pristine", GENERATED):
+        shutil.rmtree(staged / folder, ignore_errors=True)
+    (staged / GENERATED).mkdir(parents=True)  # maybe without any file
+    for record in (UNCOMMITTED, ".eddi/generated.txt"):  # the second is of version 0.1
+        (staged / record).unlink(missing_ok=True)
     editable = set(_names(rendered / ".eddi" / "pristine"))
     for name in _names(rendered):
         target = staged / name
@@ -385,11 +371,12 @@ def _refuse(refusals: Sequence[Refusal], target: Path) -> None:
         )
 
 
-def _check_python(after: Mapping[str, FileState], target: Path) -> None:
-    for path, state in after.items():
-        if path.endswith(".py") and not path.startswith(".eddi/"):
+def _check_python(files: Mapping[str, FileState], names: Collection[str], target: Path) -> None:
+    """Refuse Python of ours that does not parse; what else a person keeps there is theirs."""
+    for path in sorted(files.keys() & set(names)):
+        if path.endswith(".py"):
             try:
-                parse_python(state.data)
+                parse_python(files[path].data)
             except SyntaxError as problem:
                 message = f"the hand-written code is not valid Python: {problem.msg}"
                 place = Place(str(target / path), problem.lineno)

@@ -34,7 +34,10 @@ class Obstacles:
     def skipped(self) -> frozenset[str]:
         """The files that wait, and what the records of the package contain about them."""
         files = [file for files in self.waiting.values() for file in files]
-        folders = ("", *(f"{_RECORDS}/{name}/" for name in ("pristine", "base", "next")))
+        folders = (
+            "",
+            *(f"{_RECORDS}/{name}/" for name in ("pristine", "generated", "base", "next")),
+        )
         return frozenset(f"{folder}{file}" for folder in folders for file in files)
 
     def at_records(self, answers_file: str) -> str | None:

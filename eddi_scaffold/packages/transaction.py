@@ -43,6 +43,14 @@ class FileState:
         """Return whether its owner may run it."""
         return bool(self.mode & stat.S_IXUSR)
 
+    @property
+    def text(self) -> str | None:
+        """Return the content as text, ``None`` where it is not UTF-8."""
+        try:
+            return self.data.decode()
+        except UnicodeDecodeError:
+            return None
+
 
 @dataclass(frozen=True)
 class FolderContent:

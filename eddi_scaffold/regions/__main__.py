@@ -20,7 +20,7 @@ if not __package__:  # run as a folder: make the template's checkout importable,
 
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.driver import merge_driver
-from eddi_scaffold.regions.generated import note_edits
+from eddi_scaffold.regions.generated import keep_edits_of_old_layout
 from eddi_scaffold.regions.git import committed_text
 from eddi_scaffold.regions.interrupted import ANSWERS, begin_update
 from eddi_scaffold.regions.lock import BusyError, locked
@@ -66,7 +66,7 @@ def _check(root: Path) -> list[str]:
     """Prepare an update; return what stands in its way."""
     broken = broken_files(root)
     if not broken:
-        note_edits(root)
+        keep_edits_of_old_layout(root)
         interrupted = begin_update(root)
         return [f"{ANSWERS}:1: error: {interrupted}"] if interrupted else []
     return [f"{refusal.file}:{refusal.line}: error: {refusal.reason}" for refusal in broken]

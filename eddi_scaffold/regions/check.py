@@ -12,7 +12,7 @@ from eddi_scaffold.regions.bodies import same_body
 from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines, separator_lines
 from eddi_scaffold.regions.files import entries, read_regular, stays
 from eddi_scaffold.regions.fitting import made_of, missing_parts
-from eddi_scaffold.regions.generated import ANSWERS, GENERATED, answers_digest, recorded_answers
+from eddi_scaffold.regions.generated import ANSWERS, answers_digest, recorded_answers
 from eddi_scaffold.regions.git import former_texts
 from eddi_scaffold.regions.lost import lost_markers
 from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, parse
@@ -112,7 +112,7 @@ def _conflict_lines(root: Path, name: str) -> Sequence[int]:
 
 def _has_lost_renderings(records: Path) -> bool:
     """Return whether renderings of editable files are gone; some templates have no such file."""
-    has_none = (records / GENERATED).is_file() and not files_below(records / "base")
+    has_none = (records / "generated").is_dir() and not files_below(records / "base")
     return not has_none and not (records / "pristine").is_dir()
 
 

@@ -6,6 +6,9 @@ import re
 
 CONFLICT = "unresolved merge conflict; resolve it first"
 _SIDE = re.compile(r"^(?:<{7}|\|{7}|>{7})(?=\s|$)", re.MULTILINE)
+_WHOLE = re.compile(
+    rb"^<{7}(?: [^\n]*)?\n.*?^={7}\r?\n(.*?)^>{7}(?: [^\n]*)?(?:\n|\Z)", re.MULTILINE | re.DOTALL
+)
 _MIDDLE = re.compile(r"^={7}(?=\r?$)", re.MULTILINE)
 
 
@@ -17,6 +20,11 @@ def conflict_lines(text: str) -> tuple[int, ...]:
 def separator_lines(text: str) -> tuple[int, ...]:
     """Return the lines that are ``=======``: in text without a syntax, a heading's underline."""
     return _lines(_MIDDLE, text)
+
+
+def other_side(data: bytes) -> bytes:
+    """Return a text with the second side of each conflict; Copier's second side is its newest."""
+    return _WHOLE.sub(rb"\1", data)
 
 
 def _lines(pattern: re.Pattern[str], text: str) -> tuple[int, ...]:

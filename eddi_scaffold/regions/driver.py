@@ -18,7 +18,7 @@ from eddi_scaffold.regions.branches import (
     join_text,
 )
 from eddi_scaffold.regions.files import read_regular
-from eddi_scaffold.regions.generated import GENERATED, MANIFEST
+from eddi_scaffold.regions.generated import MANIFEST
 from eddi_scaffold.regions.store import EDDI, without_sentinel
 
 CONFLICT = 1
@@ -53,7 +53,9 @@ def _join(path: str, base: str, ours: str, theirs: str) -> Joined:
         return join_branches(path, base, ours, theirs)
     if folder == "base":
         return Joined(join_renderings(file, base, ours, theirs), conflict=False)
-    if folder == "pristine" or record == GENERATED:
+    if folder == "generated":  # one side's, as its digest in the manifest
+        return Joined(theirs if base == ours else ours, conflict=False)
+    if folder == "pristine":
         return Joined(_rendered(file, base, ours, theirs), conflict=False)
     if record == MANIFEST:
         merged = join_manifests(base, ours, theirs)

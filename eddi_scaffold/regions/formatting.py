@@ -32,6 +32,17 @@ def same_code(one: str, other: str) -> bool:
     return same_meaning(split_lines(one), split_lines(other))
 
 
+def same_text(name: str, one: bytes, other: bytes) -> bool:
+    """Return whether two texts of a file differ at most in line ends and, of Python, in layout."""
+    one, other = one.replace(b"\r\n", b"\n"), other.replace(b"\r\n", b"\n")
+    if one == other or not name.endswith(".py"):
+        return one == other
+    try:
+        return same_code(one.decode(), other.decode())
+    except UnicodeDecodeError:
+        return False
+
+
 def _meaning(lines: Sequence[str]) -> tuple[str, list[str]] | None:
     text = framed(lines)
     try:

@@ -1,40 +1,43 @@
-"""Files that must not be edited: detect edits, and keep a copy."""
+"""Files that must not be edited: each is put in its place after a look at what is there.
+
+Copier renders them below ``.eddi/generated`` only. So it has nothing of a person's to write over,
+to merge with or to remove, whatever its command; what lies in the place of such a file and was not
+written here is copied to ``.eddi/rejects`` first.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+import os
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
-from eddi_scaffold.regions.files import read_regular
-from eddi_scaffold.regions.paths import inside, is_relative
+from eddi_scaffold.regions.files import kind_of, read_regular
+from eddi_scaffold.regions.formatting import same_text
+from eddi_scaffold.regions.paths import inside
+from eddi_scaffold.regions.result import Note
 from eddi_scaffold.regions.store import (
     EDDI,
-    SENTINEL,
+    ChangedMeanwhileError,
+    files_below,
     read_text,
+    remove_file,
     save_reject,
-    without_sentinel,
     write_file,
 )
 
-GENERATED = "generated.txt"
-"""File of a package's records that every rendering has."""
+GENERATED = f"{EDDI}/generated"
+"""Folder with the newest rendering of each file that must not be edited."""
 MANIFEST = "manifest.json"
-_EDITED = "edited.txt"
 ANSWERS = ".copier-answers.yml"
 """File of a package in which Copier keeps the answers."""
 
 
 def listed_generated(root: Path) -> list[str]:
-    """Return the generated-only files that the template lists, empty when it was interrupted.
-
-    A listed name may be a pattern such as ``src/**/*.py``.
-    """
-    text = read_text(root / EDDI / GENERATED)
-    plain = without_sentinel(text) if isinstance(text, str) else None
-    lines = {line.strip() for line in (plain or "").split("\n") if line.strip()}
-    return sorted({name for line in lines for name in _matching(root, line)})
+    """Return the generated-only files of the newest rendering."""
+    return [name for name in files_below(root / GENERATED) if _is_place(root, name)]
 
 
 def recorded_generated(root: Path) -> list[str]:
@@ -42,40 +45,58 @@ def recorded_generated(root: Path) -> list[str]:
     return sorted(_recorded(root))
 
 
-def note_edits(root: Path) -> None:
-    """Remember, before `copier update`, which generated-only files a person edited.
+def is_placed(root: Path) -> bool:
+    """Return whether the last rendering of the generated-only files is whole, and in place."""
+    recorded = _recorded(root)
+    return (
+        bool(recorded)
+        and sorted(recorded) == listed_generated(root)
+        and all(_digest(root / GENERATED / name) == was for name, was in recorded.items())
+        and all(kind_of(root / name) is None and (root / name).exists() for name in recorded)
+        and not changed_generated(root)
+    )
 
-    Copier merges such edits into the new rendering; without the note they would pass as generated.
+
+def changed_generated(root: Path) -> list[str]:
+    """Return the generated-only files that differ from the last rendering in more than layout."""
+    return [
+        name
+        for name, digest in sorted(_recorded(root).items())
+        if _digest(root / name) not in {digest, None} and not _is_reformatted(root, name)
+    ]
+
+
+def place_generated(root: Path, committed: Callable[[str], str | None]) -> list[Note]:
+    """Bring the generated-only files to their renderings, and record what was written.
+
+    Args:
+        root: the package.
+        committed: text of a file before this rendering, if it is known.
+
+    Returns:
+        What was kept of a person's text, and what could not be written.
     """
-    note = root / EDDI / _EDITED
-    names = changed_generated(root)
-    if names:
-        write_file(root, f"{EDDI}/{_EDITED}", ("\n".join(names) + "\n").encode())
-    else:
-        note.unlink(missing_ok=True)
-
-
-def record_generated(root: Path) -> bool:
-    """Store the digests of the generated-only files; returns whether the record changed.
-
-    A file that was noted as edited gets an empty digest: it differs from every rendering.
-    """
-    note = root / EDDI / _EDITED
-    noted = read_text(note)
-    edited = set(noted.split("\n")) if isinstance(noted, str) else set()
-    edited |= {name for name, digest in _recorded(root).items() if not digest}
-    digests = {
-        name: "" if name in edited else digest
-        for name in listed_generated(root)
-        if (digest := _digest(root / name))
-    }
-    if not digests:
-        return False
-    record = {"answers": answers_digest(root), "sha256": digests}
+    names, before = listed_generated(root), _recorded(root)
+    if not (root / GENERATED).is_dir() or not (names or before):
+        return []  # where the folder was lost, it tells nothing
+    written = {}
+    notes: list[Note] = []
+    gone = sorted(name for name in before.keys() - names if _is_place(root, name))
+    for name in [*names, *gone]:
+        new = read_regular(root / GENERATED / name) if name in names else None
+        if new is not None:
+            written[name] = hashlib.sha256(new).hexdigest()
+        try:
+            notes += _place(root, name, new, before.get(name), committed)
+        except OSError as problem:
+            if new is None:
+                continue
+            text = f"it is left alone, and should be as generated: {problem.strerror or problem}"
+            notes.append(Note(name, None, text))
+    record = {"answers": answers_digest(root), "sha256": written}
     text = json.dumps(record, indent=1, sort_keys=True) + "\n"
-    changed = write_file(root, f"{EDDI}/{MANIFEST}", text.encode())
-    note.unlink(missing_ok=True)
-    return changed
+    write_file(root, f"{EDDI}/{MANIFEST}", text.encode())
+    return notes
 
 
 def answers_digest(root: Path) -> str:
@@ -94,56 +115,88 @@ def recorded_answers(root: Path) -> str:
     return str(_manifest(root).get("answers", ""))
 
 
-def changed_generated(root: Path) -> list[str]:
-    """Return the generated-only files whose bytes differ from the last rendering."""
-    return [
-        name
-        for name, digest in sorted(_recorded(root).items())
-        if _digest(root / name) not in {digest, None}
-    ]
+def keep_edits_of_old_layout(root: Path) -> None:
+    """Copy edited generated-only files before `copier update` removes them.
 
-
-def forget_generated(root: Path) -> None:
-    """Drop the record, because every generated-only file is about to be rendered anew."""
-    (root / EDDI / MANIFEST).unlink(missing_ok=True)
-    (root / EDDI / _EDITED).unlink(missing_ok=True)
-
-
-def save_generated_edits(root: Path, paths: Iterable[str] | None = None) -> list[Path]:
-    """Copy edited generated-only files to ``.eddi/rejects/<path>.edited`` before a new rendering.
-
-    Args:
-        root: the package.
-        paths: files to keep; by default those of :func:`changed_generated`.
-
-    Returns:
-        Where the copies are.
+    Up to version 0.1 Copier itself rendered them in their places, so the first update to this
+    layout removes them all.
     """
-    names = changed_generated(root) if paths is None else list(paths)
-    return [save_reject(root, name, read_regular(root / name), ".edited") for name in names]
+    if not (root / GENERATED).is_dir():
+        for name in changed_generated(root):
+            save_reject(root, name, read_regular(root / name), ".edited")
 
 
-def replace_generated(root: Path, name: str, data: bytes) -> None:
-    """Write a generated-only file; text that a person put there is kept in ``.eddi/rejects``.
+def _place(
+    root: Path,
+    name: str,
+    new: bytes | None,
+    recorded: str | None,
+    committed: Callable[[str], str | None],
+) -> list[Note]:
+    path, data = root / name, _present(root / name)
+    notes = []
+    if data is not None and data != new and not _is_ours(name, data, new, recorded, committed):
+        copy = save_reject(root, name, data, ".edited").relative_to(root)
+        why = "was" if recorded is not None else "it lies where one of the generator's belongs"
+        notes = [Note(name, None, f"must not be edited, but {why}: your text is kept in {copy}")]
 
-    For files that Copier does not render, so that it has not merged the person's text either.
-    """
-    if name in changed_generated(root):
-        save_generated_edits(root, [name])
-    write_file(root, name, data)
-    note = root / EDDI / _EDITED
-    noted = read_text(note)
-    if isinstance(noted, str) and name in noted.split("\n"):
-        rest = [one for one in noted.split("\n") if one and one != name]
-        write_file(root, f"{EDDI}/{_EDITED}", "".join(f"{one}\n" for one in rest).encode())
+    def unchanged() -> None:
+        if _present(path) != data:
+            raise ChangedMeanwhileError("it was saved meanwhile")
+
+    if new is not None:
+        like = f"{GENERATED}/{name}"
+        write_file(root, name, new, like, unchanged, durable=False)  # it can be rendered again
+        mode, model = path.stat().st_mode, (root / like).stat().st_mode
+        if model & 0o100 and not mode & 0o100:
+            path.chmod(mode | (mode & 0o444) >> 2)
+    elif data is not None:
+        unchanged()
+        remove_file(path)
+        with suppress(OSError):
+            for folder in list(path.relative_to(root).parents)[:-1]:
+                (root / folder).rmdir()
+    return notes
 
 
-def _matching(root: Path, line: str) -> list[str]:
-    if "*" not in line or not is_relative(line):
-        names = [line]
-    else:
-        names = [path.relative_to(root).as_posix() for path in root.glob(line) if path.is_file()]
-    return [name for name in names if inside(root, name)]
+def _present(path: Path) -> bytes | None:
+    """Return the bytes of what lies in a place; a link or a special file is not looked into."""
+    kind = kind_of(path)
+    if kind is not None:
+        raise OSError(f"it is {kind}")
+    try:
+        return read_regular(path, follow=False)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+
+
+def _is_ours(
+    name: str,
+    data: bytes,
+    new: bytes | None,
+    recorded: str | None,
+    committed: Callable[[str], str | None],
+) -> bool:
+    if hashlib.sha256(data).hexdigest() == recorded:
+        return True
+    old = committed(f"{GENERATED}/{name}")
+    renderings = (new, old.encode() if old is not None else None)
+    return any(one is not None and same_text(name, data, one) for one in renderings)
+
+
+def _is_reformatted(root: Path, name: str) -> bool:
+    try:
+        mine, ours = (read_regular(path) for path in (root / name, root / GENERATED / name))
+    except OSError:
+        return False
+    return same_text(name, mine, ours)
+
+
+def _is_place(root: Path, name: str) -> bool:
+    """Return whether a generated-only file may have this name, which comes from a record."""
+    if name.partition("/")[0] in {EDDI, ANSWERS} or inside(root, name) is None:
+        return False
+    return not os.path.exists(root / EDDI / "pristine" / name)  # noqa: PTH110 - false for any name
 
 
 def _recorded(root: Path) -> dict[str, str]:
@@ -166,21 +219,3 @@ def _digest(path: Path) -> str | None:
         return hashlib.sha256(read_regular(path)).hexdigest()
     except OSError:
         return None
-
-
-__all__ = [
-    "ANSWERS",
-    "GENERATED",
-    "MANIFEST",
-    "SENTINEL",
-    "answers_digest",
-    "changed_generated",
-    "forget_generated",
-    "listed_generated",
-    "note_edits",
-    "record_generated",
-    "recorded_answers",
-    "recorded_generated",
-    "replace_generated",
-    "save_generated_edits",
-]

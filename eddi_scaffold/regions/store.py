@@ -1,8 +1,9 @@
 """Files of a package: read them, replace them atomically, keep what has no place.
 
-Layout below ``.eddi/``: ``pristine/F`` (Copier's rendering of F), ``base/F`` (the rendering of the
-last finished sync), ``next/F`` (what becomes the base of a sync under way), ``orphans/<id>``
-(bodies without a region), ``rejects/F.patch`` (outside edits without a place).
+Layout below ``.eddi/``: ``pristine/F`` (Copier's rendering of F), ``generated/F`` (the same of a
+file that must not be edited), ``base/F`` (the rendering of the last finished sync), ``next/F``
+(what becomes the base of a sync under way), ``orphans/<id>`` (bodies without a region),
+``rejects/F.patch`` (outside edits without a place), ``rejects/F.edited`` (whole files).
 """
 
 from __future__ import annotations
@@ -75,6 +76,8 @@ def write_file(
     data: bytes,
     like: str | None = None,
     check: Callable[[], None] | None = None,
+    *,
+    durable: bool = True,
 ) -> bool:
     """Replace a file of a package as one step; readers and a killed process see old or new.
 
@@ -84,6 +87,7 @@ def write_file(
         data: its new bytes.
         like: file of the package whose mode a new file gets.
         check: called right before the old file goes; raises an ``OSError`` to keep it.
+        durable: whether the bytes must outlive a power failure from now on.
 
     Returns:
         Whether there was anything to do.
@@ -108,7 +112,8 @@ def write_file(
                 os.fchmod(file.fileno(), model.stat().st_mode & 0o7777)
             file.write(data)
             file.flush()
-            os.fsync(file.fileno())
+            if durable:
+                os.fsync(file.fileno())
         if check is not None:
             check()
         os.replace(temporary, path)  # noqa: PTH105 - one name for the step that commits
@@ -118,7 +123,8 @@ def write_file(
         if isinstance(problem, ChangedMeanwhileError):
             raise
         raise OSError(problem.errno, problem.strerror, str(path)) from None
-    _sync_folder(path.parent)
+    if durable:
+        _sync_folder(path.parent)
     return True
 
 

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from eddi_scaffold.regions.files import stays
-from eddi_scaffold.regions.generated import record_generated
+from eddi_scaffold.regions.conflicts import other_side
+from eddi_scaffold.regions.files import read_regular, stays
+from eddi_scaffold.regions.generated import GENERATED, listed_generated, place_generated
 from eddi_scaffold.regions.interrupted import end_update
 from eddi_scaffold.regions.marked_file import Fault, parse
 from eddi_scaffold.regions.merge import may_return, merge, retire
@@ -104,7 +105,7 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
 
     Args:
         root: the package's folder, with ``.eddi/pristine``; may be a scratch copy.
-        committed: text of a file in the last commit of the real package, if it is in one.
+        committed: text of a file before the rendering, mostly of the last commit.
     """
     linked = linked_folders(root)
     if linked:
@@ -121,7 +122,7 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
         else:
             refused.clear()
             _sync(root, committed, refused, touched, notes)
-        record_generated(root)
+        notes.extend(place_generated(root, committed))
         end_update(root)
     except OSError as problem:
         reason = f"{problem.strerror or problem}; nothing is lost; remove the reason, {AGAIN}"
@@ -142,7 +143,8 @@ def _sync(
         ChangedMeanwhileError: a person saved a file in between; it is merged again from there.
     """
     names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
-    clean_temporaries(root, names)
+    clean_temporaries(root, [*names, *listed_generated(root)])
+    _settle_renderings(root)
     _finish_interrupted(root)
     found = [_read(root, name, committed, refused, notes) for name in names]
     texts = [text for text in found if text is not None]
@@ -150,6 +152,15 @@ def _sync(
     plan = _plan(texts, list(stored.values()), refused)
     notes.extend(note for planned in plan for note in planned.merged.notes)
     _write(root, plan, stored, touched)
+
+
+def _settle_renderings(root: Path) -> None:
+    """Take the newest side where Copier or git merged renderings, for instance formatted ones."""
+    for folder in (f"{EDDI}/pristine", GENERATED):
+        for name in files_below(root / folder):
+            data = read_regular(root / folder / name)
+            if (settled := other_side(data)) != data:
+                write_file(root, f"{folder}/{name}", settled)
 
 
 def linked_folders(root: Path) -> tuple[Refusal, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 import sys
@@ -10,16 +11,21 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.compiling.package import write_compiled
-from eddi_scaffold.regions.generated import record_generated
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "examples/two-conserts/expected/src/eddi_monitor/conserta"
-COMPILED = "src/conserta/compiled.py"
+RENDERED = ".eddi/generated"
+COMPILED = f"{RENDERED}/src/conserta/compiled.py"
 
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
-    return Path(shutil.copytree(PACKAGE, tmp_path / "conserta"))
+    """Return a package as Copier leaves it, which has no compiled monitor."""
+    package = Path(shutil.copytree(PACKAGE, tmp_path / "conserta"))
+    for name in json.loads((package / ".eddi/manifest.json").read_text("utf-8"))["sha256"]:
+        (package / RENDERED / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(package / name, package / RENDERED / name)
+    return package
 
 
 def test_it_is_written_again(package: Path) -> None:
@@ -30,25 +36,13 @@ def test_it_is_written_again(package: Path) -> None:
     assert not (package / ".eddi" / "rejects").exists()
 
 
-def test_the_edit_of_a_person_is_kept_aside(package: Path) -> None:
-    before = (package / COMPILED).read_bytes()
-    (package / COMPILED).write_text("mine = 1\n")
-    assert write_compiled(package) is None
-    assert (package / COMPILED).read_bytes() == before
-    kept = package / ".eddi" / "rejects" / f"{COMPILED}.edited"
-    assert kept.read_text() == "mine = 1\n"
-    record_generated(package)
-    assert write_compiled(package) is None
-    assert len(list(kept.parent.iterdir())) == 1
-
-
 def test_a_damaged_model_gives_a_file_that_says_so(package: Path) -> None:
-    model = package / "config" / "model.json"
+    model = package / RENDERED / "config" / "model.json"
     model.write_text(model.read_text("utf-8").replace("RtE_E0", "RtE_E1"))
     problem = write_compiled(package)
     assert problem is not None
     assert problem.startswith("config/model.json: the content was changed")
-    code = "import sys; sys.path.insert(0, 'src'); import conserta.compiled"
+    code = f"import sys; sys.path.insert(0, '{RENDERED}/src'); import conserta.compiled"
     runtime = str(ROOT / "runtime_lib" / "src")
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -80,7 +74,7 @@ def test_the_command_never_fails_a_task(package: Path) -> None:
 
     done = run("write")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    (package / "config" / "model.json").write_text("{")
+    (package / RENDERED / "config" / "model.json").write_text("{")
     done = run("write")
     assert done.returncode == 0
     assert done.stderr.startswith("error: config/model.json: the file is damaged")

@@ -13,7 +13,7 @@ _SECOND_LOOK = {
         '"""One attribute for each input of the monitor."""',
         '"""One attribute for each input of the monitor, second version."""',
     ),
-    "copier_templates/ros1_monitor/scripts/RosNode.py.jinja": (
+    "copier_templates/ros1_monitor/.eddi/generated/scripts/RosNode.py.jinja": (
         '"""ROS 1 node of the monitor',
         '"""Second version of the ROS 1 node of the monitor',
     ),

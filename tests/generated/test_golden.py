@@ -1,6 +1,7 @@
 """Whole generated packages, file by file; `pytest --update-golden` writes them anew.
 
-Not compared: the copy of the runtime library, and where the templates lay.
+Not compared: the copy of the runtime library, where the templates lay, and the renderings of files
+that must not be edited, which are the same as these files.
 """
 
 from __future__ import annotations
@@ -19,12 +20,17 @@ pytestmark = pytest.mark.slow
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 PLAIN = HERE / "tests" / "golden" / "plain"
 MODELS = HERE / "tests" / "golden" / "models"
+RENDERED = ".eddi/generated/"
 RUNTIME = ("src/eddi_runtime/", "eddi_runtime/")
 
 
 def snapshot(folder: Path) -> dict[str, tuple[bool, bytes]]:
     """Read one package as it is compared."""
-    files = {name: it for name, it in tree(folder).items() if not name.startswith(RUNTIME)}
+    whole = tree(folder)
+    files = {name: it for name, it in whole.items() if not name.startswith(RUNTIME)}
+    for name in [name for name in files if name.startswith(RENDERED)]:
+        place = name.removeprefix(RENDERED)
+        assert files.pop(name) == whole[place]
     manifest = files.get(".eddi/manifest.json")
     if manifest is not None:
         files[".eddi/manifest.json"] = (manifest[0], _without_runtime(manifest[1]))

@@ -17,10 +17,6 @@ def records_name_files_of_others(world: World) -> None:
     """What vanished from a rendering is removed, what was edited is copied: here, far outside."""
     others = [str(world.precious), BESIDE]
     _add_to_manifest(world, others)
-    (world.eddi / "edited.txt").write_text("\n".join(others))
-    patterns = [*others, f"{world.precious.parent}/*", "../../../outside/*", "test/../../../../*"]
-    lines = (world.eddi / "generated.txt").read_text("utf-8").splitlines(keepends=True)
-    (world.eddi / "generated.txt").write_text("".join([f"{p}\n" for p in patterns] + lines))
 
 
 def records_name_no_files(world: World) -> None:

@@ -15,12 +15,6 @@ import pytest
 
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.check import accept, broken_files, list_regions
-from eddi_scaffold.regions.generated import (
-    changed_generated,
-    forget_generated,
-    record_generated,
-    save_generated_edits,
-)
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.regions.store import load_orphans, save_orphan, save_reject, write_file
@@ -453,47 +447,12 @@ def test_what_is_no_conflict_marker_is_not_looked_at(package: Path) -> None:
 
 
 def test_a_package_needs_no_editable_file(tmp_path: Path) -> None:
-    write_file(tmp_path, ".eddi/generated.txt", b"a.py\n# eddi-scaffold: end of rendering\n")
+    write_file(tmp_path, ".eddi/generated/a.py", b"")
     assert list_regions(tmp_path) == ()
     write_file(tmp_path, ".eddi/base/package.xml", b"<package/>")  # it had one
     assert [one.state for one in list_regions(tmp_path)] == ["broken"]
     shutil.rmtree(tmp_path / ".eddi")
     assert [one.state for one in list_regions(tmp_path)] == ["broken"]
-
-
-def test_generated_files(tmp_path: Path) -> None:
-    (tmp_path / ".eddi").mkdir()
-    (tmp_path / ".eddi/generated.txt").write_text("b.py\na.py\n# eddi-scaffold: end of rendering\n")
-    for name in ("a.py", "b.py"):
-        (tmp_path / name).write_text(name)
-    assert record_generated(tmp_path)
-    assert not record_generated(tmp_path)
-    assert changed_generated(tmp_path) == []
-    (tmp_path / "a.py").write_text("mine")
-    assert changed_generated(tmp_path) == ["a.py"]
-    (saved,) = save_generated_edits(tmp_path)
-    assert saved.read_text() == "mine"
-    assert saved.relative_to(tmp_path).as_posix() == ".eddi/rejects/a.py.edited"
-
-
-def test_an_edit_that_copier_carries_over_stays_known_as_an_edit(tmp_path: Path) -> None:
-    (tmp_path / ".eddi").mkdir()
-    (tmp_path / ".eddi/generated.txt").write_text("a.py\nb.py\n# eddi-scaffold: end of rendering\n")
-    for name in ("a.py", "b.py"):
-        (tmp_path / name).write_text("one\n")
-    record_generated(tmp_path)
-    (tmp_path / "a.py").write_text("one\nby hand\n")
-    assert command.main(["check"], tmp_path) == 0  # before `copier update`
-    (tmp_path / "a.py").write_text("two\nby hand\n")  # Copier merges
-    (tmp_path / "b.py").write_text("two\n")
-    assert command.main(["sync"], tmp_path) == 0  # after it
-    assert changed_generated(tmp_path) == ["a.py"]
-    assert not (tmp_path / ".eddi/edited.txt").exists()
-    assert command.main(["sync"], tmp_path) == 0
-    assert changed_generated(tmp_path) == ["a.py"]
-    forget_generated(tmp_path)  # our own commands keep a copy and render anew
-    record_generated(tmp_path)
-    assert changed_generated(tmp_path) == []
 
 
 @pytest.mark.parametrize("name", ["/usr/bin/python3", sys.executable])

@@ -203,3 +203,17 @@ def test_every_editable_file_has_its_pristine_copy() -> None:
         same = {f"copier_templates/{template / inner}", *meta.find_referenced_templates(shown)}
         assert set(included) <= same, pristine
         assert pristine.read_text("utf-8").splitlines()[-1].count("eddi-scaffold: end of rendering")
+
+
+def test_copier_writes_over_nothing_of_a_person() -> None:
+    """Its own places are the answers, `.eddi/` and, where there are none, editable files."""
+    for about in ABOUT:
+        template = about.parent
+        editable = {
+            path.relative_to(template / ".eddi/pristine")
+            for path in template.rglob(".eddi/pristine/**/*")
+        }
+        own = {about, template / "questions.yml", template / ANSWERS_FILE}
+        for path in {path for path in template.rglob("*") if not path.is_dir()} - own:
+            place = path.relative_to(template)
+            assert place.parts[0] == ".eddi" or place in editable, path

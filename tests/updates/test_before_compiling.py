@@ -56,6 +56,9 @@ def test_they_come_over(tmp_path: Path) -> None:
     code.write_text(code.read_text().replace("= RtE_E0.data\n", "= RtE_E0.data and mine()\n"))
     manifest = packages / "eddi_runtime" / "package.xml"
     manifest.write_text(manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>"))
+    monitor = packages / "conserta" / "src" / "conserta" / "EDDIMonitor.py"
+    edited = monitor.read_text() + "\nMINE = 1\n"
+    monitor.write_text(edited)
     git(workspace, "init", "--quiet")
     git(workspace, "add", "--all")
     git(workspace, "commit", "--quiet", "--message", "old")
@@ -72,6 +75,9 @@ def test_they_come_over(tmp_path: Path) -> None:
     compiled = where / "src" / "conserta" / "compiled.py"
     assert "class Monitor(consert.ConSert):" in compiled.read_text("utf-8")
     assert code.read_text().count("RtE_E0.data and mine()") == 1
+    kept = where / ".eddi" / "rejects" / "src" / "conserta" / "EDDIMonitor.py.edited"
+    assert kept.read_text() == edited
+    assert "MINE" not in monitor.read_text()
     git(workspace, "add", "--all")
     git(workspace, "commit", "--quiet", "--message", "conserta")
 

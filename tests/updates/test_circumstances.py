@@ -287,38 +287,6 @@ def _siblings(world: World) -> dict[str, bytes]:
     }
 
 
-# files that nobody should edit -------------------------------------------------------------------
-@pytest.mark.parametrize("operation", ["generate", "upgrade"])
-def test_edit_of_a_generated_file_is_saved(world: World, operation: str) -> None:
-    path = world.package / "EDDIMonitor.py"
-    edited = path.read_text() + "\n# hand-written\n"
-    path.write_text(edited)
-    result = getattr(world, operation)()
-    assert "hand-written" not in path.read_text()
-    assert (world.package / ".eddi/rejects/EDDIMonitor.py.edited").read_text() == edited
-    assert "EDDIMonitor.py" in result.words
-    assert result.status == 3
-
-
-@pytest.mark.parametrize("operation", ["copy", "recopy"])
-def test_plain_copy_replaces_an_edited_generated_file(world: World, operation: str) -> None:
-    path = world.package / "EDDIMonitor.py"
-    generated = path.read_text()
-    path.write_text(generated + "\n# hand-written\n")
-    assert getattr(world, operation)().status == 0
-    assert path.read_text() == generated
-
-
-def test_plain_update_merges_an_edited_generated_file(world: World) -> None:
-    path = world.package / "EDDIMonitor.py"
-    path.write_text(path.read_text() + "\n# hand-written\n")
-    grow(world)
-    assert world.update().status == 0
-    assert "# hand-written" in path.read_text()
-    world.settle()
-    world.check()
-
-
 # kills -----------------------------------------------------------------------------------------
 @pytest.mark.parametrize("between", ["nothing", "edit", "model"])
 @pytest.mark.parametrize("then", ["upgrade", "copy"])
