@@ -16,8 +16,8 @@ from eddi_scaffold.regions.bodies import reindent, same_body
 from eddi_scaffold.regions.lines import mark_lines
 from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse, placeholder_id, split_lines
 from eddi_scaffold.regions.markers import indent_of, with_sig
-from eddi_scaffold.regions.merge import check_text, kind_of
-from eddi_scaffold.regions.outside import merge_python, regions_in
+from eddi_scaffold.regions.merge import LANGUAGES, check_text, kind_of
+from eddi_scaffold.regions.outside import Language, merge_items, regions_in
 
 _WRITTEN = "  # written"
 
@@ -93,7 +93,8 @@ def _join_parsed(path: str, base: MarkedFile, ours: MarkedFile, theirs: MarkedFi
     regions, torn = _regions(base.regions, ours.regions, theirs.regions)
     contested = _contested(base.regions, ours.regions, theirs.regions)
     sides = (base.skeleton, _changed(ours, contested), _changed(theirs, contested))
-    lines = _by_definition(*sides) if python and not contested else None
+    language = LANGUAGES.get(kind_of(path))
+    lines = _by_definition(language, *sides) if language and not contested else None
     conflict = False
     if lines is None:
         lines, conflict = mark_lines(*sides)
@@ -105,11 +106,11 @@ def _join_parsed(path: str, base: MarkedFile, ours: MarkedFile, theirs: MarkedFi
 
 
 def _by_definition(
-    base: Sequence[str], ours: Sequence[str], theirs: Sequence[str]
+    language: Language, base: Sequence[str], ours: Sequence[str], theirs: Sequence[str]
 ) -> list[str] | None:
     """Return the merged skeleton, ``None`` where that is not without doubt."""
     try:
-        lines, rejects = merge_python(base, ours, theirs, both=True)
+        lines, rejects = merge_items(language, base, ours, theirs, both=True)
     except SyntaxError:
         return None
     old, own, new = (set(regions_in(one)) for one in (base, ours, theirs))

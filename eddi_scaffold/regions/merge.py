@@ -21,20 +21,33 @@ from eddi_scaffold.regions.marked_file import (
     split_lines,
 )
 from eddi_scaffold.regions.markers import indent_of, with_sig
-from eddi_scaffold.regions.outside import Reject, merge_python, regions_in, same_lines
+from eddi_scaffold.regions.outside import (
+    CMAKE,
+    PYTHON,
+    XML,
+    Language,
+    Reject,
+    merge_items,
+    regions_in,
+    same_lines,
+)
 from eddi_scaffold.regions.placements import Placement, Placements, adopt_ids, claim_bodies
 from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile, patch_text
 
-FileFormat = Literal["python", "xml", "lines"]
+FileFormat = Literal["python", "xml", "cmake", "lines"]
+LANGUAGES: Mapping[FileFormat, Language] = {"python": PYTHON, "xml": XML, "cmake": CMAKE}
+"""How the files of each format are taken apart."""
 _BOM = "\ufeff"
 
 
 def kind_of(path: str) -> FileFormat:
     """Return how a file is merged and checked, by its name."""
-    suffix = PurePosixPath(path).suffix
-    if suffix == ".py":
+    name = PurePosixPath(path)
+    if name.suffix == ".py":
         return "python"
-    return "xml" if suffix in {".xml", ".launch"} else "lines"
+    if name.name == "CMakeLists.txt" or name.suffix == ".cmake":
+        return "cmake"
+    return "xml" if name.suffix in {".xml", ".launch"} else "lines"
 
 
 def merge(
@@ -186,10 +199,12 @@ def _outside(
         return new, [_reject_file(theirs, mine)]
     if same_lines(mine.skeleton, base.skeleton):
         return new, []
-    if kind_of(path) == "python":
-        try:
-            return merge_python(base.skeleton, mine.skeleton, new, changed)
-        except SyntaxError:
+    language = LANGUAGES.get(kind_of(path))
+    try:
+        if language is not None:
+            return merge_items(language, base.skeleton, mine.skeleton, new, changed)
+    except SyntaxError:
+        if language is PYTHON:
             return new, [_reject_file(base, mine)]
     merged = merge_lines(base.skeleton, mine.skeleton, new)
     if merged is None or regions_in(merged) != regions_in(new):

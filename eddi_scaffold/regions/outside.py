@@ -1,25 +1,20 @@
-"""Merge the code outside the regions of a Python file, definition by definition."""
+"""Merge what is outside the regions of a file, definition by definition, element by element."""
 
 from __future__ import annotations
 
 import ast
 import itertools
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from eddi_scaffold.regions import cmake_tree, xml_tree
 from eddi_scaffold.regions.formatting import framed, same_meaning
+from eddi_scaffold.regions.items import Block, Item, Leaf, aligned
 from eddi_scaffold.regions.lines import merge_lines
 from eddi_scaffold.regions.marked_file import placeholder_id
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_python, parse_shallow
-from eddi_scaffold.regions.python_tree import (
-    ClassBlock,
-    Item,
-    Leaf,
-    is_named,
-    split,
-    split_function,
-)
+from eddi_scaffold.regions.python_tree import is_named, split, split_function
 
 
 @dataclass(frozen=True)
@@ -40,13 +35,32 @@ class Reject:
 _LEAVES = ("return", "raise")
 
 
+@dataclass(frozen=True)
+class Language:
+    """How the texts of a file are taken apart.
+
+    Attributes:
+        split: returns the items of a text; raises SyntaxError.
+        parses: whether the lines of an item, or of the head of one, are whole.
+        same: whether two items differ in their layout only.
+        lead: how many lines of an item are comments above it.
+    """
+
+    split: Callable[[Sequence[str]], Sequence[Item]]
+    parses: Callable[[Sequence[str]], bool]
+    same: Callable[[Sequence[str], Sequence[str]], bool]
+    lead: Callable[[Sequence[str]], int]
+
+
 @dataclass
 class _Merge:
+    language: Language
     both: bool = False  # two branches: regions and definitions come and go on either side
     rejects: list[Reject] = field(default_factory=list)
 
 
-def merge_python(
+def merge_items(
+    language: Language,
     base: Sequence[str],
     mine: Sequence[str],
     theirs: Sequence[str],
@@ -54,9 +68,10 @@ def merge_python(
     *,
     both: bool = False,
 ) -> tuple[list[str], list[Reject]]:
-    """Merge three skeletons of a Python file; never moves a line into another definition.
+    """Merge three skeletons; never moves a line into another definition, element or command.
 
     Args:
+        language: of the file.
         base: the rendering that ``mine`` was made from.
         mine: the person's lines.
         theirs: the new rendering.
@@ -69,17 +84,19 @@ def merge_python(
     Raises:
         SyntaxError: one of the three does not parse.
     """
-    merge = _Merge(both)
-    before, own = (_without_heirs(split(lines), changed) for lines in (base, mine))
-    lines = _block(merge, before, own, split(theirs), "")
+    merge = _Merge(language, both)
+    if _stays(merge, base, mine, theirs):
+        return list(mine), []
+    before, own = (_without_heirs(language.split(lines), changed) for lines in (base, mine))
+    lines = _block(merge, before, own, language.split(theirs), "")
     return lines, merge.rejects
 
 
 def _without_heirs(items: Sequence[Item], changed: Collection[str]) -> tuple[Item, ...]:
     """Rename the functions of regions that belong to other elements now: none is their heir."""
     return tuple(
-        ClassBlock(item.key, item.header, _without_heirs(item.items, changed))
-        if isinstance(item, ClassBlock)
+        Block(item.key, item.header, _without_heirs(item.items, changed))
+        if isinstance(item, Block)
         else Leaf(f"{item.key} (before it was renamed)", item.lines)
         if any(name in changed for name in regions_in(item.lines))
         else item
@@ -102,6 +119,8 @@ def _block(
     steps: bool = False,
 ) -> list[str]:
     """Merge the members of a block; ``steps`` marks them as a function's statements."""
+    if merge.language is not PYTHON:
+        mine, theirs = aligned(mine, base, "own"), aligned(theirs, base, "new")
     old, own, new = _by_key(base), _by_key(mine), _by_key(theirs)
     chosen: dict[str, list[str]] = {}
     for key, item in new.items():
@@ -189,7 +208,7 @@ def _added_last(own: dict[str, Item], old: Mapping[str, Item], new: Mapping[str,
 
 
 def _reject_removed(merge: _Merge, was: Item | None, person: Item, where: str) -> None:
-    if isinstance(was, ClassBlock) and isinstance(person, ClassBlock):
+    if isinstance(was, Block) and isinstance(person, Block):
         if not same_lines(was.header, person.header):
             merge.rejects.append(Reject(where, was.header, person.header))
         old = _by_key(was.items)
@@ -203,15 +222,15 @@ def _reject_removed(merge: _Merge, was: Item | None, person: Item, where: str) -
 
 def _both(merge: _Merge, was: Item | None, person: Item, item: Item, where: str) -> list[str]:
     before = was.lines if was is not None else None
-    if isinstance(person, ClassBlock) and isinstance(item, ClassBlock):
+    if before is not None and _stays(merge, before, person.lines, item.lines):
+        return list(person.lines)
+    if isinstance(person, Block) and isinstance(item, Block):
         return _groups(merge, was, person, item, where)
-    merged = _leaf(before, person.lines, item.lines)
+    merged = _leaf(merge, before, person.lines, item.lines)
+    if merged is None and before is not None:
+        merged = _by_parts(merge, before, person.lines, item.lines, where)
     if merged is not None:
         return merged
-    if item.key.startswith("def ") and before is not None:
-        merged = _by_parts(before, person.lines, item.lines, where)
-        if merged is not None:
-            return merged
     if item.key.startswith("from "):
         united = _united(before or (), person.lines, item.lines)
         if united is not None:
@@ -221,43 +240,56 @@ def _both(merge: _Merge, was: Item | None, person: Item, item: Item, where: str)
 
 
 def _by_parts(
+    merge: _Merge, before: Sequence[str], person: Sequence[str], item: Sequence[str], where: str
+) -> list[str] | None:
+    """Merge the comments above an item and the rest; of a function, its statements."""
+    texts = (before, person, item)
+    cuts = [merge.language.lead(lines) for lines in texts]
+    lead = _leaf(merge, *(lines[:cut] for lines, cut in zip(texts, cuts, strict=True)))
+    was, own, new = (lines[cut:] for lines, cut in zip(texts, cuts, strict=True))
+    if lead is None:
+        return None
+    rest = _leaf(merge, was, own, new)
+    if rest is None and merge.language is PYTHON:
+        rest = _by_statements(was, own, new, where)
+    return lead + rest if rest is not None else None
+
+
+def _by_statements(
     before: Sequence[str], person: Sequence[str], item: Sequence[str], where: str
 ) -> list[str] | None:
-    """Merge the comments above a function, and its statements where the person only added some."""
-    leads, rests = zip(*(_lead(lines) for lines in (before, person, item)), strict=True)
-    lead, merged = _leaf(*leads), _leaf(*rests)
-    if lead is None or merged is not None:
-        return None if lead is None or merged is None else lead + merged
-    old, own, new = (split_function(lines) for lines in rests)
+    """Merge the statements of a function where the person only added some."""
+    old, own, new = (split_function(lines) for lines in (before, person, item))
     if old is None or own is None or new is None:
         return None
     keys = [step.key for step in own.items]
     added = [key for key in keys if key not in _by_key(old.items)]
     if len(keys) - len(added) < len(old.items) or any(key.startswith(_LEAVES) for key in added):
         return None
-    trial = _Merge()
+    trial = _Merge(PYTHON)
     lines = _groups(trial, old, own, new, where, steps=True)
     good = not trial.rejects and regions_in(lines) == regions_in(item) and _parses(lines)
-    return lead + lines if good else None
+    return lines if good else None
 
 
-def _lead(lines: Sequence[str]) -> tuple[Sequence[str], Sequence[str]]:
+def _python_lead(lines: Sequence[str]) -> int:
     code = (i for i, line in enumerate(lines) if line.strip() and line.lstrip()[0] != "#")
-    first = next(code, 0)
-    return lines[:first], lines[first:]
+    return next(code, 0)
 
 
 def _groups(
     merge: _Merge,
     was: Item | None,
-    person: ClassBlock,
-    item: ClassBlock,
+    person: Block,
+    item: Block,
     where: str,
     *,
     steps: bool = False,
 ) -> list[str]:
-    old = was if isinstance(was, ClassBlock) else None
-    header = _leaf(old.header if old else None, person.header, item.header)
+    old = was if isinstance(was, Block) else None
+    header = _leaf(merge, old.header if old else None, person.header, item.header)
+    if header is None and old is not None:
+        header = _by_parts(merge, old.header, person.header, item.header, where)
     if header is None:
         merge.rejects.append(Reject(where, (old or item).header, person.header))
         header = list(item.header)
@@ -265,22 +297,34 @@ def _groups(
     return header + _block(merge, before, person.items, item.items, where, steps=steps)
 
 
+def _stays(
+    merge: _Merge, before: Sequence[str], person: Sequence[str], item: Sequence[str]
+) -> bool:
+    """Return whether a person's lines stay in their own order, because nothing else changes."""
+    plain = merge.language is not PYTHON and regions_in(person) == regions_in(item)
+    return plain and same_lines(before, item) and merge.language.parses(person)
+
+
 def _leaf(
-    was: Sequence[str] | None, person: Sequence[str], item: Sequence[str]
+    merge: _Merge, was: Sequence[str] | None, person: Sequence[str], item: Sequence[str]
 ) -> list[str] | None:
     """Return the lines with both changes, ``None`` when they cannot be united."""
-    if same_lines(person, item) or (was is not None and _untouched(was, person)):
+    if same_lines(person, item) or (was is not None and _untouched(merge, was, person)):
         return list(item)
     if was is None:
         return None
     merged = list(person) if same_lines(was, item) else merge_lines(was, person, item)
-    if merged is None or regions_in(merged) != regions_in(item) or not _parses(merged):
+    if (
+        merged is None
+        or regions_in(merged) != regions_in(item)
+        or not merge.language.parses(merged)
+    ):
         return None
     return merged
 
 
-def _untouched(was: Sequence[str], person: Sequence[str]) -> bool:
-    same = same_lines(was, person) or same_meaning(was, person)
+def _untouched(merge: _Merge, was: Sequence[str], person: Sequence[str]) -> bool:
+    same = same_lines(was, person) or merge.language.same(was, person)
     return same and regions_in(was) == regions_in(person)
 
 
@@ -348,3 +392,12 @@ def _terminated(lines: list[str]) -> list[str]:
     if lines and not lines[-1].endswith("\n"):
         return [*lines[:-1], lines[-1] + "\n"]
     return lines
+
+
+def _never_same(_one: Sequence[str], _other: Sequence[str]) -> bool:
+    return False
+
+
+PYTHON = Language(split, _parses, same_meaning, _python_lead)
+XML = Language(xml_tree.split, xml_tree.parses, _never_same, xml_tree.lead)
+CMAKE = Language(cmake_tree.split, cmake_tree.parses, _never_same, cmake_tree.lead)

@@ -7,52 +7,16 @@ indented deeper than the block stay with the definition above.
 from __future__ import annotations
 
 import ast
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.regions.formatting import framed
+from eddi_scaffold.regions.items import Block, Item, Leaf, numbered
 from eddi_scaffold.regions.marked_file import placeholder_id, split_lines
 from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_shallow
 
 TAIL = "<tail>"
-
-
-@dataclass(frozen=True)
-class Leaf:
-    """A function, a statement or the comments behind the last one.
-
-    Attributes:
-        key: what identifies it within its block.
-        lines: its lines, with the comments above it.
-    """
-
-    key: str
-    lines: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class ClassBlock:
-    """A class.
-
-    Attributes:
-        key: what identifies it within its block.
-        header: comments, decorators and the ``class`` line.
-        items: its members.
-    """
-
-    key: str
-    header: tuple[str, ...]
-    items: tuple[Leaf | ClassBlock, ...]
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """All lines of the class."""
-        return self.header + tuple(line for item in self.items for line in item.lines)
-
-
-Item = Leaf | ClassBlock
 
 
 @dataclass(frozen=True)
@@ -76,10 +40,10 @@ def split(lines: Sequence[str]) -> tuple[Item, ...]:
     text = "".join(lines)
     if "\r" in text or "\f" in text:
         raise SyntaxError("carriage returns or form feeds inside of lines")
-    return tuple(_numbered(_block(parse_shallow(text).body, lines, 0, len(lines))))
+    return tuple(numbered(_block(parse_shallow(text).body, lines, 0, len(lines))))
 
 
-def split_function(lines: Sequence[str]) -> ClassBlock | None:
+def split_function(lines: Sequence[str]) -> Block | None:
     """Return the statements of one function, ``None`` where control flow decides their order."""
     text = framed(lines)
     shown = split_lines(text)
@@ -95,20 +59,8 @@ def split_function(lines: Sequence[str]) -> ClassBlock | None:
         return None
     offset = len(shown) - len(lines)
     first = _above(shown, node.body[0].lineno - 1)
-    members = tuple(_numbered(_block(node.body, shown, first, len(shown))))
-    return ClassBlock(f"def {node.name}", tuple(shown[offset:first]), members)
-
-
-def _numbered(items: list[Item]) -> Iterator[Item]:
-    seen: Counter[str] = Counter()
-    for item in items:
-        seen[item.key] += 1
-        key = item.key if seen[item.key] == 1 else f"{item.key} #{seen[item.key]}"
-        yield (
-            Leaf(key, item.lines)
-            if isinstance(item, Leaf)
-            else ClassBlock(key, item.header, item.items)
-        )
+    members = tuple(numbered(_block(node.body, shown, first, len(shown))))
+    return Block(f"def {node.name}", tuple(shown[offset:first]), members)
 
 
 def _block(nodes: Sequence[ast.stmt], lines: Sequence[str], start: int, stop: int) -> list[Item]:
@@ -157,8 +109,8 @@ def _item(span: _Span, lines: Sequence[str], start: int, stop: int) -> Item:
     if not isinstance(node, ast.ClassDef) or node.body[0].lineno <= node.lineno:
         return Leaf(key, tuple(lines[start:stop]))
     first = _above(lines, next(_spans(node.body)).start)
-    members = tuple(_numbered(_block(node.body, lines, first, stop)))
-    return ClassBlock(key, tuple(lines[start:first]), members)
+    members = tuple(numbered(_block(node.body, lines, first, stop)))
+    return Block(key, tuple(lines[start:first]), members)
 
 
 def _above(lines: Sequence[str], first: int) -> int:
