@@ -191,7 +191,7 @@ def _merge_package(
             work.notes.append(f"{former} is called {package.folder} now; all in it moved along")
             generated = listed_generated(rendered)
             work.left += mentions(after, former, package.folder, generated)
-        before = transaction.tree_of(target)
+        before = renames.present(target).files
         changes = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
     work.changes.update({f"{package.folder}/{p}": state for p, state in changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in changes if p in before})

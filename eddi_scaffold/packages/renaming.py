@@ -6,7 +6,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Collection, Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.identifiers import package_name
@@ -34,6 +34,7 @@ class Renames:
     """
 
     former: Mapping[str, str]
+    _read: dict[Path, FolderContent] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def involved(self) -> frozenset[str]:
@@ -44,8 +45,14 @@ class Renames:
         """Return what is in a package before it is rendered, under its new paths."""
         old = self.former.get(folder)
         if old is not None:
-            return _moved(root / old, folder)
+            return _moved(root / old, folder, self.present(root / old))
         return FolderContent() if folder in self.involved else survey(root / folder)
+
+    def present(self, package: Path) -> FolderContent:
+        """Return what is in one of these folders, as it was when it was first looked at."""
+        if package not in self._read:
+            self._read[package] = survey(package)
+        return self._read[package]
 
     def remains(self, root: Path, written: Container[str]) -> dict[str, FileState]:
         """Return the files in folders that are no packages any more."""
@@ -53,7 +60,7 @@ class Renames:
             f"{folder}/{path}": state
             for folder in self.involved
             if folder not in written
-            for path, state in survey(root / folder).files.items()
+            for path, state in self.present(root / folder).files.items()
         }
 
 
@@ -148,9 +155,8 @@ def _is_as_made(package: Path) -> bool:
     )
 
 
-def _moved(package: Path, new: str) -> FolderContent:
-    """Read a package with the paths, and the records of paths, that it has under another name."""
-    tree = survey(package)
+def _moved(package: Path, new: str, tree: FolderContent) -> FolderContent:
+    """Return a package with the paths, and the records of paths, that it has under another name."""
     moved = _mover(package, new, tree)
     files = {moved(path): state for path, state in tree.files.items()}
     for path, state in files.items():

@@ -107,6 +107,27 @@ def test_a_file_that_a_person_removes_during_the_run_is_said(folder: Path) -> No
     assert not (folder / INPUT).exists()
 
 
+@pytest.mark.parametrize("package", ["consertb", "rover"])
+def test_what_is_saved_while_its_package_gets_another_name_stays(
+    folder: Path, package: str
+) -> None:
+    config, model = folder / CONFIG_B, folder / MODEL
+    config.write_text(config.read_text().replace("id: ConSertB", "id: Rover"))
+    model.write_text(model.read_text().replace('name="ConSertB"', 'name="Rover"'))
+    place = folder / ROOT / package / "notes.txt"
+
+    def person() -> None:
+        place.parent.mkdir(exist_ok=True)
+        place.write_text(MINE)
+
+    (folder / PACKAGE / "notes.txt").write_text("of before\n")
+    result = run_while(person, *GENERATE, "--rename", "ConSertB=Rover", cwd=folder)
+    assert result.status == 2, result.err
+    assert "[F013]" in result.err
+    assert place.read_text() == MINE
+    assert (folder / INPUT).exists()
+
+
 # another run --------------------------------------------------------------------------------------
 ROOT = PACKAGE.parent
 _HOLD = """
