@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +21,10 @@ from eddi_scaffold.cli.options import (
     in_a_folder,
 )
 from eddi_scaffold.platforms import DEFAULT
+
+if TYPE_CHECKING:
+    from eddi_scaffold.config.reading import RobotAdditions
+    from eddi_scaffold.problems import Problem
 
 
 def generate(
@@ -74,12 +78,16 @@ def generate(
     from eddi_scaffold.packages.workspace import alone, existing, packages_root
     from eddi_scaffold.platforms import chosen
     from eddi_scaffold.problems import EddiError
-    from eddi_scaffold.robot.robot_models import beside_configs
 
     target = chosen(platform)
     place = destination(target, workspace, output)
     root = packages_root(target, place)
-    robot, problems = beside_configs(system, models)
+    robot: RobotAdditions | None = None
+    problems: list[Problem] = []
+    if system is not None or models is not None:
+        from eddi_scaffold.robot.robot_models import beside_configs
+
+        robot, problems = beside_configs(system, models)
     try:
         monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
     except EddiError as refused:  # what is wrong with the robot's models may be the reason

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
-from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.positioned_yaml.nodes import read_map
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.readers.document import EddiDocument
@@ -41,6 +40,8 @@ def is_mros(source: Source) -> bool:
 
 def named_like_mros(name: str) -> bool:
     """Return whether a file name is that of a ``.rossystem``, ``.ros``, ``.ros1`` or ``.ros2``."""
+    from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX  # noqa: PLC0415 - with its readers
+
     return name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
 
 

@@ -46,8 +46,8 @@ def beside(robot: Robot) -> RobotAdditions:
 
 def beside_configs(
     system: Path | None, folder: Path | None
-) -> tuple[RobotAdditions | None, list[Problem]]:
-    """Return what a command was given in addition to configurations, if it was.
+) -> tuple[RobotAdditions, list[Problem]]:
+    """Return what a command was given in addition to configurations: a system, models, or both.
 
     What does not resolve in the system is a warning here: only what an input requires must.
 
@@ -55,8 +55,6 @@ def beside_configs(
         EddiError: one of the two cannot be read, or the models of a system are missing (G017).
     """
     if folder is None:
-        if system is None:
-            return None, []
         hint = "--models DIR: the directory of its .ros, .ros1 and .ros2 files"
         raise EddiError(error("G017", "--system needs the models of its nodes", hint=hint))
     if system is None:
