@@ -16,7 +16,7 @@ from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone, packages_root
-from eddi_scaffold.platforms import chosen
+from eddi_scaffold.platforms import choices, chosen
 from eddi_scaffold.problems import EddiError, Place, Problem
 from eddi_scaffold.replay.parts import of_values, rhythm
 from eddi_scaffold.replay.playing import play
@@ -77,6 +77,7 @@ def generate(
     platform: str = "ros1",
     *,
     runtime: str | None = None,
+    single_process: bool | None = None,
     dry_run: bool = False,
 ) -> Outcome:
     """Generate packages, or bring those that are there up to date; hand-written lines stay.
@@ -87,6 +88,7 @@ def generate(
         configs: one ``eddi_config.yml`` for each monitor.
         platform: ``ros1`` or ``plain``.
         runtime: where the runtime library is, ``vendored`` or ``installed``; by default as it is.
+        single_process: whether one process runs all monitors of a workspace; by default as it is.
         dry_run: change nothing; ``Outcome.diff()`` shows what would change.
 
     Returns:
@@ -99,7 +101,8 @@ def generate(
     root = packages_root(target, folder)
     monitors, problems = monitors_of(model, configs)
     with alone(() if dry_run else [root]):
-        packages = assemble(monitors, target, root, problems, runtime).packages
+        asked = choices(runtime, single_process)
+        packages = assemble(monitors, target, root, problems, asked).packages
         return write_packages(root, packages, own_template(), within=folder, dry_run=dry_run)
 
 

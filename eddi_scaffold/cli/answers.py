@@ -14,6 +14,7 @@ from eddi_scaffold.cli.options import (
     Name,
     PlatformName,
     Runtime,
+    SingleProcess,
     in_a_folder,
 )
 from eddi_scaffold.platforms import DEFAULT
@@ -37,6 +38,7 @@ def answers(
     default_guarantee: DefaultGuarantees = None,
     platform: PlatformName = DEFAULT,
     runtime: Runtime = None,
+    single_process: SingleProcess = None,
     workspace: Annotated[
         Path | None,
         typer.Option(
@@ -56,7 +58,7 @@ def answers(
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.platforms import chosen
+    from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.positioned_yaml.writer import dump_plain
 
     target = chosen(platform)
@@ -65,7 +67,7 @@ def answers(
     )
     only(monitors)
     root = (workspace or Path()) / target.root
-    assembly = assemble(monitors, target, root, problems, runtime)
+    assembly = assemble(monitors, target, root, problems, choices(runtime, single_process))
     console.problems(assembly.problems)
     rendered = [package for package in assembly.packages if package.answers]
     packages = rendered if every else rendered[:1]

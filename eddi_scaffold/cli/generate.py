@@ -17,6 +17,7 @@ from eddi_scaffold.cli.options import (
     OptionalModelFile,
     PlatformName,
     Runtime,
+    SingleProcess,
     System,
     in_a_folder,
 )
@@ -48,6 +49,7 @@ def generate(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     runtime: Runtime = None,
+    single_process: SingleProcess = None,
     rename: Annotated[
         list[str] | None,
         typer.Option(
@@ -76,7 +78,7 @@ def generate(
     from eddi_scaffold.packages.renaming import read_renames
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone, existing, packages_root
-    from eddi_scaffold.platforms import chosen
+    from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.problems import EddiError
 
     target = chosen(platform)
@@ -96,7 +98,8 @@ def generate(
     with alone(() if dry_run else [root]):
         renames = read_renames(rename or (), root, {monitor.package for monitor in monitors})
         moved = renames.involved
-        assembly = assemble(monitors, target, root, problems, runtime, moved)
+        asked = choices(runtime, single_process)
+        assembly = assemble(monitors, target, root, problems, asked, moved)
         console.problems(assembly.problems)
         present = existing(root, {monitor.package for monitor in monitors})
         swapped = list(exchanged(root, present, assembly.packages, moved))

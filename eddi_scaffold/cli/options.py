@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, INSTALLED, VENDORED
+from eddi_scaffold.platforms import (
+    DEFAULT,
+    DEFAULT_IN_FOLDER,
+    INSTALLED,
+    VENDORED,
+)
 from eddi_scaffold.platforms import names as platform_names
 
 
@@ -113,6 +118,15 @@ Runtime = Annotated[
         callback=a_runtime,
         help="Where the runtime library is: vendored (beside the monitors) or installed (the"
         " distribution eddi-runtime). By default as it is, at first vendored.",
+    ),
+]
+SingleProcess = Annotated[
+    bool | None,
+    typer.Option(
+        "--single-process/--separate-processes",
+        help="Whether one process runs all monitors of the workspace. By default as it is, at first"
+        " one process for each.",
+        show_default=False,
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]

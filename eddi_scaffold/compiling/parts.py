@@ -44,12 +44,16 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "safeml": ("clock", "history"),
     "testing": (),
     "thresholds": (),
+    "transports/ros1/host": (),
 }
 """Part of ``eddi_runtime``, a folder or a module -> other parts that it imports.
 
 ``testing`` and ``bayesian_network/asking`` are for people who have the distribution; no monitor
 needs them.
 """
+
+HOST = "transports/ros1/host"
+"""Runs all monitors of a workspace in one process."""
 
 
 def needed_by(text: str) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.workspace import existing, is_compiled
-from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform
+from eddi_scaffold.platforms import RUNTIME, SINGLE_PROCESS, Choices, PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.regions.generated import recorded_generated
 
@@ -97,7 +97,7 @@ def assemble(
     platform: Platform,
     root: Path,
     problems: Sequence[Problem],
-    runtime: str | None = None,
+    chosen: Choices | None = None,
     gone: Container[str] = (),
 ) -> Assembly:
     """Turn monitors into packages, next to those that exist below ``root``.
@@ -107,13 +107,14 @@ def assemble(
         platform: where they run.
         root: folder of all packages.
         problems: what was found so far.
-        runtime: where their runtime library is; by default as it was chosen before. All monitors
-            that share one change with it.
+        chosen: what is to be otherwise than it was chosen before, for all monitors that share
+            packages.
         gone: packages below ``root`` that will have another name.
 
     Raises:
         EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
     """
+    chosen = chosen or {}
     renewed = {monitor.package for monitor in monitors}
     present = {name: of for name, of in existing(root, renewed).items() if name not in gone}
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
@@ -125,13 +126,16 @@ def assemble(
     new = [package.folder for package in packages]
     beside = _sharing(platform, present)
     packages = [
-        with_runtime(one, runtime or runtime_of([present.get(one.folder, {}), *beside.values()]))
+        with_choices(one, [chosen, present.get(one.folder, {}), *beside.values()])
         for one in packages
     ]
+    asked = {
+        name: it for name, it in chosen.items() if any(name in one.answers for one in packages)
+    }
     packages += [
-        with_runtime(stored(root / folder, answers), runtime)
+        stored(root / folder, {**answers, **asked})
         for folder, answers in beside.items()
-        if folder not in new and runtime not in {None, runtime_of([answers])}
+        if folder not in new and {**answers, **asked} != answers
     ]
     wanted = {package.folder: package.answers for package in packages}
     shared = support(platform, root, wanted, config, gone)
@@ -141,24 +145,24 @@ def assemble(
 def _sharing(
     platform: Platform, present: Mapping[str, Mapping[str, Any]]
 ) -> Mapping[str, Mapping[str, Any]]:
-    """Return the monitors of a platform that share one runtime library, if it has shared ones."""
+    """Return the monitors of a platform that share packages."""
     own = platform.templates.monitor if platform.templates.support else None
     return {name: answers for name, answers in present.items() if answers["template"] == own}
 
 
-def runtime_of(answers: Iterable[Mapping[str, Any]]) -> str:
-    """Return where the runtime library is by the first answers that say so."""
-    return str(next((one[RUNTIME] for one in answers if RUNTIME in one), VENDORED))
+def with_choices(package: PackageAnswers, chosen: Sequence[Mapping[str, Any]]) -> PackageAnswers:
+    """Return a package of a monitor with what a person chose, as far as its template asks for it.
 
-
-def with_runtime(package: PackageAnswers, runtime: str | None) -> PackageAnswers:
-    """Return a package of a monitor that has its runtime library elsewhere.
-
-    A template that does not ask for it has it inside.
+    Args:
+        package: as it is where nothing was chosen.
+        chosen: answers; the first ones that have one count.
     """
-    if RUNTIME not in package.answers or runtime is None:
-        return package
-    return replace(package, answers={**package.answers, RUNTIME: runtime})
+    found = {
+        name: next((one[name] for one in chosen if name in one), package.answers[name])
+        for name in (RUNTIME, SINGLE_PROCESS)
+        if name in package.answers
+    }
+    return replace(package, answers={**package.answers, **found})
 
 
 def wiring_with(

@@ -18,11 +18,10 @@ from eddi_scaffold.monitors.loading import checked_models, read_models
 from eddi_scaffold.packages.answers_check import check_answers, model_id
 from eddi_scaffold.packages.assembly import (
     rejoined,
-    runtime_of,
     stored,
     support,
     wiring_with,
-    with_runtime,
+    with_choices,
 )
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
@@ -129,7 +128,7 @@ def targets(
         monitor, found = renewed[folder]
         joined.append(monitor)
         package, more = platform.monitor(monitor)
-        packages.append(with_runtime(package, runtime_of([answers])))
+        packages.append(with_choices(package, [answers]))
         problems += [*found, *more]
     problems += wiring_with(joined, group.present)
     shared = {folder for folder in group.present if folder not in monitors}

@@ -28,10 +28,18 @@ DEFAULT = "ros1"
 """The platform that is meant where none is named: configurations connect a monitor to ROS 1."""
 DEFAULT_IN_FOLDER = "plain"
 """The same where packages go to a folder that is not a workspace."""
-RUNTIME = "runtime"
-"""Answer of a monitor package: where the runtime library is."""
+RUNTIME, SINGLE_PROCESS = "runtime", "single_process"
+"""Answers of a monitor package: where the runtime library is; whether one process runs all."""
 VENDORED, INSTALLED = "vendored", "installed"
 """Beside the monitors, or a distribution that rosdep or pip installs."""
+Choices = Mapping[str, "str | bool"]
+"""What a person chose for the monitors of a workspace: some of these answers."""
+
+
+def choices(runtime: str | None, single_process: bool | None) -> Choices:
+    """Return what is to be otherwise than it was; None is as it was."""
+    given = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
+    return {name: value for name, value in given.items() if value is not None}
 
 
 @dataclass(frozen=True)

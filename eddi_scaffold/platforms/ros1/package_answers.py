@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from eddi_scaffold import __version__, platforms
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelError, parse_model
-from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.compiling.parts import HOST, needed_by
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.config.schema import Config, SimulatorOutput
@@ -37,7 +37,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     classes = _class_names([*heard, *(p.type for p in published if p.path)])
     classes |= {p.type: p.type.replace("/", ".msg.") for p in published if not p.path}
     answers = shared_answers(monitor, templates.MONITOR)
-    answers[platforms.RUNTIME] = platforms.VENDORED
+    answers |= {platforms.RUNTIME: platforms.VENDORED, platforms.SINGLE_PROCESS: False}
     answers["message_packages"] = sorted(
         {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     )
@@ -74,6 +74,7 @@ def support_answers(
     texts = messages_of(monitors.values())
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
     where = [str(one.get(platforms.RUNTIME, platforms.VENDORED)) for one in monitors.values()]
+    single = all(one.get(platforms.SINGLE_PROCESS) is True for one in monitors.values())
     runtime = platforms.VENDORED if platforms.VENDORED in where else platforms.INSTALLED
     listed = sorted(monitors)
 
@@ -107,10 +108,12 @@ def support_answers(
             LAUNCHER,
             "Launch file that starts every EDDI runtime monitor of this workspace",
             monitors=listed,
+            single_process=single,
         ),
     ]
     if runtime == platforms.VENDORED:
         parts = {part for name, one in monitors.items() for part in _parts(name, one)}
+        parts |= {HOST} if single else set()
         title = "Runtime library of the EDDI monitors"
         packages.append(package(templates.RUNTIME, RUNTIME, title, parts=sorted(parts)))
     return packages

@@ -104,6 +104,8 @@ class Converter:
         return cls, kinds, header
 
     def _value(self, message: str, field: str, kind: str, value: object) -> object:
+        if type(value) is _EXACT.get(kind):
+            return value  # nearly all are
         if kind.endswith("]"):
             one, _, length = kind[:-1].partition("[")
             if isinstance(value, (list, tuple)) and (not length or len(value) == int(length)):

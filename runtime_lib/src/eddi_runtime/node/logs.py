@@ -19,9 +19,14 @@ Writers = Mapping[str, Callable[..., None]]
 
 
 class Log:
-    """Keeps lines until the thread has written them; the oldest are dropped when it hangs."""
+    """Keeps lines until the thread has written them; the oldest are dropped when it hangs.
+
+    Attributes:
+        named: lines begin with the name of their thread, because it is that of a monitor.
+    """
 
     def __init__(self) -> None:
+        self.named = False
         # Appending to a deque takes no lock, so a signal handler may log as well.
         self._lines: Deque[_Line] = collections.deque(maxlen=_KEPT)
         self._waker = Waker()
@@ -51,6 +56,8 @@ class Log:
             time.sleep(0.005)
 
     def _put(self, level: str, text: str, values: Tuple[object, ...]) -> None:
+        if self.named:
+            text = f"{threading.current_thread().name}: {text}"
         self._dropped += len(self._lines) == _KEPT
         self._lines.append((level, text, values))
         self._waker.wake()

@@ -7,7 +7,6 @@ of SESAME D7.2 Fig 31; a person may override them in the generated RosNode.
 import sys
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
-import rosgraph
 import rospy
 
 from ...compatibility import ModelError
@@ -24,7 +23,7 @@ from . import start
 from .ending import Ending
 from .messages import check_serialises, converter, diagnostics_publisher, start_log
 from .subscriptions import subscribe
-from .watchdog import TypeRefusals, Watchdog
+from .watchdog import TypeRefusals, Watchdog, watch
 
 
 class MonitorNode(Node):
@@ -84,9 +83,11 @@ class MonitorNode(Node):
 
     def _collect(self, periodic: bool) -> Report:
         watchdog = self._watchdog
-        wrong = {} if watchdog is None else dict(watchdog.wrong_types)
+        seen = {} if watchdog is None else dict(watchdog.wrong_types)
+        expected = self.expected_types()
+        wrong = {topic: text for topic, text in seen.items() if topic in expected}
         receipts = self._receipts.latest()
-        for topic, (name, _) in self._expected_types().items():
+        for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             reason = self._refusals.standing(topic, last)
             if reason is not None:
@@ -97,7 +98,7 @@ class MonitorNode(Node):
             wrong_types=list(wrong.values()),
         )
 
-    def _expected_types(self) -> Dict[str, Tuple[str, str]]:
+    def expected_types(self) -> Dict[str, Tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
         subscribers = dict(self._subscribers)
         return {one.resolved_name: (name, str(one.type)) for name, one in subscribers.items()}
@@ -107,41 +108,41 @@ class MonitorNode(Node):
 
         ``rospy.init_node`` has been called.
         """
-        self._ending.on_end(self._stop)
         self._ending.install()
         start_log()
         self._refusals.install()
-        self.log_start()
-        self.init_publisher()
-        self.step()  # before any message can arrive: nothing is known, nothing is active
-        self.init_subscriber()
-        self._start_helpers()
+        self._watchdog = watch(self.options, self._ending, self.expected_types, self.report_now)
+        self.begin(rospy.get_name())
+        if self._watchdog is not None:
+            self._watchdog.start()
         self.ros_main()
         self._ending.wait()
         return self._ending.status
 
-    def _stop(self) -> None:
-        self.ended = True
-        self._waker.wake()
+    def share(self, ending: Ending, refusals: TypeRefusals, watchdog: Optional[Watchdog]) -> None:
+        """Be one of several monitors of a process, which has these once."""
+        self._ending, self._refusals, self._watchdog = ending, refusals, watchdog
 
-    def _start_helpers(self) -> None:
-        if self.options.watchdog_period > 0.0:
-            self._watchdog = Watchdog(
-                rosgraph.get_master_uri(),
-                self.options.watchdog_period,
-                reregister=self.options.on_master_loss == "reregister",
-                expected=self._expected_types,
-                end=self._ending.end,
-                changed=self.report_now,
-            )
-            self._ending.on_end(self._watchdog.stop)
-            self._watchdog.start()
+    def begin(self, name: str) -> None:
+        """Advertise, publish once and subscribe.
+
+        Args:
+            name: of the node in the diagnostics.
+        """
+        self._ending.on_end(self._stop)
+        self.log_start()
+        self.init_publisher()
+        self.step()  # before any message can arrive: nothing is known, nothing is active
+        self.init_subscriber()
         if self.options.diagnostics:
-            name = rospy.get_name()
             title = f"{name.lstrip('/')}: {self._core.model_id}"
             self._diagnostics = Diagnostics(self._collect, diagnostics_publisher(title, name))
             self._ending.on_end(self._diagnostics.stop)
             self._diagnostics.start()
+
+    def _stop(self) -> None:
+        self.ended = True
+        self._waker.wake()
 
     @classmethod
     def main(

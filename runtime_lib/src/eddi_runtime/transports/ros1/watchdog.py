@@ -11,11 +11,13 @@ import threading
 import time
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
+import rosgraph
 import rospy
 import rospy.impl.registration
 
 from ...node.logs import LOG
-from .ending import MASTER_LOST, TAKEN_OVER
+from ...node.settings import Settings
+from .ending import MASTER_LOST, TAKEN_OVER, Ending
 from .master import Peer, Refused, Unreachable, answers_as
 
 OK, LOST, REREGISTERED, UNWATCHED = "ok", "lost", "re-registered", "not watched"
@@ -169,6 +171,27 @@ class Watchdog:
             if self.wrong_types.get(topic) != text:
                 LOG.error("wrong message type on %s", text)
         self.wrong_types = wrong
+
+
+def watch(
+    options: Settings,
+    ending: Ending,
+    expected: Callable[[], Dict[str, Tuple[str, str]]],
+    changed: Callable[[], None],
+) -> Optional[Watchdog]:
+    """Return the watchdog of this process, ``None`` where a person wants none."""
+    if not options.watchdog_period:
+        return None
+    made = Watchdog(
+        rosgraph.get_master_uri(),
+        options.watchdog_period,
+        reregister=options.on_master_loss == "reregister",
+        expected=expected,
+        end=ending.end,
+        changed=changed,
+    )
+    ending.on_end(made.stop)
+    return made
 
 
 def _own_topics() -> List[str]:

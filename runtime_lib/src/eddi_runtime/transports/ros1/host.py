@@ -1,0 +1,151 @@
+"""All monitors of a workspace in one process: one node of ROS, a thread for each monitor.
+
+Topics, private parameters and names in the diagnostics are those of separate nodes. A monitor that
+raises, hangs in hand-written code or cannot be started does not stop the others.
+"""
+
+import sys
+import threading
+import traceback
+from contextlib import contextmanager
+from functools import partial
+from typing import Callable, Dict, Iterator, Optional, Tuple, Type
+
+import rosgraph.names
+import rospy
+import rospy.names
+
+from ... import ModelError
+from ...inputs import EDDIInputBase
+from ...monitor import Steps
+from ...node.conversion import MessageError
+from ...node.health import Diagnostics
+from ...node.logs import LOG
+from ...node.report import ERROR, Report
+from ...node.schedule import Waker
+from ...plain_values import one_line
+from . import start
+from .ending import Ending
+from .messages import diagnostics_publisher, start_log
+from .node import MonitorNode
+from .watchdog import TypeRefusals, Watchdog, watch
+
+
+class Host:
+    """The process; the generated program of the launcher fills it.
+
+    Args:
+        name: of its node.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._nodes: Dict[str, MonitorNode] = {}
+        self._failed: Dict[str, str] = {}
+        self._ending, self._refusals = Ending(), TypeRefusals()
+
+    @contextmanager
+    def starting(self, package: str) -> Iterator[None]:
+        """Go on without the monitor of a package if that cannot be started."""
+        try:
+            yield
+        except (start.StartError, ModelError, MessageError) as error:
+            self._fail(package, str(error))
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - hand-written code may raise anything
+            traceback.print_exc()
+            self._fail(package, one_line(error))
+
+    def _fail(self, package: str, reason: str) -> None:
+        name = _full_name(package)
+        self._failed[name] = reason
+        sys.stderr.write(f"{name}: error: {reason}\n")
+
+    def add(
+        self,
+        node_class: Type[MonitorNode],
+        eddi_input_class: Callable[[], EDDIInputBase],
+        eddi_monitor_class: Callable[[], Steps],
+    ) -> None:
+        """Make the node of a monitor, without ROS.
+
+        Raises:
+            StartError: a node of its name is running, or a parameter of it is wrong.
+        """
+        name = _full_name(node_class.NAME)
+        options = start.options_of(name, node_class.FREQUENCY, node_class.STARTUP_GRACE)
+        node = node_class(eddi_monitor_class(), eddi_input_class(), options)
+        node.prepare()
+        self._nodes[name] = node
+
+    def run(self) -> int:
+        """Run all monitors until ROS ends the process; return the exit status as a node does."""
+        name = start.node_name(self._name)
+        if not self._nodes:
+            return 1
+        try:
+            options = start.options_of(name, MonitorNode.FREQUENCY, MonitorNode.STARTUP_GRACE)
+            rospy.init_node(self._name)
+        except KeyboardInterrupt:
+            return 0
+        except (start.StartError, rospy.ROSInitException) as error:
+            sys.stderr.write(f"{name}: error: {error}\n")
+            return 0 if rospy.is_shutdown() else 1
+        ended = Waker()
+        self._ending.on_end(ended.wake)
+        self._ending.install()
+        start_log()
+        LOG.named = True
+        self._refusals.install()
+        self._begin(watch(options, self._ending, self._expected_types, self._report_now))
+        while not self._ending.begun:
+            ended.wait(threading.TIMEOUT_MAX)
+        self._ending.wait()
+        return self._ending.status
+
+    def _begin(self, watched: Optional[Watchdog]) -> None:
+        self._take_every_message()
+        for name, node in self._nodes.items():
+            threading.current_thread().name = name  # in the log
+            with self.starting(name):
+                node.share(self._ending, self._refusals, watched)
+                node.begin(name)
+                threading.Thread(target=node.ros_main, name=name, daemon=True).start()
+        for name, reason in self._failed.items():
+            report = Report(ERROR, f"not started: {reason}", ())
+            publish = diagnostics_publisher(name.lstrip("/"), name)
+            failed = Diagnostics(partial(_always, report), publish)
+            self._ending.on_end(failed.stop)
+            failed.start()
+        if watched is not None:
+            watched.start()
+
+    def _take_every_message(self) -> None:
+        """Queue the messages of a topic for all monitors if one of them takes each.
+
+        A process has one connection for each topic, and the last subscriber would set its queue.
+        """
+        nodes = self._nodes.values()
+        queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
+        for node in nodes:
+            node.INPUTS = [  # type: ignore[misc]
+                one._replace(every_message=one.topic in queued) for one in node.INPUTS
+            ]
+
+    def _expected_types(self) -> Dict[str, Tuple[str, str]]:
+        found: Dict[str, Tuple[str, str]] = {}
+        for node in self._nodes.values():
+            found.update(node.expected_types())
+        return found
+
+    def _report_now(self) -> None:
+        for node in self._nodes.values():
+            node.report_now()
+
+
+def _full_name(name: str) -> str:
+    """Return the name of the node that a monitor would be by itself."""
+    return str(rosgraph.names.resolve_name(name, rospy.names.get_caller_id()))
+
+
+def _always(report: Report, _: bool) -> Report:
+    return report

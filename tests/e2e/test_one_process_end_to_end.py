@@ -1,0 +1,44 @@
+"""``generate --single-process``, built by catkin and launched: what a person sees is the same."""
+
+import os
+import signal
+
+import pytest
+
+from tests.e2e import figure46
+from tests.e2e.robot import STARTED, sourced
+from tests.e2e.workspace import Workspace
+from tests.ros1.world import until
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+NODE = "eddi_monitor_launcher"
+
+
+@pytest.fixture(scope="module")
+def built(generator, folder, home):
+    workspace = Workspace(folder / "one process", home)
+    examples = generator.examples
+    configs = [
+        word for letter in "ab" for word in ("-c", examples / f"consert_{letter}_config.yml")
+    ]
+    model = ("-m", examples / "two_conserts.xml")
+    generator.run("generate", "-w", workspace.path, *model, *configs, "--single-process")
+    workspace.catkin_make("install")
+    return workspace
+
+
+@pytest.mark.parametrize("space", ["devel", "install"])
+def test_both_monitors_run_and_come_back(built, launched, home, space):
+    with launched(sourced(built.path / space / "setup.bash", home)) as run:
+        figure46.demonstrate(run, steady=False)
+        for name in ("/conserta", "/consertb"):
+            run.wait_for_input(name, "RtE_A_E0", 10.0)
+        assert f"/{NODE}" in run.command("rosnode", "list").split()
+        ((_, pid),) = (one for one in STARTED.findall(run.launch_text()) if one[0] == NODE)
+        before = len(run.states(figure46.SYSTEM_A))
+        os.kill(int(pid), signal.SIGKILL)
+        until(lambda: len(STARTED.findall(run.launch_text())) == 2, 30.0, "the respawn")
+        nothing = figure46.all_of(figure46.SYSTEM_A, active=False)
+        until(lambda: nothing in run.states(figure46.SYSTEM_A)[before:], 30.0, "nothing is known")
+        run.wait_for(figure46.SYSTEM_A, figure46.all_of(figure46.SYSTEM_A, active=True), 30.0)
+        assert "Traceback" not in run.launch_text()
