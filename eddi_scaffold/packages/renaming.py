@@ -18,8 +18,8 @@ from eddi_scaffold.regions.generated import changed_generated, recorded_generate
 from eddi_scaffold.regions.markers import decode_id, encode_id
 
 _RECORDS = ".eddi/"
-_KEPT = ("base", "pristine", "next", "rejects")
-_MANIFEST, _EDITED = f"{_RECORDS}manifest.json", f"{_RECORDS}edited.txt"
+_KEPT = ("base", "pristine", "generated", "next", "rejects")
+_MANIFEST = f"{_RECORDS}manifest.json"
 _BASE, _ORPHANS = f"{_RECORDS}base/", f"{_RECORDS}orphans/"
 _SAVED = (_ORPHANS, f"{_RECORDS}rejects/")
 _FILE = "# file: "
@@ -163,8 +163,6 @@ def _moved(package: Path, new: str, tree: FolderContent) -> FolderContent:
         text = state.data
         if path == _MANIFEST:
             text = _moved_manifest(text, moved)
-        elif path == _EDITED:
-            text = "\n".join(moved(name) for name in text.decode().split("\n")).encode()
         elif path.startswith(_ORPHANS):
             text = _moved_orphan(text, moved)
         files[path] = replace(state, data=text)
