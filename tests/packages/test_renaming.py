@@ -56,7 +56,9 @@ def edit(path: Path, old: str, new: str) -> None:
 def test_a_renamed_model_does_not_leave_its_package_without_a_word(folder: Path) -> None:
     result = run(*GENERATE, cwd=folder)
     assert result.status == 3
-    assert "left alone: conserta was made of 'ConSertA', a model that is no longer there" in result.err
+    assert (
+        "left alone: conserta was made of 'ConSertA', a model that is no longer there" in result.err
+    )
     assert "`--rename conserta=rover`" in result.err
     assert HAND in (folder / OLD / "src/conserta/EDDIInput.py").read_text()
     again = run(*GENERATE, cwd=folder)
