@@ -115,7 +115,7 @@ def parse_rossystem(
         if diff:
             console.data(diff.rstrip("\n"))
     elif parsed.is_changed:
-        save(config, parsed.after)
+        save(config, parsed.after, parsed.before)
     console.problems(robot.located(parsed.problems), summary=False)
     what = _what(parsed, config, format, dry_run=dry_run)
     (console.complain if has_errors(parsed.problems) else console.say)(what)

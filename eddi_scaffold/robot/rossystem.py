@@ -248,11 +248,16 @@ def _existing(document: ConfigText) -> list[Existing]:
     ]
 
 
-def save(path: Path, text: str) -> None:
+def save(path: Path, text: str, before: str | None) -> None:
     """Replace a configuration as one step; its byte order mark and its mode stay.
 
+    Args:
+        path: the configuration.
+        text: its new text.
+        before: the text that the new one was made of, ``None`` where there was no file.
+
     Raises:
-        EddiError: it cannot be written (F002); the old one is still there.
+        EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it is.
     """
     target = path.resolve()
     mode = target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask()
@@ -264,6 +269,7 @@ def save(path: Path, text: str) -> None:
                 file.flush()
                 os.fsync(file.fileno())
                 Path(file.name).chmod(mode)
+                _refuse_changed(path, before)
                 Path(file.name).replace(target)
             except BaseException:
                 Path(file.name).unlink(missing_ok=True)
@@ -271,6 +277,13 @@ def save(path: Path, text: str) -> None:
     except OSError as refused:
         message = f"cannot write: {refused.strerror or refused}"
         raise EddiError(error("F002", message, Place(str(path)))) from None
+
+
+def _refuse_changed(path: Path, before: str | None) -> None:
+    now = path.read_bytes().removeprefix(b"\xef\xbb\xbf") if path.exists() else None
+    if now != (None if before is None else before.encode()):
+        message = "it was changed while this command was running; nothing was written"
+        raise EddiError(error("F013", message, Place(str(path)), "run the command again"))
 
 
 def _has_mark(path: Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from pathlib import Path
@@ -147,3 +148,21 @@ def test_an_input_that_loses_its_source_is_said(robot: Path) -> None:
         in again.err
     )
     assert "WayIsClear" not in again.err
+
+
+def test_a_configuration_that_is_saved_while_its_block_is_made_stays(
+    robot: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = robot / CONFIG
+    edit(config, "/front/scan", "/rear/scan")
+    saved = f"{config.read_text()}# written while the command was running\n"
+    real = os.fsync
+    monkeypatch.setattr(os, "fsync", lambda handle: (config.write_text(saved), real(handle)))
+    words = ("parse-rossystem", "-s", SYSTEM, "-m", NODES, "-c", CONFIG)
+    refused = run(*words, cwd=robot)
+    assert (refused.status, codes(refused.err)) == (2, ["F013"])
+    assert config.read_text() == saved
+    assert not list(robot.glob(".eddi-*"))
+    monkeypatch.undo()
+    assert run(*words, cwd=robot).status == 0
+    assert config.read_text().count("# written while") == 1
