@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 from importlib import import_module
 from itertools import chain
 from typing import Any
@@ -40,12 +42,27 @@ def compile_model(model_file: ModelFile, runtime: str = "") -> str:
         raise ModelError(
             model_file.path, f"the kind {model_file.kind!r} is not known, only {known}"
         )
-    emission = _emission(model_file.kind)
-    parts = {model_file.kind: emission.FORMAT}
+    parts = {model_file.kind: _emission(model_file.kind).FORMAT}
     try:
-        return whole_text(model_file, parts, emission.lines_of(model_file), runtime)
+        lines = _known_lines(_Content(model_file.digest or object(), model_file))
+        return whole_text(model_file, parts, [*lines], runtime)
     except ModelError as problem:
         raise ModelError(model_file.path, problem.reason) from None
+
+
+@dataclass(frozen=True)
+class _Content:
+    """A model by its content: the digest, or for one that was never in a file nothing else."""
+
+    digest: object
+    model_file: ModelFile = field(compare=False)
+
+
+@lru_cache(maxsize=8)
+def _known_lines(content: _Content) -> Sequence[str]:
+    """Write the class of a monitor once for a command that checks, asks for parts and writes it."""
+    lines: list[str] = _emission(content.model_file.kind).lines_of(content.model_file)
+    return lines
 
 
 def _emission(part: str) -> Any:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import replace
 
 import pytest
 from eddi_runtime import ModelError
 
 from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.consert import emission
 from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.compiling.execution import build
 from runtime_lib.tests.documents import categorical, document, give, numeric, signed
@@ -94,6 +96,20 @@ def test_a_changed_file_is_refused(tmp_path, monkeypatch):
         (tmp_path / f"compiled_{number}.py").write_text(changed)
         with pytest.raises(ModelError, match=r"the file was changed .*eddi-scaffold upgrade"):
             __import__(f"compiled_{number}")
+
+
+def test_a_command_compiles_a_model_once(monkeypatch):
+    compiled = []
+    monkeypatch.setattr(emission, "lines_of", lambda one: compiled.append(one.id) or ["pass"])
+    made = document([("E", categorical("low"))], guarantees=["G"], edges=["E>G"], specs={})
+    texts = {compile_model(check_document(made), runtime) for runtime in ("", ".", "")}
+    assert len(texts) == 2
+    other = signed(dict(made, id="other"))
+    assert "other" in compile_model(check_document(other))
+    never_in_a_file = replace(check_document(made), digest="")
+    for _ in range(2):
+        compile_model(never_in_a_file)
+    assert compiled == [made["id"], "other", made["id"], made["id"]]
 
 
 def test_another_format_of_a_part_is_refused():
