@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from eddi_scaffold.compiling.document import ModelError
@@ -16,44 +15,25 @@ _KEYS = frozenset(
 )
 
 
-@dataclass(frozen=True)
-class Declaration:
-    """How the values of an input become states of a node.
-
-    Attributes:
-        missing: number that represents "not observed": the number of states.
-        edges: of the bins, ascending, in the unit after scale and offset; None: a map.
-        order: state of each bin, from low to high.
-        closed_right: an edge belongs to the bin below it.
-        scaled: ``scale`` and ``offset`` are to be applied.
-        scale: factor of the raw value.
-        offset: is added then.
-        limits: closed interval of usable raw values.
-        clamp: values outside are taken as the nearest limit, otherwise they are unobserved.
-        allow_inf: infinite values fall into the outermost bin.
-        hysteresis: how far beyond the near edge of the previous bin a value keeps it.
-        policy: when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``;
-            ``prior`` is ``unobserved`` by name: thresholds may rest on it.
-        special: pairs of a value and a state: sentinels and the map; the types must agree, too.
-    """
-
-    missing: int
-    edges: tuple[float, ...] | None
-    order: tuple[int, ...]
-    closed_right: bool
-    scaled: bool
-    scale: float
-    offset: float
-    limits: tuple[float, float]
-    clamp: bool
-    allow_inf: bool
-    hysteresis: float
-    policy: str
-    special: tuple[tuple[bool | int | float | str, int], ...]
+_USUAL: Mapping[str, Any] = {
+    "edges": None,
+    "order": (),
+    "closed_right": True,
+    "scaled": False,
+    "scale": 1.0,
+    "offset": 0.0,
+    "limits": (float("-inf"), float("inf")),
+    "clamp": False,
+    "allow_inf": False,
+    "hysteresis": 0.0,
+    "policy": UNOBSERVED,
+    "special": (),
+}
+"""What the runtime's ``Declaration`` holds where nothing is given."""
 
 
-def read_declaration(given: Mapping[str, Any], states: Sequence[str], name: str) -> Declaration:
-    """Read what is declared for a node.
+def read_declaration(given: Mapping[str, Any], states: Sequence[str], name: str) -> dict[str, Any]:
+    """Return the arguments of the runtime's ``Declaration`` for a node, without usual ones.
 
     Args:
         given: as in the model file. ``map`` is a list of pairs (value, state), or an object whose
@@ -65,10 +45,11 @@ def read_declaration(given: Mapping[str, Any], states: Sequence[str], name: str)
         ModelError: a key is not known, of a wrong type, or contradicts another one.
     """
     try:
-        return _Reader(given, states).read()
+        found = _Reader(given, states).read()
     except ModelError as problem:
         reason = f"the discretisation of {name!r}: {problem.reason}"
         raise ModelError("", reason) from None
+    return {key: value for key, value in found.items() if value != _USUAL.get(key)}
 
 
 class _Reader:
@@ -76,7 +57,7 @@ class _Reader:
         self._given = {key: value for key, value in given.items() if value is not None}
         self._states = {state: k for k, state in enumerate(states)}
 
-    def read(self) -> Declaration:
+    def read(self) -> dict[str, Any]:
         given = self._given
         unknown = sorted(set(given) - _KEYS)
         if unknown:
@@ -85,21 +66,21 @@ class _Reader:
         if len(limits) != 2:
             raise ModelError("", "'range' is no pair")
         order = tuple(self._state(one) for one in given.get("order", self._states))
-        return Declaration(
-            missing=len(self._states),
-            edges=self._edges(len(order)),
-            order=order,
-            closed_right=self._choice("closed", ("right", "left")) == "right",
-            scaled="scale" in given or "offset" in given,
-            scale=self._number("scale", 1.0),
-            offset=self._number("offset", 0.0),
-            limits=(limits[0], limits[1]),
-            clamp=self._choice("out_of_range", (UNOBSERVED, "clamp")) == "clamp",
-            allow_inf=given.get("allow_inf") is True,
-            hysteresis=self._number("hysteresis", 0.0),
-            policy=self._choice("missing", (UNOBSERVED, "prior", "default", "hold")),
-            special=self._special(),
-        )
+        return {
+            "missing": len(self._states),
+            "edges": self._edges(len(order)),
+            "order": order,
+            "closed_right": self._choice("closed", ("right", "left")) == "right",
+            "scaled": "scale" in given or "offset" in given,
+            "scale": self._number("scale", 1.0),
+            "offset": self._number("offset", 0.0),
+            "limits": (limits[0], limits[1]),
+            "clamp": self._choice("out_of_range", (UNOBSERVED, "clamp")) == "clamp",
+            "allow_inf": given.get("allow_inf") is True,
+            "hysteresis": self._number("hysteresis", 0.0),
+            "policy": self._choice("missing", (UNOBSERVED, "prior", "default", "hold")),
+            "special": self._special(),
+        }
 
     def _edges(self, bins: int) -> tuple[float, ...] | None:
         if ("bins" in self._given) == ("map" in self._given):

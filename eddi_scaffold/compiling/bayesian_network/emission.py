@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 from eddi_scaffold.compiling.bayesian_network.joint import JointTable, priors_of
 from eddi_scaffold.compiling.bayesian_network.model import (
@@ -210,28 +209,10 @@ def _reader(model: BayesianNetworkModel, source: Source, numbers: Mapping[str, i
     if declared is None:
         states = literal(model.network.states[source.node])
         return call("direct.DirectReader", [states], virtual=str(model.virtual))
-    given: dict[str, Any] = {"edges": declared.edges, "order": declared.order}
-    usual: dict[str, Any] = {
-        "closed_right": True,
-        "scaled": False,
-        "scale": 1.0,
-        "offset": 0.0,
-        "limits": (float("-inf"), float("inf")),
-        "clamp": False,
-        "allow_inf": False,
-        "hysteresis": 0.0,
-        "policy": "unobserved",
-        "special": (),
-    }
-    if declared.edges is None:
-        del given["edges"]
-    given.update(
-        (key, getattr(declared, key)) for key in usual if getattr(declared, key) != usual[key]
-    )
-    texts = {key: literal(value) for key, value in given.items()}
-    declaration = call("readers.Declaration", [str(declared.missing)], **texts)
+    texts = {key: literal(value) for key, value in declared.items()}
+    declaration = call("readers.Declaration", [texts.pop("missing")], **texts)
     spec = f"self.inputs[{numbers[source.spec.id]}]"
-    remembers = declared.hysteresis > 0.0 or declared.policy == "hold"
+    remembers = declared.get("hysteresis", 0.0) > 0.0 or declared.get("policy") == "hold"
     reader = "memory.Remembering" if remembers else "readers.Discretiser"
     return call(reader, [declaration, spec])
 

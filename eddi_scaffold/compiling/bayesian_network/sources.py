@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-from eddi_scaffold.compiling.bayesian_network.declaration import Declaration, read_declaration
+from eddi_scaffold.compiling.bayesian_network.declaration import read_declaration
 from eddi_scaffold.compiling.bayesian_network.model import BayesianNetworkModel
 from eddi_scaffold.compiling.document import InputData
 
@@ -15,7 +15,7 @@ class Source(NamedTuple):
 
     node: int
     spec: InputData
-    declared: Declaration | None
+    declared: Mapping[str, Any] | None
 
 
 def sources_of(model: BayesianNetworkModel, specs: Sequence[InputData]) -> tuple[Source, ...]:

@@ -116,7 +116,7 @@ def engine(net, outputs, observable, **options):
 
 def discretiser(given, states, spec, name="N"):
     """Return the reader of a discretisation as a compiled monitor has it."""
-    declared = Declaration(**vars(read_declaration(given, states, name)))
+    declared = Declaration(**read_declaration(given, states, name))
     remembers = declared.hysteresis or declared.policy == "hold"
     return (Remembering if remembers else Discretiser)(declared, spec)
 
