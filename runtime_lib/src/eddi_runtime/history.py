@@ -11,6 +11,8 @@ from .inputs import InputSpec, InputState, aged, invalid
 if TYPE_CHECKING:  # travels where a monitor has one
     from .expressions.expression import Expression
 
+__all__ = ["EDDIInputBase", "Messages"]
+
 
 class Messages(List[Any]):
     """The values of all messages since the last step, oldest first: empty when none has come.

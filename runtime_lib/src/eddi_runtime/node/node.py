@@ -23,6 +23,7 @@ from .report import Report
 from .schedule import Schedule, Waker
 from .settings import STARTUP_GRACE_S, Settings
 
+__all__ = ["Node"]
 UNWATCHED = "not watched"
 """State of a transport's master while nobody looks."""
 
