@@ -16,7 +16,7 @@ NODE = "eddi_monitor_launcher"
 
 @pytest.fixture(scope="module")
 def built(generator, folder, home):
-    workspace = Workspace(folder / "one process", home)
+    workspace = Workspace(folder / "one_process", home)
     examples = generator.examples
     configs = [
         word for letter in "ab" for word in ("-c", examples / f"consert_{letter}_config.yml")

@@ -2,7 +2,8 @@
 
 import threading
 import time
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from collections import deque
+from typing import Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..compatibility import __version__
 from ..inputs import EDDIInputBase, InputSpec
@@ -233,19 +234,35 @@ def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:
 class Diagnostics:
     """A thread of its own, so that a monitor slower than 1 Hz, or one that hangs, is reported.
 
-    Once a second, and at once on a new level.
+    Once a second all monitors of the process, and at once those with a new level.
 
     Args:
-        collect: returns the present report; ``True`` as argument for the periodic one.
-        publish: sends one.
+        publish: sends statuses together.
     """
 
-    def __init__(
-        self, collect: Callable[[bool], Report], publish: Callable[[Report], None]
-    ) -> None:
-        self._collect, self._publish = collect, publish
+    def __init__(self, publish: Callable[[List[Any]], None]) -> None:
+        self._publish = publish
+        self._sources: List[Callable[[bool], Any]] = []
+        self._changed: Deque[Callable[[bool], Any]] = deque()
         self._waker = Waker()
         self._stopped = False
+
+    def add(self, collect: Callable[[bool], Any]) -> Callable[[], None]:
+        """Report for one more monitor.
+
+        Args:
+            collect: returns its status; ``True`` as argument for the periodic one.
+
+        Returns:
+            What has it reported at once.
+        """
+
+        def changed() -> None:
+            self._changed.append(collect)
+            self._waker.wake()
+
+        self._sources.append(collect)
+        return changed
 
     def start(self) -> None:
         """Begin to report."""
@@ -256,20 +273,29 @@ class Diagnostics:
         self._stopped = True
         self._waker.wake()
 
-    def level_changed(self) -> None:
-        """Report at once."""
-        self._waker.wake()
-
     def _run(self) -> None:
-        periodic = True
+        due = 0.0
         while not self._stopped:
-            try:
-                self._publish(self._collect(periodic))
-            except Exception as error:  # noqa: BLE001 - a report must never end the reporting
-                if not self._stopped:
-                    LOG.error("diagnostics: %s", one_line(error))
+            changed = [self._changed.popleft() for _ in range(len(self._changed))]
+            now = time.monotonic()
+            periodic = now >= due
+            if periodic:
+                due = now + PERIOD_S
+            wanted = self._sources if periodic else changed
+            statuses = [one for collect in wanted for one in self._tried(collect, periodic)]
+            if statuses:
+                self._tried(self._publish, statuses)
             time.sleep(_CALM_S)
-            periodic = not self._waker.wait(PERIOD_S - _CALM_S)
+            self._waker.wait(due - time.monotonic())
+
+    def _tried(self, function: Callable[[Any], Any], argument: object) -> List[Any]:
+        """Return the result of a call; a report must never end the reporting."""
+        try:
+            return [function(argument)]
+        except Exception as error:  # noqa: BLE001 - whatever it is
+            if not self._stopped:
+                LOG.error("diagnostics: %s", one_line(error))
+            return []
 
 
 class Changes:

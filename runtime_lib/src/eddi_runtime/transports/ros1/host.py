@@ -26,7 +26,7 @@ from ...node.schedule import Waker
 from ...plain_values import one_line
 from . import start
 from .ending import Ending
-from .messages import diagnostics_publisher, start_log
+from .messages import diagnostics_publisher, start_log, status_of
 from .node import MonitorNode
 from .watchdog import TypeRefusals, Watchdog, watch
 
@@ -103,19 +103,19 @@ class Host:
         return self._ending.status
 
     def _begin(self, watched: Optional[Watchdog]) -> None:
+        diagnostics = Diagnostics(diagnostics_publisher())
+        self._ending.on_end(diagnostics.stop)
+        diagnostics.start()
         self._take_every_message()
         for name, node in self._nodes.items():
             threading.current_thread().name = name  # in the log
             with self.starting(name):
                 node.share(self._ending, self._refusals, watched)
-                node.begin(name)
+                node.begin(name, diagnostics)
                 threading.Thread(target=node.ros_main, name=name, daemon=True).start()
         for name, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", ())
-            publish = diagnostics_publisher(name.lstrip("/"), name)
-            failed = Diagnostics(partial(_always, report), publish)
-            self._ending.on_end(failed.stop)
-            failed.start()
+            diagnostics.add(partial(_always, status_of(report, name.lstrip("/"), name)))
         if watched is not None:
             watched.start()
 
@@ -147,5 +147,5 @@ def _full_name(name: str) -> str:
     return str(rosgraph.names.resolve_name(name, rospy.names.get_caller_id()))
 
 
-def _always(report: Report, _: bool) -> Report:
-    return report
+def _always(status: object, _: bool) -> object:
+    return status

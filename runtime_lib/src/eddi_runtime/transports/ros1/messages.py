@@ -3,7 +3,7 @@
 import time
 from io import BytesIO
 from types import ModuleType
-from typing import Any, Callable, Iterable, Tuple
+from typing import Any, Callable, Iterable, List, Tuple
 
 import rospy
 import rospy.impl.paramserver
@@ -51,24 +51,29 @@ def check_serialises(message: object) -> None:
         made.serialize(BytesIO())
 
 
-def diagnostics_publisher(name: str, hardware_id: str) -> Callable[[Report], None]:
-    """Return what publishes reports on ``/diagnostics``.
+def status_of(report: Report, name: str, hardware_id: str) -> object:
+    """Return a report as a message.
 
     Args:
+        report: of a monitor.
         name: of the status (``<node>: <model id>``).
         hardware_id: node name.
     """
+    return DiagnosticStatus(
+        level=report.level,
+        name=name,
+        message=report.message,
+        hardware_id=hardware_id,
+        values=[KeyValue(key=key, value=value) for key, value in report.values],
+    )
+
+
+def diagnostics_publisher() -> Callable[[List[Any]], None]:
+    """Return what publishes statuses on ``/diagnostics``."""
     publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
 
-    def publish(report: Report) -> None:
-        status = DiagnosticStatus(
-            level=report.level,
-            name=name,
-            message=report.message,
-            hardware_id=hardware_id,
-            values=[KeyValue(key=key, value=value) for key, value in report.values],
-        )
-        array = DiagnosticArray(status=[status])
+    def publish(statuses: List[Any]) -> None:
+        array = DiagnosticArray(status=statuses)
         array.header.stamp = stamp()
         publisher.publish(array)
 

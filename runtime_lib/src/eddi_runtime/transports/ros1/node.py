@@ -21,7 +21,7 @@ from ...node.report import Report
 from ...node.settings import Settings
 from . import start
 from .ending import Ending
-from .messages import check_serialises, converter, diagnostics_publisher, start_log
+from .messages import check_serialises, converter, diagnostics_publisher, start_log, status_of
 from .subscriptions import subscribe
 from .watchdog import TypeRefusals, Watchdog, watch
 
@@ -42,7 +42,7 @@ class MonitorNode(Node):
         self._subscribers: Dict[str, Any] = {}
         self._refusals = TypeRefusals()
         self._watchdog: Optional[Watchdog] = None
-        self._diagnostics: Optional[Diagnostics] = None
+        self._level_changed: Callable[[], None] = _nobody_reports
         self._ending = Ending()
         self._ros_time: Any = None
 
@@ -78,8 +78,7 @@ class MonitorNode(Node):
 
     def report_now(self) -> None:
         """Publish the diagnostics at once, where they are."""
-        if self._diagnostics is not None:
-            self._diagnostics.level_changed()
+        self._level_changed()
 
     def _collect(self, periodic: bool) -> Report:
         watchdog = self._watchdog
@@ -112,9 +111,13 @@ class MonitorNode(Node):
         start_log()
         self._refusals.install()
         self._watchdog = watch(self.options, self._ending, self.expected_types, self.report_now)
-        self.begin(rospy.get_name())
+        diagnostics = Diagnostics(diagnostics_publisher()) if self.options.diagnostics else None
+        self.begin(rospy.get_name(), diagnostics)
         if self._watchdog is not None:
             self._watchdog.start()
+        if diagnostics is not None:
+            self._ending.on_end(diagnostics.stop)
+            diagnostics.start()
         self.ros_main()
         self._ending.wait()
         return self._ending.status
@@ -123,22 +126,23 @@ class MonitorNode(Node):
         """Be one of several monitors of a process, which has these once."""
         self._ending, self._refusals, self._watchdog = ending, refusals, watchdog
 
-    def begin(self, name: str) -> None:
+    def begin(self, name: str, diagnostics: Optional[Diagnostics]) -> None:
         """Advertise, publish once and subscribe.
 
         Args:
             name: of the node in the diagnostics.
+            diagnostics: of the process, if it has some.
         """
         self._ending.on_end(self._stop)
         self.log_start()
         self.init_publisher()
         self.step()  # before any message can arrive: nothing is known, nothing is active
         self.init_subscriber()
-        if self.options.diagnostics:
+        if diagnostics is not None and self.options.diagnostics:
             title = f"{name.lstrip('/')}: {self._core.model_id}"
-            self._diagnostics = Diagnostics(self._collect, diagnostics_publisher(title, name))
-            self._ending.on_end(self._diagnostics.stop)
-            self._diagnostics.start()
+            self._level_changed = diagnostics.add(
+                lambda periodic: status_of(self._collect(periodic), title, name)
+            )
 
     def _stop(self) -> None:
         self.ended = True
@@ -180,3 +184,7 @@ class MonitorNode(Node):
             sys.stderr.write(f"{name}: error: {error}\n")
             return 1
         return node.run()
+
+
+def _nobody_reports() -> None:
+    """Nothing to do where there are no diagnostics."""
