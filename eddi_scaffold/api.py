@@ -7,6 +7,7 @@ codes, places and hints. What this module exports is public and changes only wit
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.deployments.checking import check_files
@@ -15,7 +16,7 @@ from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import own_template
-from eddi_scaffold.packages.workspace import alone, packages_root
+from eddi_scaffold.packages.workspace import at_work, packages_root
 from eddi_scaffold.platforms import choices, chosen
 from eddi_scaffold.problems import EddiError, Place, Problem
 from eddi_scaffold.replay.parts import of_values, rhythm
@@ -100,10 +101,11 @@ def generate(
     target = chosen(platform)
     root = packages_root(target, folder)
     monitors, problems = monitors_of(model, configs)
-    with alone(() if dry_run else [root]):
+    with at_work(() if dry_run else [root, folder]) as finished:
         asked = choices(runtime, single_process)
         packages = assemble(monitors, target, root, problems, asked).packages
-        return write_packages(root, packages, own_template(), within=folder, dry_run=dry_run)
+        done = write_packages(root, packages, own_template(), within=folder, dry_run=dry_run)
+    return replace(done, notes=list(dict.fromkeys([*finished, *done.notes])))
 
 
 def run(

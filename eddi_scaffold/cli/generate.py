@@ -77,7 +77,7 @@ def generate(
     from eddi_scaffold.packages.identity import exchanged, left_behind
     from eddi_scaffold.packages.renaming import read_renames
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import alone, existing, packages_root
+    from eddi_scaffold.packages.workspace import at_work, existing, packages_root
     from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.problems import EddiError
 
@@ -95,7 +95,7 @@ def generate(
     except EddiError as refused:  # what is wrong with the robot's models may be the reason
         raise EddiError(*problems, *refused.problems) from None
     problems = [*problems, *found]
-    with alone(() if dry_run else [root]):
+    with at_work(() if dry_run else [root, place]) as finished:
         renames = read_renames(rename or (), root, {monitor.package for monitor in monitors})
         moved = renames.involved
         asked = choices(runtime, single_process)
@@ -117,7 +117,10 @@ def generate(
     outcome = replace(
         outcome,
         left=[*outcome.left, *swapped, *(text for text, is_new in older if is_new)],
-        notes=[*outcome.notes, *(text for text, is_new in older if not is_new)],
+        notes=[
+            *dict.fromkeys([*finished, *outcome.notes]),
+            *(text for text, is_new in older if not is_new),
+        ],
     )
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:

@@ -34,11 +34,13 @@ def upgrade(
     from eddi_scaffold.packages.identity import exchanged
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, roots, targets
-    from eddi_scaffold.packages.workspace import alone, linked_package
+    from eddi_scaffold.packages.workspace import at_work, linked_package
 
     outcomes: list[Outcome] = []
     template = own_template()
-    with alone(() if dry_run else roots(workspace, packages or [])):
+    places = roots(workspace, packages or [])
+    places += [] if packages else [workspace or Path()]
+    with at_work(() if dry_run else places) as finished:
         planned = [
             (group, *targets(group, model, config or []))
             for group in groups(workspace, packages or [])
@@ -56,7 +58,8 @@ def upgrade(
                 progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
-            outcomes.append(replace(done, left=[*links, *done.left, *swapped]))
+            notes = list(dict.fromkeys([*finished, *done.notes])) if not outcomes else done.notes
+            outcomes.append(replace(done, left=[*links, *done.left, *swapped], notes=notes))
     attention = [outcome for outcome in outcomes if outcome.attention or outcome.left]
     for outcome in sorted(
         outcomes, key=lambda o: o in attention

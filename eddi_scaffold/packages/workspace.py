@@ -12,7 +12,7 @@ from eddi_scaffold import __version__
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.transaction import PREFIX
+from eddi_scaffold.packages.transaction import PREFIX, recover
 from eddi_scaffold.packages.versions import is_newer, release
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
@@ -61,6 +61,21 @@ def alone(roots: Iterable[Path]) -> Iterator[None]:
     except BusyError as busy:
         hint = "run the command again when that one has ended"
         raise EddiError(error("F012", str(busy), hint=hint)) from None
+
+
+@contextmanager
+def at_work(roots: Iterable[Path]) -> Iterator[list[str]]:
+    """Keep other commands out, and finish what a killed one began before anything is read.
+
+    Yields:
+        What was finished, one sentence each.
+
+    Raises:
+        EddiError: another command is at work there (F012).
+    """
+    places = list(dict.fromkeys(roots))
+    with alone(places):
+        yield [note for place in places for note in recover(place)]
 
 
 def refuse_newer(packages: Iterable[Path]) -> None:

@@ -17,6 +17,7 @@ from unittest.mock import patch
 import pytest
 
 from eddi_scaffold.cli.console import console
+from eddi_scaffold.packages import transaction
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.__main__ import main as regions_tool
 from eddi_scaffold.regions.lock import BusyError, locked
@@ -229,6 +230,28 @@ def test_a_killed_run_holds_nothing(folder: Path) -> None:
     process.send_signal(signal.SIGKILL)
     process.communicate()
     assert run(*GENERATE, cwd=folder).status in {0, 3}
+
+
+class Killed(BaseException):
+    """The process ends here."""
+
+
+def test_a_killed_run_is_finished_before_the_next_one_looks(tmp_path: Path) -> None:
+    """The launcher of the next run starts what the killed one had decided to make, too."""
+    example(tmp_path)
+    (tmp_path / "ws/src").mkdir(parents=True)
+    command_a, command_b = (
+        ("generate", "-w", "ws", "-m", MODEL, "-c", config) for config in (CONFIG_A, CONFIG_B)
+    )
+    with patch.object(transaction, "_finish", side_effect=Killed), pytest.raises(Killed):
+        run(*command_a, cwd=tmp_path)
+    assert not (tmp_path / ROOT / "conserta").exists()
+    result = run(*command_b, cwd=tmp_path)
+    assert result.status == 0, result.err
+    assert result.err.count("what an interrupted run had begun is finished") == 1
+    launched = (tmp_path / ROOT / "eddi_monitor_launcher/launch/eddi.launch").read_text()
+    assert "consertb" in launched
+    assert "conserta" in launched
 
 
 # the merge that plain Copier starts ---------------------------------------------------------------
