@@ -12,24 +12,36 @@ import sys
 import traceback
 from collections.abc import Sequence
 from functools import partial
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
-if not __package__:  # run as a folder: make the template's checkout importable, leave no trace
+if not __package__:  # run as a folder, of any name: become a package, leave no trace
     sys.dont_write_bytecode = True
-    sys.path[0] = str(Path(__file__).resolve().parents[2])
+    _here = Path(__file__).resolve().parent
+    sys.path.pop(0)  # this folder: its modules are none of everybody's
+    _spec = spec_from_file_location("copier_regions", _here / "__init__.py")
+    assert _spec is not None
+    __package__ = _spec.name
+    sys.modules[__package__] = module_from_spec(_spec)
 
-from eddi_scaffold.regions.check import broken_files
-from eddi_scaffold.regions.driver import merge_driver
-from eddi_scaffold.regions.generated import keep_edits_of_old_layout
-from eddi_scaffold.regions.git import committed_text
-from eddi_scaffold.regions.interrupted import ANSWERS, begin_update
-from eddi_scaffold.regions.lock import BusyError, locked
-from eddi_scaffold.regions.sync import AGAIN, SyncReport, sync_package
+from . import names
+
+if sys.argv[1:2] == ["--folder"] and __package__ == "copier_regions":
+    names.choose(*sys.argv[2:3])
+    del sys.argv[1:3]
+
+from .check import broken_files
+from .driver import merge_driver
+from .generated import keep_edits_of_old_layout
+from .git import committed_text
+from .interrupted import ANSWERS, begin_update
+from .lock import BusyError, locked
+from .sync import AGAIN, SyncReport, sync_package
 
 _WAIT_S = 10.0
 _USAGE = """\
-usage: python <template>/eddi_scaffold/regions sync|check   (in the package's folder)
-       python <template>/eddi_scaffold/regions merge-driver %O %A %B %P   (by git)
+usage: python <this folder> [--folder .NAME] sync|check   (in the package's folder)
+       python <this folder> [--folder .NAME] merge-driver %O %A %B %P   (by git)
 """
 
 
@@ -81,5 +93,10 @@ def describe(report: SyncReport) -> list[str]:
     return lines
 
 
-if __name__ == "__main__":
+def program() -> None:
+    """Run the command line."""
     sys.exit(main())
+
+
+if __name__ == "__main__":
+    program()

@@ -6,9 +6,9 @@ import io
 import textwrap
 import tokenize
 
-from eddi_scaffold.regions.formatting import same_code
-from eddi_scaffold.regions.marked_file import split_lines
-from eddi_scaffold.regions.markers import indent_of
+from .formatting import same_code
+from .marked_file import split_lines
+from .markers import indent_of
 
 
 def canonical(body: str) -> str:

@@ -12,12 +12,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from eddi_scaffold.regions.bodies import reindent, same_body
-from eddi_scaffold.regions.lines import mark_lines
-from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse, placeholder_id, split_lines
-from eddi_scaffold.regions.markers import indent_of, with_sig
-from eddi_scaffold.regions.merge import LANGUAGES, check_text, kind_of
-from eddi_scaffold.regions.outside import Language, merge_items, regions_in
+from .bodies import reindent, same_body
+from .lines import mark_lines
+from .marked_file import MarkedFile, Region, parse, placeholder_id, split_lines
+from .markers import indent_of, with_sig
+from .merge import LANGUAGES, check_text, kind_of
+from .outside import Language, merge_items, regions_in
 
 _WRITTEN = "  # written"
 

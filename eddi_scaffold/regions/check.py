@@ -8,21 +8,21 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from eddi_scaffold.regions.bodies import same_body
-from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines, separator_lines
-from eddi_scaffold.regions.files import entries, read_regular, stays
-from eddi_scaffold.regions.fitting import made_of, missing_parts
-from eddi_scaffold.regions.generated import ANSWERS, answers_digest, recorded_answers
-from eddi_scaffold.regions.git import former_texts
-from eddi_scaffold.regions.lost import lost_markers
-from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, parse
-from eddi_scaffold.regions.markers import with_sig
-from eddi_scaffold.regions.merge import check_text, dissolve, kind_of
-from eddi_scaffold.regions.outside import same_lines
-from eddi_scaffold.regions.paths import is_relative
-from eddi_scaffold.regions.placements import adopt_ids
-from eddi_scaffold.regions.review import doubtful_names
-from eddi_scaffold.regions.store import (
+from .bodies import same_body
+from .conflicts import CONFLICT, conflict_lines, separator_lines
+from .files import entries, read_regular, stays
+from .fitting import made_of, missing_parts
+from .generated import ANSWERS, answers_digest, recorded_answers
+from .git import former_texts
+from .lost import lost_markers
+from .marked_file import Fault, MarkedFile, Region, parse
+from .markers import with_sig
+from .merge import check_text, dissolve, kind_of
+from .outside import same_lines
+from .paths import is_relative
+from .placements import adopt_ids
+from .review import doubtful_names
+from .store import (
     EDDI,
     files_below,
     load_orphans,
@@ -31,7 +31,7 @@ from eddi_scaffold.regions.store import (
     without_sentinel,
     write_file,
 )
-from eddi_scaffold.regions.sync import Refusal, linked_folders
+from .sync import Refusal, linked_folders
 
 _PROBE = 8000
 """Bytes in which git looks for a zero byte, to tell that a file is no text."""

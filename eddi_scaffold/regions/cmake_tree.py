@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.items import Item, Leaf, Piece, items_of, numbered
-from eddi_scaffold.regions.marked_file import placeholder_id
+from .items import Item, Leaf, Piece, items_of, numbered
+from .marked_file import placeholder_id
 
 _DEEPEST = 40
 _BRACKET = re.compile(r"\[(=*)\[")

@@ -10,16 +10,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from eddi_scaffold.regions.branches import (
+from .branches import (
     Joined,
     join_branches,
     join_manifests,
     join_renderings,
     join_text,
 )
-from eddi_scaffold.regions.files import read_regular
-from eddi_scaffold.regions.generated import MANIFEST
-from eddi_scaffold.regions.store import EDDI, without_sentinel
+from .files import read_regular
+from .generated import MANIFEST
+from .store import EDDI, without_sentinel
 
 CONFLICT = 1
 

@@ -10,9 +10,9 @@ import ast
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from eddi_scaffold.regions.marked_file import MarkedFile, scopes
-from eddi_scaffold.regions.outside import same_lines
-from eddi_scaffold.regions.python_text import parse_python
+from .marked_file import MarkedFile, scopes
+from .outside import same_lines
+from .python_text import parse_python
 
 _ALL = "*"
 _ENOUGH = 2

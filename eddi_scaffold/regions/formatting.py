@@ -7,9 +7,9 @@ import io
 import tokenize
 from collections.abc import Sequence
 
-from eddi_scaffold.regions.marked_file import split_lines
-from eddi_scaffold.regions.markers import indent_of
-from eddi_scaffold.regions.python_text import parse_shallow
+from .marked_file import split_lines
+from .markers import indent_of
+from .python_text import parse_shallow
 
 
 def framed(lines: Sequence[str]) -> str:

@@ -14,11 +14,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from eddi_scaffold.regions.files import kind_of, read_regular
-from eddi_scaffold.regions.formatting import same_text
-from eddi_scaffold.regions.paths import inside
-from eddi_scaffold.regions.result import Note
-from eddi_scaffold.regions.store import (
+from .files import kind_of, read_regular
+from .formatting import same_text
+from .paths import inside
+from .result import Note
+from .store import (
     EDDI,
     ChangedMeanwhileError,
     files_below,

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.regions.paths import is_relative
+from .paths import is_relative
 
 _NAME = ".git"
 _LIMIT_S = 60.0

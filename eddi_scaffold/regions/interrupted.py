@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from eddi_scaffold.regions.store import EDDI, read_text, remove_file, write_file
+from .store import EDDI, read_text, remove_file, write_file
 
 ANSWERS = ".copier-answers.yml"
 _BEFORE = f"{EDDI}/updating.yml"

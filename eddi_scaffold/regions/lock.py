@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from eddi_scaffold.regions.state import key_of, made_shelf, refuse_shared
+from .state import key_of, made_shelf, refuse_shared
 
 _PAUSE_S = 0.05
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator, Sequence
 
-from eddi_scaffold.regions.marked_file import Fault, MarkedFile, Region, scopes
-from eddi_scaffold.regions.markers import indent_of
+from .marked_file import Fault, MarkedFile, Region, scopes
+from .markers import indent_of
 
 
 def lost_markers(base: MarkedFile, mine: MarkedFile) -> list[Fault]:

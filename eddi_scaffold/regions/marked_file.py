@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from eddi_scaffold.regions.conflicts import CONFLICT, conflict_lines
-from eddi_scaffold.regions.markers import Marker, decode_id, encode_id, indent_of, read_marker
+from .conflicts import CONFLICT, conflict_lines
+from .markers import Marker, decode_id, encode_id, indent_of, read_marker
 
 _DEFINITION = re.compile(r"^([ \t]*)(?:async\s+)?(def|class)\s+(\w+)")
 _PLACEHOLDER = re.compile(r"^\s*'''eddi region (\S+)'''\s*$")

@@ -9,10 +9,11 @@ from pathlib import PurePosixPath
 from typing import Literal
 from xml.parsers import expat
 
-from eddi_scaffold.regions.bodies import reindent
-from eddi_scaffold.regions.lines import merge_lines
-from eddi_scaffold.regions.lost import lost_markers
-from eddi_scaffold.regions.marked_file import (
+from . import names
+from .bodies import reindent
+from .lines import merge_lines
+from .lost import lost_markers
+from .marked_file import (
     Fault,
     MarkedFile,
     Region,
@@ -20,8 +21,8 @@ from eddi_scaffold.regions.marked_file import (
     placeholder_id,
     split_lines,
 )
-from eddi_scaffold.regions.markers import indent_of, with_sig
-from eddi_scaffold.regions.outside import (
+from .markers import indent_of, with_sig
+from .outside import (
     CMAKE,
     PYTHON,
     XML,
@@ -31,8 +32,8 @@ from eddi_scaffold.regions.outside import (
     regions_in,
     same_lines,
 )
-from eddi_scaffold.regions.placements import Placement, Placements, adopt_ids, claim_bodies
-from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile, patch_text
+from .placements import Placement, Placements, adopt_ids, claim_bodies
+from .result import Merged, Note, Orphan, RefusedFile, patch_text
 
 FileFormat = Literal["python", "xml", "cmake", "lines"]
 LANGUAGES: Mapping[FileFormat, Language] = {"python": PYTHON, "xml": XML, "cmake": CMAKE}
@@ -267,7 +268,7 @@ def _reject_notes(path: str, rejects: Sequence[Reject]) -> list[Note]:
             path,
             None,
             f"the edit in {r.where} does not fit the new text; "
-            f"it is saved in .eddi/rejects/{path}.patch",
+            f"it is saved in {names.folder}/rejects/{path}.patch",
         )
         for r in rejects
     ]

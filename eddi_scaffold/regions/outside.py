@@ -8,13 +8,14 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 
 from eddi_scaffold.regions import cmake_tree, xml_tree
-from eddi_scaffold.regions.formatting import framed, same_meaning
-from eddi_scaffold.regions.items import Block, Item, Leaf, aligned
-from eddi_scaffold.regions.lines import merge_lines
-from eddi_scaffold.regions.marked_file import placeholder_id
-from eddi_scaffold.regions.markers import indent_of
-from eddi_scaffold.regions.python_text import parse_python, parse_shallow
-from eddi_scaffold.regions.python_tree import is_named, split, split_function
+
+from .formatting import framed, same_meaning
+from .items import Block, Item, Leaf, aligned
+from .lines import merge_lines
+from .marked_file import placeholder_id
+from .markers import indent_of
+from .python_text import parse_python, parse_shallow
+from .python_tree import is_named, split, split_function
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,12 @@ from collections import Counter, deque
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from eddi_scaffold.regions.bodies import is_empty, same_body
-from eddi_scaffold.regions.marked_file import MarkedFile, Region
-from eddi_scaffold.regions.result import Note, Orphan
+from . import names
+from .bodies import is_empty, same_body
+from .marked_file import MarkedFile, Region
+from .result import Note, Orphan
 
-_PLACE = ".eddi/orphans"
+_PLACE = f"{names.folder}/orphans"
 
 
 @dataclass(frozen=True)

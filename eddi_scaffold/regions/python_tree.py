@@ -10,11 +10,11 @@ import ast
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.formatting import framed
-from eddi_scaffold.regions.items import Block, Item, Leaf, numbered
-from eddi_scaffold.regions.marked_file import placeholder_id, split_lines
-from eddi_scaffold.regions.markers import indent_of
-from eddi_scaffold.regions.python_text import parse_shallow
+from .formatting import framed
+from .items import Block, Item, Leaf, numbered
+from .marked_file import placeholder_id, split_lines
+from .markers import indent_of
+from .python_text import parse_shallow
 
 TAIL = "<tail>"
 

@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.regions.marked_file import Fault, placeholder_id
-from eddi_scaffold.regions.outside import Reject
+from .marked_file import Fault, placeholder_id
+from .outside import Reject
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import ast
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 
-from eddi_scaffold.regions.marked_file import Region
-from eddi_scaffold.regions.python_text import parse_python
+from .marked_file import Region
+from .python_text import parse_python
 
 
 def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str, ...]]:

@@ -19,17 +19,20 @@ from itertools import chain, count
 from pathlib import Path
 from urllib.parse import quote
 
-from eddi_scaffold.regions.files import LINK, entries, read_regular, resolved
-from eddi_scaffold.regions.marked_file import Fault
-from eddi_scaffold.regions.markers import decode_id, encode_id
-from eddi_scaffold.regions.paths import is_relative
-from eddi_scaffold.regions.result import Orphan
+from . import names
+from .files import LINK, entries, read_regular, resolved
+from .marked_file import Fault
+from .markers import decode_id, encode_id
+from .paths import is_relative
+from .result import Orphan
 
-EDDI = ".eddi"
-SENTINEL = "eddi-scaffold: end of rendering"
+EDDI = names.folder
 _TEMPORARY = ".eddi-tmp"
-_SENTINEL_LINE = re.compile(rf"^[ \t]*(?:#|<!--)\s*{SENTINEL}\s*(?:-->\s*)?\Z", re.MULTILINE)
-_HEAD = "# eddi-scaffold: saved body of a region that is gone; it comes back with the region"
+# The last line of a rendering; before the colon stands the name of the template or its generator.
+_SENTINEL_LINE = re.compile(
+    r"^[ \t]*(?:#|<!--)\s*[\w-]+: end of rendering\s*(?:-->\s*)?\Z", re.MULTILINE
+)
+_HEAD = "# saved body of a region that is gone; it comes back with the region"
 
 
 class ChangedMeanwhileError(OSError):

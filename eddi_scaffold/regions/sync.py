@@ -15,14 +15,14 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from eddi_scaffold.regions.conflicts import other_side
-from eddi_scaffold.regions.files import read_regular, stays
-from eddi_scaffold.regions.generated import GENERATED, listed_generated, place_generated
-from eddi_scaffold.regions.interrupted import end_update
-from eddi_scaffold.regions.marked_file import Fault, parse
-from eddi_scaffold.regions.merge import may_return, merge, retire
-from eddi_scaffold.regions.result import Merged, Note, Orphan, RefusedFile
-from eddi_scaffold.regions.store import (
+from .conflicts import other_side
+from .files import read_regular, stays
+from .generated import GENERATED, listed_generated, place_generated
+from .interrupted import end_update
+from .marked_file import Fault, parse
+from .merge import may_return, merge, retire
+from .result import Merged, Note, Orphan, RefusedFile
+from .store import (
     EDDI,
     ChangedMeanwhileError,
     clean_temporaries,

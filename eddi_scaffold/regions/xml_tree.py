@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from itertools import accumulate
 from xml.parsers import expat
 
-from eddi_scaffold.regions.items import Item, Leaf, Piece, items_of, numbered
-from eddi_scaffold.regions.marked_file import placeholder_id
+from .items import Item, Leaf, Piece, items_of, numbered
+from .marked_file import placeholder_id
 
 _DEEPEST = 40
 _MARKUP = re.compile(

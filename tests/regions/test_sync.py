@@ -26,6 +26,7 @@ from tests.regions.rendering import (
     MANIFEST,
     NETWORK,
     Package,
+    eddi_input,
     elements,
     renamed,
     render,
@@ -471,3 +472,17 @@ def test_the_folder_runs_alone(package: Path, tmp_path: Path, name: str) -> None
     assert not [p for p in ours.rglob("*.pyc") if not p.name.startswith("__main__")]
     assert subprocess.run([*run, "check"], cwd=package, check=False).returncode == 0
     assert subprocess.run([*run, "wrong"], cwd=package, check=False, stderr=-3).returncode == 2
+    foreign = tmp_path / "any name"  # in a template of somebody else's
+    shutil.copytree(ours / "eddi_scaffold/regions", foreign)
+    (package / ".eddi").rename(package / ".hand")
+    (package / ".hand/pristine" / INPUT).write_text(
+        eddi_input(Package((B, C))) + "# x: end of rendering\n"
+    )
+    run = [interpreter, "-I", "-S", str(foreign), "--folder"]
+    for records, status in ((".hand", 0), (".git", 1), ("a/b", 1)):
+        done = subprocess.run(
+            [*run, records, "sync"], cwd=package, capture_output=True, check=False
+        )
+        assert done.returncode == status, done
+    assert "process_c" in (package / INPUT).read_text()
+    assert not (package / ".eddi").exists()
