@@ -104,10 +104,10 @@ def sentinel(path: str) -> str:
     return f"<!-- {text} -->\n" if path.endswith(".xml") else f"# {text}\n"
 
 
-def render(root: Path, package: Package) -> None:
+def render(root: Path, package: Package, records: str = ".eddi") -> None:
     """Do what Copier does: editable files only where absent, pristine copies always."""
     for path in FILES:
-        pristine = root / ".eddi/pristine" / path
+        pristine = root / records / "pristine" / path
         if path not in package.files:
             pristine.unlink(missing_ok=True)
             continue

@@ -6,8 +6,10 @@ import os
 import random
 import re
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 from unittest.mock import patch
 from xml.etree import ElementTree as ET
 
@@ -15,7 +17,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.marked_file import Region, parse
+from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 from tests.regions.rendering import (
@@ -41,11 +45,24 @@ class Killed(BaseException):
     """Stands for kill -9: nothing catches it."""
 
 
+class Tool(NamedTuple):
+    """What merges: ours, or the package of its own."""
+
+    sync: Callable[[Path], SyncReport]
+    saved: Callable[[Path], dict[Path, Orphan]]
+    check: Callable[[Path], object]
+
+
+OURS = Tool(sync_package, load_orphans, broken_files)
+
+
 class Life:
     """One package, its person and what must be true of it."""
 
-    def __init__(self, root: Path, chance: random.Random) -> None:
-        self.root, self.chance = root, chance
+    records = ".eddi"
+
+    def __init__(self, root: Path, chance: random.Random, tool: Tool | None = None) -> None:
+        self.root, self.chance, self.tool = root, chance, tool or OURS
         self.package = Package(elements(*NAMES[:3]))
         self.inside: dict[str, set[str]] = {}  # token -> ids under which its region was known
         self.outside: dict[str, str] = {}  # token -> function that holds it, "" for anywhere
@@ -201,7 +218,7 @@ class Life:
         lines[at : at + 1] = self.chance.choice(([], [lines[at]] * 2, [lines[at] + " x"]))
         self._write(path, "\n".join(lines))
         raw = (self.root / path).read_bytes()
-        report = sync_package(self.root)
+        report = self.tool.sync(self.root)
         assert {r.file for r in report.refused} == {path}
         assert (self.root / path).read_bytes() == raw
         self._write(path, text)
@@ -216,14 +233,17 @@ class Life:
         self._write(INPUT, self._text(INPUT))
 
     # the world ----------------------------------------------------------------------------
+    def rendered(self) -> None:
+        render(self.root, self.package, self.records)
+
     def update(self, *, kill: bool) -> None:
-        render(self.root, self.package)
+        self.rendered()
         if kill:
             self._killed_sync()
-        report = sync_package(self.root)
+        report = self.tool.sync(self.root)
         assert not report.refused, report
         before = snapshot(self.root)
-        again = sync_package(self.root)
+        again = self.tool.sync(self.root)
         assert snapshot(self.root) == before
         assert again.touched == ()
         assert not again.needs_attention, again
@@ -245,7 +265,7 @@ class Life:
         for name in real:
             setattr(os, name, guard(name))
         try:
-            sync_package(self.root)
+            self.tool.sync(self.root)
         except Killed:
             pass
         finally:
@@ -253,7 +273,7 @@ class Life:
                 setattr(os, name, function)
         if self.chance.random() < 0.5:  # the next rendering comes before the repair
             getattr(self, self.chance.choice(("add", "remove", "template", "reorder")))()
-            render(self.root, self.package)
+            self.rendered()
 
     # what must be true --------------------------------------------------------------------
     def check(self) -> None:
@@ -274,9 +294,9 @@ class Life:
             outside += "".join(p for p in document.parts if isinstance(p, str))
         raw = (self.root / INPUT).read_bytes()
         assert (raw.count(b"\r\n") == raw.count(b"\n")) == self.crlf
-        orphans = list(load_orphans(self.root).values())
+        orphans = list(self.tool.saved(self.root).values())
         rejects = "".join(
-            p.read_bytes().decode() for p in (self.root / ".eddi").glob("rejects/**/*.patch")
+            p.read_bytes().decode() for p in (self.root / self.records).glob("rejects/**/*.patch")
         )
         everything = "\n".join(texts.values())
         for token, ids in self.inside.items():
