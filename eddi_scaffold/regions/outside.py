@@ -7,8 +7,7 @@ import itertools
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.regions import cmake_tree, xml_tree
-
+from . import cmake_tree, xml_tree
 from .formatting import framed, same_meaning
 from .items import Block, Item, Leaf, aligned
 from .lines import merge_lines
