@@ -71,7 +71,11 @@ class Converter:
                 f"{name}: fields {', '.join(sorted(fields))} given,"
                 f" the message has {', '.join(sorted(kinds))}; rebuild the message package"
             )
-        built = cls(**{k: self._value(name, k, kind, fields[k]) for k, kind in kinds.items()})
+        built = cls()
+        for field, kind in kinds.items():
+            given = fields[field]
+            exact = type(given) is _EXACT.get(kind)  # as nearly all are
+            setattr(built, field, given if exact else self._value(name, field, kind, given))
         if header is not None:
             getattr(built, header).stamp = self._classes.stamp()
         return built
@@ -104,8 +108,6 @@ class Converter:
         return cls, kinds, header
 
     def _value(self, message: str, field: str, kind: str, value: object) -> object:
-        if type(value) is _EXACT.get(kind):
-            return value  # nearly all are
         if kind.endswith("]"):
             one, _, length = kind[:-1].partition("[")
             if isinstance(value, (list, tuple)) and (not length or len(value) == int(length)):
