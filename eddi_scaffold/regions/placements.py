@@ -133,6 +133,14 @@ def claim_bodies(
         for name in new
         if name in claimed and name not in sources
     )
+    notes.extend(
+        Note(
+            path, own[was].line, f"{name!r} and {heirs[was]!r} are both declared as {was!r} before"
+        )
+        for name, names in former.items()
+        for was in names
+        if was in claimed and sources.get(name) != was
+    )
     changed = frozenset(name for name in old.keys() & new.keys() if sources.get(name) != name)
     return Placements(claims, lost, tuple(taken), tuple(notes), changed)
 

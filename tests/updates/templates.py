@@ -43,7 +43,7 @@ _SECOND = {
     f"{_MONITOR}/launch/eddi_monitor.launch.jinja": (('default="1" doc', 'default="2" doc'),),
     f"{_MONITOR}/.eddi/generated/README.md.jinja": (("", "\nSecond look.\n"),),
     f"{_MONITOR}/.eddi/generated/scripts/RosNode.py.jinja": (
-        ("class RosNode", "SECOND_LOOK = True\n\n\nclass RosNode"),
+        ("import sys\n", "import sys\n\nSECOND_LOOK = True\n"),
     ),
 }
 
