@@ -38,7 +38,7 @@ def test_what_is_public() -> None:
 
 def test_templates_import_what_is_public() -> None:
     found = {
-        (module, name.strip())
+        (module, name.strip().partition(" ")[0])
         for path in (HERE / "copier_templates").rglob("*.jinja")
         for module, names in IMPORT.findall(path.read_text("utf-8"))
         for name in names.split(",")
