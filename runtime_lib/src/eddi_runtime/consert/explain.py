@@ -127,18 +127,30 @@ class Sets:
 
     The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
     larger number is the one whose ids come first.
+
+    Args:
+        graph: the graph.
+        leaf_values: truth values of its leaves.
     """
 
     def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
-        self._graph = graph
+        self._graph, self.leaf_values = graph, leaf_values
         self.values = graph.evaluate(leaf_values)
+        self._missing: Dict[int, Tuple[List[Tuple[str, ...]], bool]] = {}
         by_id = sorted(range(graph.leaves), key=lambda k: graph.names[k])
         self._by_bit = by_id[::-1]
         self._position = {k: position for position, k in enumerate(self._by_bit)}
 
     def missing(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
-        """Return the minimal sets of leaves that would make the node TRUE, and "truncated"."""
-        return self._named(self._mocus(node, paths=True))
+        """Return the minimal sets of leaves that would make the node TRUE, and "truncated".
+
+        None for a node that is TRUE. They cost more than a step, and are found once.
+        """
+        if self.values[node] == TRUE:
+            return [], False
+        if node not in self._missing:
+            self._missing[node] = self._named(self._mocus(node, paths=True))
+        return self._missing[node]
 
     def loss_sets(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
         """Return the minimal sets of TRUE leaves whose loss ends the node, and "truncated"."""

@@ -8,18 +8,16 @@ from typing import (
     Dict,
     Iterable,
     List,
-    Mapping,
     NamedTuple,
     Optional,
     Sequence,
-    Set,
     Tuple,
     Union,
     overload,
 )
 
 from ..inputs import InputSpec, accepted
-from ..monitor import Field, Monitor, Standing, Tree
+from ..monitor import Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
 from .explain import Explanation, Graph, Node, Reason, Sets
 from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge
@@ -28,8 +26,6 @@ if TYPE_CHECKING:  # travels where a monitor has one
     from .filters import LeafFilter
 
 Rows = List[Dict[str, object]]
-Groups = List[Tuple[str, ...]]
-"""Minimal sets of inputs that would activate a guarantee, by size, then by ids."""
 
 
 class Guarantee(NamedTuple):
@@ -82,7 +78,7 @@ class ConSert(Monitor[Rows]):
     services: Tuple[Tuple[str, Tuple[str, ...]], ...] = ()
     raw: Sequence[object]
     source: object
-    _groups: Tuple[Sequence[int], Dict[int, Groups]]
+    _found: Optional[Sets]
 
     def __init__(self, leaf_filter: Optional[LeafFilter] = None) -> None:
         self.filter = leaf_filter
@@ -133,10 +129,8 @@ class ConSert(Monitor[Rows]):
 
     def verdicts(self) -> Dict[str, str]:
         """Return guarantee id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step."""
-        values = self._graph.evaluate(self._leaf_values())
-        return {
-            name: NAMES[values[k]] for name, k in zip(self.guarantee_ids, self._graph.guarantees)
-        }
+        values = self._sets().values
+        return {one.id: NAMES[values[one.node]] for one in self.guarantees}
 
     def input_verdicts(self) -> Dict[str, str]:
         """Return input id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step, filtered."""
@@ -148,7 +142,7 @@ class ConSert(Monitor[Rows]):
         The lowest ``ranking`` is best, then guarantees without one, in file order; a default
         guarantee comes last.
         """
-        values = self._graph.evaluate(self._leaf_values())
+        values = self._sets().values
         place = {one.id: k for k, one in enumerate(self.guarantees)}
 
         def rank(name: str) -> Tuple[bool, bool, int, int]:
@@ -184,8 +178,7 @@ class ConSert(Monitor[Rows]):
         Raises:
             LookupError: there is no such guarantee; the message names those there are.
         """
-        sets = Sets(self._graph, self._leaf_values())
-        reasons = self.reasons()
+        sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
             return tuple(
                 self._explain(k, sets, reasons, loss_sets=loss_sets) for k in self._graph.guarantees
@@ -199,7 +192,7 @@ class ConSert(Monitor[Rows]):
         self, node: int, sets: Sets, reasons: Dict[str, Reason], *, loss_sets: bool
     ) -> Explanation:
         active = sets.values[node] == TRUE
-        missing, truncated = ([], False) if active else sets.missing(node)
+        missing, truncated = sets.missing(node)
         losses, more = sets.loss_sets(node) if active and loss_sets else ([], False)
         return Explanation(
             guarantee=self._graph.names[node],
@@ -226,14 +219,16 @@ class ConSert(Monitor[Rows]):
         What is not known comes before what is known to be FALSE: where a guarantee is UNKNOWN,
         there is a set of inputs that are not known and would activate it.
         """
-        leaf_values = tuple(self._leaf_values())
-        values = self._graph.evaluate(leaf_values)
-        groups, reasons = self._missing_groups(leaf_values), self.reasons()
-        false = {spec.id for spec, value in zip(self.inputs, leaf_values) if value == FALSE}
-        return tuple(
-            _standing(name, active=values[k] == TRUE, groups=groups[k], false=false, why=reasons)
-            for name, k in zip(self.guarantee_ids, self._graph.guarantees)
-        )
+        sets, reasons = self._sets(), self.reasons()
+        false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
+        found = []
+        for one in self.guarantees:
+            active, (groups, _) = sets.values[one.node] == TRUE, sets.missing(one.node)
+            group = next((some for some in groups if false.isdisjoint(some)), (*groups, ())[0])
+            lacks = tuple((name, reasons[name].text) for name in group)
+            reason = "" if active or groups else "nothing can activate it"
+            found.append(Standing("guarantee", one.id, active, lacks, reason))
+        return tuple(found)
 
     def accepted(self) -> Tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
@@ -260,12 +255,12 @@ class ConSert(Monitor[Rows]):
             for k, (value, _) in enumerate(self._judgements())
             if value == UNKNOWN or self.inputs[k].id in named
         }
-        sets = Sets(self._graph, self._leaf_values())
+        sets = self._sets()
         found: Dict[int, List[str]] = {k: [] for k in sorted(unknown)}
-        for name, node in zip(self.guarantee_ids, self._graph.guarantees):
-            if unknown and sets.values[node] != TRUE:
-                for k in sets.unknown_below(node, unknown):
-                    found[k].append(name)
+        for one in self.guarantees:
+            if unknown and sets.values[one.node] != TRUE:
+                for k in sets.unknown_below(one.node, unknown):
+                    found[k].append(one.id)
         return {self.inputs[k].id: tuple(names) for k, names in found.items() if names}
 
     def faults(self) -> Dict[str, str]:
@@ -282,22 +277,25 @@ class ConSert(Monitor[Rows]):
         Only a bool is taken as active: a row that a person's code has spoilt is published as not
         active, and ``output_faults`` reports it.
         """
-        tree, self._output_faults = _output_message(output, self.published_ids)
-        return tree
+        faults: List[str] = []
+        rows: Sequence[object]
+        if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
+            rows = output
+        else:
+            faults.append("the output is not a list; nothing is published as active")
+            rows = [{"id": one, "active": False} for one in self.published_ids]
+        trees = [_row_tree(row, faults) for row in rows]
+        self._output_faults = tuple(faults)
+        return "ConSertOutput", {"guarantees": [tree for tree in trees if tree is not None]}
 
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
-        leaf_values = tuple(self._leaf_values())
-        groups, values = self._missing_groups(leaf_values), self._graph.evaluate(leaf_values)
+        sets = self._sets()
         rows: List[Tree] = []
         for one in self.guarantees:
-            missing = list(groups[one.node][0]) if groups[one.node] else []
-            fields: Dict[str, Field] = {
-                "id": one.id,
-                "verdict": values[one.node],
-                "missing": missing,
-            }
-            rows.append(("GuaranteeStatus", fields))
+            verdict, (groups, _) = sets.values[one.node], sets.missing(one.node)
+            missing = list(groups[0]) if groups else []
+            rows.append(("GuaranteeStatus", {"id": one.id, "verdict": verdict, "missing": missing}))
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,
@@ -312,7 +310,7 @@ class ConSert(Monitor[Rows]):
         self.raw = (ABSENT,) * len(self.inputs)
         self.source = None
         self._output_faults = ()
-        self._groups = ((), {})
+        self._found = None
 
     def _judgements(self) -> List[Judgement]:
         return [judge(leaf, raw) for leaf, raw in zip(self.leaves, self.raw)]
@@ -322,18 +320,12 @@ class ConSert(Monitor[Rows]):
             return self.filter.values
         return [value for value, _ in self._judgements()]
 
-    def _missing_groups(self, leaf_values: Sequence[int]) -> Dict[int, Groups]:
-        """Return the sets of each guarantee; they cost more than a step: only on a change."""
-        if self._groups[0] != leaf_values or not self._groups[1]:
-            sets = Sets(self._graph, leaf_values)
-            self._groups = (
-                leaf_values,
-                {
-                    k: [] if sets.values[k] == TRUE else sets.missing(k)[0]
-                    for k in self._graph.guarantees
-                },
-            )
-        return self._groups[1]
+    def _sets(self) -> Sets:
+        """Return the sets of the present state: those of the last one until a value changes."""
+        leaf_values = tuple(self._leaf_values())
+        if self._found is None or self._found.leaf_values != leaf_values:
+            self._found = Sets(self._graph, leaf_values)
+        return self._found
 
     def _reason(self, leaf: int, value: int, why: str) -> Reason:
         raw = self.raw[leaf]
@@ -346,18 +338,6 @@ class ConSert(Monitor[Rows]):
         return Reason(why, describe(self.leaves[leaf], raw, why))
 
 
-def _standing(
-    name: str, *, active: bool, groups: Groups, false: Set[str], why: Mapping[str, Reason]
-) -> Standing:
-    if active:
-        return Standing("guarantee", name, active=True)
-    if not groups:
-        return Standing("guarantee", name, active=False, reason="nothing can activate it")
-    group = next((one for one in groups if false.isdisjoint(one)), groups[0])
-    lacks = tuple((one, why[one].text) for one in group)
-    return Standing("guarantee", name, active=False, lacks=lacks)
-
-
 def _state(source: object, input_id: str) -> Optional[Reason]:
     """Return the reason of ``EDDIInputBase`` for an input without a value, if any."""
     try:
@@ -367,25 +347,6 @@ def _state(source: object, input_id: str) -> Optional[Reason]:
         return Reason(str(found.state), str(found.reason))
     except Exception:  # noqa: BLE001 - any object may be given as input
         return None
-
-
-def _output_message(output: object, published: Sequence[str]) -> Tuple[Tree, Tuple[str, ...]]:
-    """Return the ``ConSertOutput`` tree of an output and what was wrong with it; never raises.
-
-    Args:
-        output: what ``execute_step`` gave, or what a person's code made of it.
-        published: ids that are published as not active when the output is no list at all.
-    """
-    faults: List[str] = []
-    rows: Sequence[object]
-    if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
-        rows = output
-    else:
-        faults.append("the output is not a list; nothing is published as active")
-        rows = [{"id": one, "active": False} for one in published]
-    trees = [_row_tree(row, faults) for row in rows]
-    guarantees = [tree for tree in trees if tree is not None]
-    return ("ConSertOutput", {"guarantees": guarantees}), tuple(faults)
 
 
 def _row_tree(row: Any, faults: List[str]) -> Optional[Tree]:

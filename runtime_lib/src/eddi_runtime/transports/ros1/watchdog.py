@@ -20,7 +20,7 @@ from ...node.settings import Settings
 from .ending import MASTER_LOST, TAKEN_OVER, Ending
 from .master import Peer, Refused, Unreachable, answers_as
 
-OK, LOST, REREGISTERED, UNWATCHED = "ok", "lost", "re-registered", "not watched"
+OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
 _ATTEMPTS = 3
 _REFUSALS = ("md5sum", "types do not match")
 
