@@ -84,10 +84,12 @@ def merge(
             return RefusedFile(tuple(faults))
     claims = claim_bodies(path, before, own, target, orphans)
     skeleton, rejects = _outside(path, before, own, target, claims.changed)
-    text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
+    python = kind_of(path) == "python"
+    quotes = _quotes(own) if python else ""
+    text = _assemble(skeleton, claims.by_id, python=python, quotes=quotes)
     if own is not None and skeleton != target.skeleton and not _valid(path, skeleton, claims):
         skeleton, rejects = target.skeleton, [_reject_file(before or target, own)]
-        text = _assemble(skeleton, claims.by_id, python=kind_of(path) == "python")
+        text = _assemble(skeleton, claims.by_id, python=python, quotes=quotes)
     if not _placed(path, text, claims):
         return RefusedFile((Fault(1, "the merged text would lose a region; put its markers back"),))
     notes = [*claims.notes, *_reject_notes(path, rejects), *_broken_bodies(path, text)]
@@ -217,7 +219,19 @@ def _reject_file(before: MarkedFile, after: MarkedFile) -> Reject:
     return Reject("the file", tuple(before.skeleton), tuple(after.skeleton))
 
 
-def _assemble(skeleton: Sequence[str], claims: Mapping[str, Placement], *, python: bool) -> str:
+def _quotes(own: MarkedFile | None) -> str:
+    """Return the quotes of the markers in a person's file: formatters have their own taste."""
+    regions = own.regions.values() if own is not None else ()
+    return next((region.begin.lstrip()[:3] for region in regions), "")
+
+
+def _assemble(
+    skeleton: Sequence[str],
+    claims: Mapping[str, Placement],
+    *,
+    python: bool,
+    quotes: str = "",
+) -> str:
     out: list[str] = []
     for line in skeleton:
         region_id = placeholder_id(line)
@@ -229,8 +243,10 @@ def _assemble(skeleton: Sequence[str], claims: Mapping[str, Placement], *, pytho
         begin = region.begin.strip()
         if claim.edited and region.sig is not None:
             begin = with_sig(begin, claim.sig)
-        body = _moved(claim, indent, python=python)
-        out += [indent + begin + "\n", body, indent + region.end.strip() + "\n"]
+        body, end = _moved(claim, indent, python=python), region.end.strip()
+        if quotes == '"""':
+            begin, end = (line.replace("'''", quotes) for line in (begin, end))
+        out += [indent + begin + "\n", body, indent + end + "\n"]
     return "".join(out)
 
 

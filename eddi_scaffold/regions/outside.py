@@ -309,11 +309,12 @@ def _leaf(
     merge: _Merge, was: Sequence[str] | None, person: Sequence[str], item: Sequence[str]
 ) -> list[str] | None:
     """Return the lines with both changes, ``None`` when they cannot be united."""
-    if same_lines(person, item) or (was is not None and _untouched(merge, was, person)):
-        return list(item)
     if was is None:
-        return None
-    merged = list(person) if same_lines(was, item) else merge_lines(was, person, item)
+        return list(item) if same_lines(person, item) else None
+    kept = same_lines(was, item)  # then in the person's layout: a formatter would make it again
+    if not kept and (same_lines(person, item) or _untouched(merge, was, person)):
+        return list(item)
+    merged = list(person) if kept else merge_lines(was, person, item)
     if (
         merged is None
         or regions_in(merged) != regions_in(item)

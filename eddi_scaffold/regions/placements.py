@@ -113,7 +113,10 @@ def claim_bodies(
             names = [*([region.id] if news else ()), *(former[region.id] if base else ())]
             saved = _saved(names, [o for o in orphans if o not in taken])
             if saved is None:
-                claim = Placement(region, region.body, region.sig, region.indent, edited=False)
+                there = own.get(region.id)
+                same = there is not None and same_body(there.body, region.body)
+                shown = there if there is not None and same else region  # in the person's layout
+                claim = Placement(region, shown.body, region.sig, shown.indent, edited=False)
             else:
                 claim = Placement(region, saved.body, saved.sig, saved.indent, edited=True)
                 text = f"the saved body of region {saved.id!r} is back in region {region.id!r}"
