@@ -206,7 +206,7 @@ def test_a_link_to_an_own_file_of_the_package_gets_the_merge(
     assert result.status == 0, result.err
     assert is_merged(package, place)
     assert command(package).status == 0
-    assert status(package).status == (1 if command is sync else 0)
+    assert status(package).status == 0
 
 
 @pytest.mark.parametrize("command", [upgrade, generate])
