@@ -8,8 +8,7 @@ from ..clock import step_time
 from ..expressions.conditions import Conditions, Value, known_value, reduced, scaled, stamp
 from ..inputs import InputSpec, accepted
 from ..monitor import Monitor, Standing, Tree
-from ..plain_values import Absent, read, show
-from .messages import output_messages
+from ..plain_values import Absent, plain, read, show
 
 Rows = List[Dict[str, Any]]
 Verdicts = Dict[str, Union[bool, float, str, None]]
@@ -132,8 +131,15 @@ class EventMonitor(Conditions, Monitor[Rows]):
 
     def message(self, output: object) -> List[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
-        trees, self._output_faults = output_messages(output, self._accepted())
-        return trees
+        faults: List[str] = []
+        trees: List[Optional[Tree]] = []
+        if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
+            accepts = self._accepted()
+            trees = [_row_tree(row, accepts, faults) for row in output]
+        else:
+            faults.append("the output is not a list; nothing is published")
+        self._output_faults = tuple(faults)
+        return [tree for tree in trees if tree is not None]
 
     def standings(self) -> List[Standing]:
         """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
@@ -230,3 +236,20 @@ def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
 def _is_unknown(raw: object) -> bool:
     value = known_value(raw)
     return raw is None or (type(value) is float and value != value)  # noqa: PLR0124 - NaN
+
+
+def _row_tree(row: Any, accepted: Mapping[str, List[str]], faults: List[str]) -> Optional[Tree]:
+    try:
+        name, verdict = plain(row["id"]), plain(row["verdict"])
+        flags = {key: plain(row[key]) for key in ("active", "raised", "cleared")}
+        known = isinstance(verdict, bool) or row["verdict"] is None
+    except Exception:  # noqa: BLE001 - a person's code may have put anything there
+        faults.append("a row of the output is not as execute_step gives it; it is left out")
+        return None
+    sound = {key: flag for key, flag in flags.items() if isinstance(flag, bool)}
+    if not isinstance(name, str) or not known or len(sound) < len(flags):
+        faults.append("a row of the output has values of wrong types; it is left out")
+        return None
+    truth = 1 if verdict is None else 2 if verdict else 0
+    accepts = list(accepted.get(name, ()))
+    return "EventOutput", {"id": name, "verdict": truth, **sound, "accepted": accepts}

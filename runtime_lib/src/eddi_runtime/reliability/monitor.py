@@ -7,11 +7,11 @@ from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ..clock import NO_TIME, step_time
 from ..inputs import InputSpec, accepted
-from ..monitor import Json, Standing, Tree
+from ..monitor import Json, Monitor, Standing, Tree
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
 from . import result as out
-from .component import NOTHING, Component, Estimate, Importance, Moment
+from .component import NAN, NOTHING, Component, Estimate, Importance, Moment
 from .explain import Explanation
 from .result import ReliabilityResult
 from .values import Rule, Taken, take
@@ -20,13 +20,12 @@ GRID = 256
 """How many horizons are prepared when the mission's end is an input."""
 MISSION_END = "mission_end"
 _HOUR_NS = 3.6e12
-_NAN = float("nan")
 _UNKNOWN_INPUTS = "unknown inputs"
 _ROUNDED = 1.0 + 1e-9
 _new = tuple.__new__  # twice as fast as the classes of named tuples
 
 
-class Reliability:
+class Reliability(Monitor[ReliabilityResult]):
     """What the class ``Monitor`` of a compiled reliability model inherits. Not thread-safe.
 
     Attributes:
@@ -104,7 +103,7 @@ class Reliability:
         self._faults: Dict[str, str] = {}
         self._taken: Mapping[str, Taken] = {}
         self._result = ReliabilityResult(
-            valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=_NAN,
+            valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=NAN,
             horizon=self.horizon, evidence={}, unknown=(), reason="not started",
             contributions={},
         )  # fmt: skip
@@ -241,14 +240,10 @@ class Reliability:
     def _refused(self) -> ReliabilityResult:
         """Return the worst case, for what a person's code has put in place of a result."""
         return self._result._replace(
-            valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=_NAN,
+            valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=NAN,
             evidence={one.threshold.id: False for one in self._evidence},
             reason="the output is no result of this monitor",
         )  # fmt: skip
-
-    def status_message(self) -> Optional[Tree]:
-        """Return None: the output is complete."""
-        return None
 
     def standings(self) -> List[Standing]:
         """Return every threshold after the last step."""
