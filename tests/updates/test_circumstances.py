@@ -121,6 +121,23 @@ def test_skipped_tasks_are_made_up_for(world: World) -> None:
     world.check()
 
 
+@pytest.mark.parametrize("operation", ["generate", "upgrade", "copy"])
+def test_after_skipped_tasks_nothing_of_ours_is_called_yours(
+    world: World, operation: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    grow(world)
+    words = ["--trust", "-f", "--skip-tasks", "--data-file", data_file(world), "-r", world.tag]
+    done = copier("recopy", *words, cwd=world.package)
+    assert done.returncode == 0, done.stderr
+    world.version += 1
+    result = getattr(world, operation)()
+    assert result.status in {0, 3}, result
+    assert "your text" not in result.words + capfd.readouterr().err
+    assert not (world.package / ".eddi/rejects").exists()
+    world.settle()
+    world.check()
+
+
 def test_first_copy_without_tasks_is_complete(templates: Templates, folder: Path) -> None:
     world = World(folder, templates, "plain", START)
     words = [
