@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, note, settings
 from hypothesis import strategies as st
 
+from eddi_scaffold.regions.branches import join_branches
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import VERSIONS, Templates, git
 from tests.updates.world import DONE, World, long_profile, saved_at, snapshot
@@ -200,6 +201,32 @@ class Life:
         self.world.check(finished=False)
         self.run(self.chance.choice(words))
 
+    def branches(self) -> None:
+        """Write on two branches, of which one may be generated anew, and merge them by region.
+
+        Git's part is tested with git; a conflict is one where git would stop, and is undone here.
+        """
+        world, base, before = self.world, self.world.text(), set(self.world.lines)
+        for _ in range(self.chance.randint(1, 3)):
+            if self.chance.random() < 0.6:
+                world.edit(self.chance.choice(sorted(world.document().regions))[6:])
+            else:
+                world.edit_outside(self.chance.choice(("import", "helper", "behind", "init")))
+        theirs = world.text()
+        written = {token: world.lines.pop(token) for token in world.lines.keys() - before}
+        world.write(base)
+        if self.chance.random() < 0.5:
+            self._some_change()
+            self.run(self.chance.choice(OPERATIONS))
+        else:
+            self.edit()
+        merged = join_branches(world.main, base, world.text(), theirs)
+        DONE[f"branches, {'a conflict' if merged.conflict else 'merged'}"] += 1
+        if not merged.conflict:
+            world.write(merged.text)
+            world.lines |= written
+            world.check()
+
     def broken(self) -> None:
         """Break a marker: nothing of the file is touched; then repair it."""
         self._some_change()
@@ -232,7 +259,7 @@ class Life:
 WORDS = (
     *OPERATIONS, *OPERATIONS, *CHANGES, *CHANGES,
     "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside",
-    "line_ends", "kill", "broken", "save", "two", "mode", "link",
+    "line_ends", "kill", "broken", "save", "two", "mode", "link", "branches",
 )  # fmt: skip
 
 
