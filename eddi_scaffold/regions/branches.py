@@ -109,6 +109,9 @@ def _by_definition(
     language: Language, base: Sequence[str], ours: Sequence[str], theirs: Sequence[str]
 ) -> list[str] | None:
     """Return the merged skeleton, ``None`` where that is not without doubt."""
+    # The second side gives the order: that of the new rendering, if there is one.
+    if regions_in(theirs) == regions_in(base):
+        ours, theirs = theirs, ours
     try:
         lines, rejects = merge_items(language, base, ours, theirs, both=True)
     except SyntaxError:

@@ -141,6 +141,19 @@ def test_a_body_of_an_input_that_the_other_branch_removed_is_a_conflict(
     assert INPUT in broken(root)
 
 
+@pytest.mark.parametrize("swapped", [False, True])
+def test_the_order_is_that_of_the_new_rendering(swapped: bool) -> None:
+    base = RENDER[INPUT](Package((A, B)))
+    sides = [
+        RENDER[INPUT](Package((C, B, A))),
+        base.replace("import EDDIInputBase", "import EDDIInputBase, x"),
+    ]
+    joined = join_branches(INPUT, base, *(sides[::-1] if swapped else sides))
+    assert not joined.conflict
+    assert list(parse(joined.text)[0].regions) == ["input:c", "input:b", "input:a"]
+    assert "import EDDIInputBase, x\n" in joined.text
+
+
 def test_digests_of_two_renderings() -> None:
     one = '{"answers": "1", "sha256": {"a": "1", "b": "1", "gone": "1"}}'
     ours = '{"answers": "2", "sha256": {"a": "2", "b": "1", "c": "2", "gone": "1"}}'

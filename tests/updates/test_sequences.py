@@ -215,7 +215,8 @@ class Life:
         theirs = world.text()
         written = {token: world.lines.pop(token) for token in world.lines.keys() - before}
         world.write(base)
-        if self.chance.random() < 0.5:
+        rendered = self.chance.random() < 0.5
+        if rendered:
             self._some_change()
             self.run(self.chance.choice(OPERATIONS))
         else:
@@ -225,7 +226,7 @@ class Life:
         if not merged.conflict:
             world.write(merged.text)
             world.lines |= written
-            world.check()
+            world.check(finished=rendered)
 
     def broken(self) -> None:
         """Break a marker: nothing of the file is touched; then repair it."""
