@@ -116,7 +116,8 @@ def assemble(
     """
     chosen = chosen or {}
     renewed = {monitor.package for monitor in monitors}
-    present = {name: of for name, of in existing(root, renewed).items() if name not in gone}
+    before = existing(root, renewed)
+    present = {name: of for name, of in before.items() if name not in gone}
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
@@ -125,8 +126,9 @@ def assemble(
     config = next((m.config.config for m in monitors if m.config is not None), None)
     new = [package.folder for package in packages]
     beside = _sharing(platform, present)
+    renamed = [answers for name, answers in before.items() if name in gone]
     packages = [
-        with_choices(one, [chosen, present.get(one.folder, {}), *beside.values()])
+        with_choices(one, [chosen, present.get(one.folder, {}), *beside.values(), *renamed])
         for one in packages
     ]
     asked = {

@@ -142,6 +142,20 @@ def test_a_plain_package(tmp_path: Path) -> None:
     assert not (plain(tmp_path, "--runtime", "installed") / RUNTIME).exists()
 
 
+def test_a_renamed_monitor_keeps_it(packages: Path) -> None:
+    place = packages.parents[1]
+    generate(place, "a", "--runtime", "installed")
+    config = (EXAMPLE / "consert_a_config.yml").read_text("utf-8")
+    model = (place / "model.xml", MODEL.read_text("utf-8").replace('"ConSertA"', '"ConSertX"'))
+    model[0].write_text(model[1], "utf-8")
+    (place / "config.yml").write_text(config.replace("id: ConSertA", "id: ConSertX"), "utf-8")
+    words = ("-m", model[0], "-c", "config.yml", "--rename", "ConSertA=ConSertX")
+    done = run("generate", "-w", place, *words, cwd=place)
+    assert done.status in {0, 3}, done.err
+    assert KEY in manifests(packages)["consertx"]
+    assert not (packages / RUNTIME).exists()
+
+
 def test_no_other_place_is_known(tmp_path: Path) -> None:
     done = run("generate", "-m", MODEL, "-o", "o", "--runtime", "somewhere", cwd=tmp_path)
     assert done.status == 2
