@@ -345,7 +345,7 @@ def _copy_rendering(rendered: Path, staged: Path, skipped: Collection[str] = ())
     """Put a rendering over a package; an editable file that is there stays for the merge."""
     for folder in (".eddi/pristine", GENERATED):
         shutil.rmtree(staged / folder, ignore_errors=True)
-    (staged / GENERATED).mkdir(parents=True)  # maybe without any file
+    (staged / GENERATED).mkdir(parents=True, exist_ok=True)  # maybe without any file
     for record in (UNCOMMITTED, ".eddi/generated.txt"):  # the second is of version 0.1
         (staged / record).unlink(missing_ok=True)
     editable = set(_names(rendered / ".eddi" / "pristine"))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.regions.branches import join_branches
 from tests.updates.inputs import TYPES, Element, elements
-from tests.updates.templates import VERSIONS, Templates, git
+from tests.updates.templates import ADDED, VERSIONS, Templates, git
 from tests.updates.world import DONE, World, long_profile, saved_at, snapshot
 
 pytestmark = pytest.mark.slow
@@ -109,6 +109,9 @@ class Life:
 
     def edit_outside(self) -> None:
         self.world.edit_outside(self.chance.choice(PLACES))
+
+    def other_file(self) -> None:
+        self.world.write_other(self.chance.choice(("README.md", ".gitignore", ADDED, "mine.py")))
 
     def line_ends(self) -> None:
         path = self.world.package / self.world.main
@@ -260,6 +263,7 @@ class Life:
 WORDS = (
     *OPERATIONS, *OPERATIONS, *CHANGES, *CHANGES,
     "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside",
+    "other_file", "other_file", "other_file",
     "line_ends", "kill", "broken", "save", "two", "mode", "link", "branches",
 )  # fmt: skip
 
