@@ -160,7 +160,7 @@ def rows_of(task: Task, runs: int, *, quick: bool) -> Iterator[dict[str, Any]]:
     monitor = kind(task.hooks)
     load_s = time.perf_counter() - start
     monitor.remembered = 0  # what was seen before is inferred again
-    sources = [source_of(one) for one in evidence]
+    sources = [source_of(task, one) for one in evidence]
     common = {
         "ours_p99_s": percentile_99(monitor, sources, 2_000 if quick else 20_000),
         "load_s": load_s,
@@ -239,9 +239,13 @@ def largest_table(task: Task) -> int:
     return width_of(shape, task.outputs, task.observed).largest
 
 
-def source_of(evidence: Evidence) -> SimpleNamespace:
-    """Return an object with one attribute per input: a state's name, or likelihoods."""
-    values = {f"n{k}": f"s{v}" if isinstance(v, int) else v for k, v in evidence.items()}
+def source_of(task: Task, evidence: Evidence) -> SimpleNamespace:
+    """Return an object with one attribute per input: a state's name, or likelihoods.
+
+    What is missing is None, as in the generated ``EDDIInput``.
+    """
+    values: dict[str, object] = dict.fromkeys(f"n{k}" for k in task.observed)
+    values.update((f"n{k}", f"s{v}" if isinstance(v, int) else v) for k, v in evidence.items())
     return SimpleNamespace(**values)
 
 
@@ -249,7 +253,7 @@ def compare(
     monitor: BayesianNetworkMonitor, infer: peers.Infer, task: Task, evidence: Evidence
 ) -> None:
     """Check that both give the same result before they are timed."""
-    (output,) = monitor.execute_step(source_of(evidence))
+    (output,) = monitor.execute_step(source_of(task, evidence))
     rows: Any = infer(evidence)
     for node, row in zip(output.output_nodes, rows, strict=True):
         for outcome, value in zip(node.outcomes, row, strict=True):
@@ -275,7 +279,7 @@ def growth(steps: int) -> dict[str, Any]:
     """Return how much memory many steps leave behind; there is no peer."""
     task = next(one for one in variants("grid", peers.grid(6, 6)) if "virtual" in one.name)
     monitor = monitor_of(task)
-    call = endless(monitor.execute_step, [source_of(one) for one in evidence_of(task)])
+    call = endless(monitor.execute_step, [source_of(task, one) for one in evidence_of(task)])
     for _ in range(steps // 10):
         call()
     before, start = resident(), time.process_time()

@@ -59,17 +59,18 @@ class DirectReader:
         return read
 
     def _judged(self, raw: object) -> Finding:
-        value = plain(raw)
-        if isinstance(value, str):
-            if value not in self._number:
-                raise EvidenceError(f"there is no state {show(raw)}")
-            return self._number[value]
-        if raw is None or (isinstance(value, float) and math.isnan(value)):
-            return None
         values: Any = raw
-        if type(raw).__name__ in ("ndarray", "array"):
-            values = values.tolist()
-        # "isinstance" would believe what calls itself a list.
-        if not issubclass(type(values), (list, tuple)):
-            raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")
+        if type(raw) is not list:
+            value = plain(raw)
+            if isinstance(value, str):
+                if value not in self._number:
+                    raise EvidenceError(f"there is no state {show(raw)}")
+                return self._number[value]
+            if raw is None or (isinstance(value, float) and math.isnan(value)):
+                return None
+            if type(raw).__name__ in ("ndarray", "array"):
+                values = values.tolist()
+            # "isinstance" would believe what calls itself a list.
+            if not issubclass(type(values), (list, tuple)):
+                raise EvidenceError(f"expected a state or one number per state, got {show(raw)}")
         return finding(values, self._states, virtual=self._virtual) if values else None
