@@ -25,10 +25,12 @@ from runtime_lib.tests.bayesian_network.networks import (
     exactly,
     furthest,
     give,
+    network,
     node,
     posterior,
     random_evidence,
     random_network,
+    random_row,
     threshold,
 )
 from tests.compiling.formatting import objections
@@ -60,7 +62,18 @@ def several():
     return document(nodes, bins=bins, direct=direct, thresholds=limits, on_inconsistent="prior")
 
 
-DOCUMENTS = [document(bins=BINS), several(), large(), large(5, 9), document(outputs=[])]
+def wide(parents=11):
+    """Return a node with a table of thousands of numbers, and what is observed above it."""
+    rng = random.Random(parents)
+    net = network(
+        [2] * (parents + 1),
+        [*[()] * parents, range(parents)],
+        [*[[0.5, 0.5]] * parents, [p for _ in range(2**parents) for p in random_row(rng, 2, 0.1)]],
+    )
+    return net, network_document(net, [parents], range(parents))
+
+
+DOCUMENTS = [document(bins=BINS), several(), large(), large(5, 9), document(outputs=[]), wide()[1]]
 
 
 @pytest.mark.parametrize("made", DOCUMENTS)
@@ -156,6 +169,18 @@ def test_the_step_that_is_written_out_does_what_the_messages_say():
                     assert [p / sum(row) for p in row] == pytest.approx(
                         [p / sum(want) for p in want], abs=1e-12
                     )
+
+
+def test_a_large_table_is_read_as_it_was_written():
+    pytest.importorskip("numpy")
+    net, made = wide()
+    text = compile_model(check_document(made))
+    assert "schedule.rows_of(" in text
+    step = build(check_document(made)).execute_step
+    for row in (0, 1, 777, 2047):
+        states = {f"n{k}": f"s{row >> (10 - k) & 1}" for k in range(11)}
+        want = net.tables[11][2 * row : 2 * row + 2]
+        assert list(posterior(step(give(**states)), "n11").values()) == pytest.approx(list(want))
 
 
 SCRIPT = """
