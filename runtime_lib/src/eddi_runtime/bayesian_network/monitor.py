@@ -314,18 +314,23 @@ class BayesianNetworkMonitor(Monitor):
             reason = self._not_foreseen(engine.outputs, engine.observable)
             logging.getLogger(__name__).warning("%s, so steps take longer", reason)
         self._titles = [(node, nodes[node].id, nodes[node].states) for node in engine.outputs]
+        self._shown = self._shown_with(set())
         self._given = [one[1:] for one in self._titles if one[0] not in self._judged_only]
         self._readers = [
             (self._positions[one.node], one.reader.read, one.reader.absent) for one in self._sources
         ]
 
-    def _output(self, rows: Rows, flagged: Set[int]) -> Output:
-        given = self.given
-        nodes = [
-            Node(title, list(map(Outcome, states, row)))
-            for (node, title, states), row in zip(self._titles, rows)
-            if node in given or node in flagged
+    def _shown_with(self, flagged: Set[int]) -> List[Tuple[int, str, Tuple[str, ...]]]:
+        """Return (place, title, states) of each output that is given in a step."""
+        return [
+            (place, title, states)
+            for place, (node, title, states) in enumerate(self._titles)
+            if node in self.given or node in flagged
         ]
+
+    def _output(self, rows: Rows, flagged: Set[int]) -> Output:
+        shown = self._shown_with(flagged) if flagged else self._shown
+        nodes = [Node(title, list(map(Outcome, states, rows[k]))) for k, title, states in shown]
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
     def _evidence(self) -> Tuple[Dict[str, Known], List[str]]:
