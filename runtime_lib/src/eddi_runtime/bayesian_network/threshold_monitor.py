@@ -102,6 +102,11 @@ class ThresholdMonitor(BayesianNetworkMonitor):
     def _prepare(self, outputs: Set[int], observed: Set[int]) -> None:
         super()._prepare(outputs, observed)
         self._claims.prepare(self.engine.outputs, self._tried)
+        readers = {node: source.reader for node, (_, source) in self._fed.items()}
+        self._places = [
+            (position, node, tuple(range(missing)), readers.get(node))
+            for position, (node, missing) in enumerate(zip(self.engine.observable, self._missing))
+        ]
 
     def _opened(self) -> Sequence[Open]:
         """Return the nodes whose states are not known, where that is not accepted."""
@@ -110,14 +115,13 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         if not doubt and True not in map(eq, last.states, missing):
             return ()
         found: List[Open] = []
-        for position, node in enumerate(self.engine.observable):
+        for position, node, every, reader in self._places:
             by_method = node in last.answer.findings or node in last.answer.problems
-            reader = self._fed[node][1].reader if node in self._fed and not by_method else None
             if last.states[position] == missing[position]:
-                accepted = reader is not None and reader.prior_accepted
+                accepted = reader is not None and reader.prior_accepted and not by_method
                 if position not in last.weights and not accepted:
-                    found.append((position, tuple(range(missing[position]))))
-            elif reader is not None and reader.possible:
+                    found.append((position, every))
+            elif reader is not None and reader.possible and not by_method:
                 found.append((position, tuple(reader.possible)))
         return found
 
