@@ -17,6 +17,7 @@ from eddi_runtime.bayesian_network import outputs as out
 from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 from eddi_runtime.bayesian_network.evidence import EvidenceError
 
+from eddi_scaffold.compiling import compilation
 from eddi_scaffold.compiling.bayesian_network import programs
 from eddi_scaffold.compiling.document import ModelError, check_document, digest_of
 from eddi_scaffold.compiling.execution import build as build_any
@@ -324,6 +325,15 @@ def test_the_old_rule_of_evidence():
     assert direct.execute_step(give(s=[0.5, 0.5, 0.0])) == direct.execute_step(give())
 
 
+@pytest.fixture
+def compiled_anew():
+    """Let limits of the compiler count for models that were compiled before, and only here."""
+    compilation._known_lines.cache_clear()
+    yield
+    compilation._known_lines.cache_clear()
+
+
+@pytest.mark.usefixtures("compiled_anew")
 def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(monkeypatch):
     monkeypatch.setattr(programs, "LARGE", 1)
     hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
@@ -429,6 +439,7 @@ def test_posteriors_of_few_states_are_known_from_the_start():
     assert one._known_rows == before
 
 
+@pytest.mark.usefixtures("compiled_anew")
 def test_posteriors_of_former_states_are_remembered(monkeypatch):
     monkeypatch.setattr(programs, "MAX_CASES", 4)
     monkeypatch.setattr(BayesianNetworkMonitor, "remembered", 4)
