@@ -140,8 +140,8 @@ def apply(
         journal.keep(root, staging.name, None)
         staging.mkdir(mode=0o700)
         steps = list(_staged(root, staging, changes, before, follows or {}, meanwhile or {}))
-        _refuse_changed(root, steps)
         unrecorded = journal.keep(root, staging.name, steps)
+        _refuse_changed(root, steps)  # at last: the disk may have taken its time
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
         journal.forget(root, staging.name)

@@ -105,7 +105,7 @@ class QuickWorld(World):
                 outcome = generation.write_packages(self.root, [package], template)
         except EddiError as problem:
             return Result(2, str(problem))
-        return Result(3 if outcome.attention else 0, " ".join(outcome.notes))
+        return Result(3 if outcome.attention or outcome.left else 0, " ".join(outcome.notes))
 
     generate = upgrade
 
