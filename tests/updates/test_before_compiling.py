@@ -77,6 +77,7 @@ def test_they_come_over(tmp_path: Path) -> None:
     assert code.read_text().count("RtE_E0.data and mine()") == 1
     kept = where / ".eddi" / "rejects" / "src" / "conserta" / "EDDIMonitor.py.edited"
     assert kept.read_text() == edited
+    kept.unlink()
     assert "MINE" not in monitor.read_text()
     git(workspace, "add", "--all")
     git(workspace, "commit", "--quiet", "--message", "conserta")
