@@ -28,7 +28,7 @@ class Adoption:
         model: the model, and the file that it was read from.
         config: text of the recovered configuration.
         bodies: hand-written bodies by region.
-        rejects: name -> text of what a person wrote outside of the places for it.
+        rejects: module -> text of what a person wrote outside of the places for it.
         notes: what the user must know, one line each.
     """
 
@@ -76,7 +76,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
             for one in foreign(module, prefix)
         )
         if text:
-            rejects[f"{module.path.name}.adopted"] = text + "\n"
+            rejects[module.path.name] = text + "\n"
             notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/rejects")
         notes += [
             f"{module.path}: this import is not carried over: {module.segment(one)}"

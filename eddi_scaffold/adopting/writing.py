@@ -86,8 +86,8 @@ def _is_new(file: Path, data: bytes) -> bool:
 def _with_bodies(one: PackageAnswers, package: str, adoption: Adoption) -> PackageAnswers:
     if one.folder != package:
         return one
-    rejects = {f".eddi/rejects/{name}": text.encode() for name, text in adoption.rejects.items()}
-    return replace(one, saved=adoption.bodies, files={**one.files, **rejects})
+    rejects = {name: text.encode() for name, text in adoption.rejects.items()}
+    return replace(one, saved=adoption.bodies, adopted=rejects)
 
 
 def _needs_look(adoption: Adoption, states: Mapping[str, str]) -> bool:

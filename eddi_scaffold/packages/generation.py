@@ -33,7 +33,7 @@ from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.python_text import parse_python
-from eddi_scaffold.regions.store import save_orphan
+from eddi_scaffold.regions.store import save_orphan, save_reject
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
 
 
@@ -242,6 +242,8 @@ def _merged(
     _copy_rendering(rendered, staged, skipped)
     for body in package.saved:
         save_orphan(staged, body)
+    for name, lines in package.adopted.items():
+        save_reject(staged, name, lines, ".adopted")
 
     def earlier(path: str) -> str | None:
         state = before.get(path)

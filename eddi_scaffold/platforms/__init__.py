@@ -83,12 +83,14 @@ class PackageAnswers:
             a package that leaves.
         files: path in the package -> bulk data that Copier does not render.
         saved: bodies that are waiting for their regions.
+        adopted: module -> lines of an adopted one that have no place in the package.
     """
 
     folder: str
     answers: Mapping[str, JsonValue]
     files: Mapping[str, bytes] = field(default_factory=dict)
     saved: Sequence[Orphan] = ()
+    adopted: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

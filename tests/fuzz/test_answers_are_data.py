@@ -22,6 +22,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
+from eddi_scaffold.regions.generated import GENERATED
 from tests.cli.command import ROOT, files_below, template
 from tests.fuzz.readers import without_cross_check
 from tests.fuzz.test_names_are_no_code import FEW, check_texts, shapes
@@ -89,13 +90,14 @@ def sound_files(which: str, package: str) -> dict[str, bytes]:
 
 
 def rendered(answers: Answers) -> dict[str, bytes] | None:
-    """Render a package with Copier; ``None`` when it refused the answers."""
+    """Render a package with Copier, generated files in their places; ``None``: it refused."""
     with tempfile.TemporaryDirectory(prefix="eddi-answers-") as folder:
         try:
             copied(answers, Path(folder, "package"))
         except (CopierError, ValueError, OSError):  # OSError: a name that is too long
             return None
-        return files_below(Path(folder, "package"))
+        files = files_below(Path(folder, "package"))
+        return {path.removeprefix(f"{GENERATED}/"): data for path, data in files.items()}
 
 
 def copied(answers: Answers, folder: Path) -> None:

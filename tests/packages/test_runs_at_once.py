@@ -184,7 +184,7 @@ def test_who_only_looks_takes_no_lock_and_waits_for_none(
     folder: Path, words: tuple[str, ...]
 ) -> None:
     with holder(folder / ROOT) as first:
-        assert run(*words, cwd=folder).status in {0, 1}
+        assert run(*words, cwd=folder).status in {0, 1, 3}  # 3: an input lost its source
         first.kill()
 
 

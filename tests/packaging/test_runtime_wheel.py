@@ -115,7 +115,7 @@ def test_without_it_the_package_says_what_to_run(world: World, tmp_path: Path, f
     for name in ("consertb", *(["eddi_runtime"] if found != "none" else [])):
         shutil.copytree(world.site / name, tmp_path / name)
     if found != "none":
-        version = tmp_path / "eddi_runtime" / "version.py"
+        version = tmp_path / "eddi_runtime" / "compatibility.py"
         text = version.read_text("utf-8")
         assert text.count(__version__) == 1
         version.write_text(text.replace(__version__, found), "utf-8")
