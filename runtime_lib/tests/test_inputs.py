@@ -112,7 +112,7 @@ def test_no_limit_is_never_stale():
 
     one.begin_step({"topic": 1e9})
     one.update("free", process, {"topic": 3}, ("topic",))
-    assert one.states["free"] == ("ok", "", 1e9, 0, "")
+    assert one.states["free"] == ("ok", "", 1e9, "")
 
 
 class Each(EDDIInputBase):

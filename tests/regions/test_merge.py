@@ -215,7 +215,7 @@ def test_former_id_of_two_regions_is_used_once() -> None:
     result = merged(base, edit(base, "a", "hand = 1\n"), theirs)
     assert (result.text or "").count("hand = 1") == 1
     assert [n.text for n in result.notes if n.attention] == [
-        "'input:z' and 'input:y' are both declared to be 'input:a'"
+        "'input:z' and 'input:y' are both declared as 'input:a' before"
     ]
 
 

@@ -5,8 +5,7 @@ import math
 import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime import EDDIInputBase  # noqa: E402 - numpy comes first
-from eddi_runtime.history import Messages  # noqa: E402
+from eddi_runtime.history import EDDIInputBase, Messages  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.safeml.monitors import give, monitor, step  # noqa: E402
 

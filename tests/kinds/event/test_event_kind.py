@@ -90,7 +90,7 @@ def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) ->
     (folder / "ws" / "src").mkdir(parents=True)
     words = ("generate", "-w", "ws", "-m", "overheat.events", "-c", "eddi_config.yml")
     assert run(*words, cwd=folder).status == 0
-    (node,) = (folder / "ws").rglob("RosNode.py")
+    (node,) = (folder / "ws/src").glob("*/*/scripts/RosNode.py")
     assert f"only={first!a}," in node.read_text()
     config.write_text(text.partition("EDDIOutputs:")[0] + outputs % "nothing")
     wrong = run(*words, cwd=folder)
