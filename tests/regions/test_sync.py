@@ -173,6 +173,41 @@ def test_saved_at_any_instant(
     assert waited > 4
 
 
+@pytest.mark.parametrize("path", [INPUT, NETWORK])
+def test_saved_at_any_instant_while_two_exchange_names(
+    package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str
+) -> None:
+    """What stood under a name before the exchange moves along; what is written after it stays."""
+    render(package, Package((renamed(A, "b"), renamed(B, "a"))))
+    real, kind = os.fsync, "input" if path == INPUT else "node"
+    homes = set()
+    for waited in range(60):
+        root = tmp_path / f"saved{waited}"
+        shutil.copytree(package, root)
+        left, home = waited, ""
+
+        def saving(handle: int, root: Path = root) -> None:
+            nonlocal left, home
+            left -= 1
+            if left == -1:
+                first = next(iter(parse((root / path).read_text())[0].regions))
+                home = f"{kind}:b" if first == f"{kind}:a" else f"{kind}:a"
+                write_hand(root, f"{kind}:a", "self.by_hand = 1", path)
+            real(handle)
+
+        monkeypatch.setattr(os, "fsync", saving)
+        sync_package(root)
+        monkeypatch.undo()
+        sync_package(root)
+        if left >= 0:
+            break
+        homes.add(home)
+        assert body(root, home, path) == "self.by_hand = 1", waited
+        assert (root / path).read_text().count("by_hand") == 1
+        assert not load_orphans(root)
+    assert homes == {f"{kind}:a", f"{kind}:b"}
+
+
 @pytest.mark.parametrize("edited", [False, True])
 def test_killed_and_rendered_again(
     package: Path, monkeypatch: pytest.MonkeyPatch, edited: bool

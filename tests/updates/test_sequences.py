@@ -102,10 +102,10 @@ class Life:
     def template(self) -> None:
         self.world.version = min(VERSIONS, self.world.version + self.chance.choice((1, 1, 2)))
 
-    def edit(self) -> None:
+    def edit(self) -> str:
         regions = self.world.document().regions
         name = self.chance.choice(sorted(regions)).removeprefix("input:")
-        self.world.edit(name, self.chance.randrange(5), keep=self.chance.random() < 0.8)
+        return self.world.edit(name, self.chance.randrange(5), keep=self.chance.random() < 0.8)
 
     def edit_outside(self) -> None:
         self.world.edit_outside(self.chance.choice(PLACES))
@@ -178,9 +178,16 @@ class Life:
         """Save a file while an operation runs: it is refused, or both are in it."""
         self._some_change()
         word = self.chance.choice(words)
+        late: set[str] = set()  # written when the file was replaced already
+
+        def person() -> None:
+            replaced = self.world.is_replaced()
+            token = self.edit()
+            late.update([token] if replaced else [])
+
         with pytest.MonkeyPatch.context() as context:
             operation = getattr(self.world, word)
-            result = saved_at(self.chance.randrange(40), operation, self.edit, context)
+            result = saved_at(self.chance.randrange(40), operation, person, context)
         note(f"  {word} -> {result.status} {result.words}")
         assert result.status in {0, 2, 3}, result
         DONE[f"saves during a run, {'refused' if result.status == 2 else 'merged'}"] += 1
@@ -189,7 +196,8 @@ class Life:
             self.world.check(finished=False)
             self.run(word)
         else:
-            self.world.settle()
+            DONE["saves in the new file"] += len(late)
+            self.world.settle(late)
             self.world.check()
 
     def two(self) -> None:

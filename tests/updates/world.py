@@ -14,7 +14,7 @@ import sys
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from unittest.mock import patch
@@ -418,11 +418,23 @@ class World:
     def _allow(self, line: Line) -> None:
         line.ids |= {f"input:{i.name}" for i in self.inputs if f"input:{i.was}" in line.ids}
 
-    def settle(self) -> None:
-        """Say that an operation has finished: the package is at the present model."""
+    def is_replaced(self) -> bool:
+        """Return whether the main file is of the present model, before the operation has ended.
+
+        Where the one before is told in the same words, no body has another heir either.
+        """
+        there = [(region.id, region.was) for region in self.document().regions.values()]
+        new = [(f"input:{i.name}", (f"input:{i.was}",) if i.was else ()) for i in self.inputs]
+        return there == new
+
+    def settle(self, late: Collection[str] = ()) -> None:
+        """Say that an operation has finished: the package is at the present model.
+
+        ``late`` are lines that were written into the file of that model: they have no other home.
+        """
         heirs = heirs_of(self.seen[0], self.inputs) if len(self.seen) == 1 else {}
         for line in self.lines.values():
-            if line.home is not None:
+            if line.home is not None and line.token not in late:
                 name = line.home.removeprefix("input:")
                 heir = heirs.get(name) if len(self.seen) == 1 else self._lasting(name)
                 line.home = f"input:{heir}" if heir else None
