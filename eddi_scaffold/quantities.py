@@ -10,9 +10,10 @@ from eddi_scaffold.problems import HintedError
 from eddi_scaffold.units import factor
 
 _NUMBER = re.compile(
-    r"\s*([-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?)(?:\s+(\S.*?)|\s*)\s*",
+    r"([-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?)(?:\s+(\S.*))?",
     re.ASCII,
 )
+_BLANKS = " \t\n\r\f\v"
 _COMMA = re.compile(r"\s*[-+]?[0-9]+,[0-9]+\b.*")
 _ODE = {"millisecond": "ms", "second": "s", "minute": "min", "hour": "h"}
 """Literals of the metamodel's TimeUnit that are spelt otherwise."""
@@ -133,7 +134,7 @@ def _split(
 ) -> tuple[float, str | None]:
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         raise QuantityError(f"{_shown(given)} is not a number", form)
-    match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
+    match = _NUMBER.fullmatch(given.strip(_BLANKS)) if isinstance(given, str) else None
     if isinstance(given, str) and match is None:
         hint = "write a point, not a comma" if _COMMA.fullmatch(given) else form
         raise QuantityError(f"{_shown(given)} is not a number", hint)

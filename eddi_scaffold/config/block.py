@@ -107,7 +107,7 @@ def read_block(source: Source) -> ConfigText:
     if not isinstance(node, Map):
         message = "the top level must be a map with the sections of an eddi_config.yml"
         raise EddiError(error("K001", message, node.place))
-    root = spans(text)
+    root = spans(text, source.name)
     if root is None or root.is_flow:
         message = "the file is one map in braces, in which no block can be replaced"
         hint = "write each section on lines of its own"

@@ -10,6 +10,8 @@ from itertools import takewhile
 from eddi_scaffold.problems import Place
 
 _LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}
+_LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+"""What ends a line for libyaml, which gave the line of the start."""
 _BLOCK = re.compile(r"(?P<style>[|>])[-+]?(?P<indent>[1-9])?")
 
 _Spot = tuple[int, int]
@@ -26,7 +28,7 @@ def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
     """
     if start.line is None or start.col is None or not text:
         return lambda _: start
-    lines = [line.removesuffix("\r") for line in text.split("\n")]
+    lines = _LINE_END.split(text)
     if start.line > len(lines):
         return lambda _: start
     found = list(_characters(lines, start.line - 1, start.col - 1))

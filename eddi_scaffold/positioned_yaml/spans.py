@@ -13,6 +13,8 @@ from typing import Any
 
 import yaml
 
+from eddi_scaffold.problems import EddiError, Place, error
+
 _COMMENT = re.compile(r"(?:^|(?<=\s))#")
 
 
@@ -50,12 +52,29 @@ class Span:
         return next((value for name, value in self.entries() if name.text == key), None)
 
 
-def spans(text: str) -> Span | None:
-    """Return the root of a text that ``yaml_nodes`` has read without a problem.
+def spans(text: str, name: str) -> Span | None:
+    """Return the root of a text that was read without a problem.
+
+    Args:
+        text: of the file.
+        name: of the file, for messages.
 
     Returns:
         ``None`` for a text that holds no document.
+
+    Raises:
+        EddiError: the Python parser of YAML takes less than the one that read it first (K001).
     """
+    try:
+        return _root(text)
+    except yaml.MarkedYAMLError as problem:
+        mark = problem.problem_mark or problem.context_mark
+        place = Place(name) if mark is None else Place(name, mark.line + 1, mark.column + 1)
+        message = f"not every reader of YAML accepts this: {problem.problem}"
+        raise EddiError(error("K001", message, place, "put the text in quotes")) from None
+
+
+def _root(text: str) -> Span | None:
     # the Python parser, whose marks count characters; a configuration is small
     parser = yaml.parse(text, Loader=yaml.SafeLoader)
     stack: list[Span] = []

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.config.message_types import common_messages, installed
+from eddi_scaffold.config.message_types.installed import installed_types
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.problems import Problem
@@ -69,3 +70,7 @@ def test_a_package_that_nobody_knows_is_told_once() -> None:
 
 def test_every_common_message_exists() -> None:
     assert problems(*common_messages()) == []
+
+
+def test_a_package_name_that_no_file_can_have_is_not_installed() -> None:
+    assert installed_types("a" * 5000) == frozenset()

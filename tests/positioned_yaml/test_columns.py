@@ -87,3 +87,10 @@ def test_every_position_comes_back(value: str, style: str | None, width: int, ne
         text = text.replace(f"{style}key{style}", "key").replace(f"{style}inner{style}", "inner")
     assert scalar(text)[0] == value
     check(text)
+
+
+@pytest.mark.parametrize("end", ["\r", "\r\n", "\u2028"])
+def test_every_line_end_of_yaml_counts(end: str) -> None:
+    text = f'a: {{b:{end}1}}\nkey: "xy"\n'
+    start = Place("f.yml", 3, 6)
+    assert inside_scalar(text, start)(1) == Place("f.yml", 3, 8)

@@ -43,10 +43,12 @@ def installed_types(package: str) -> frozenset[str]:
     The first folder with messages counts: it is the one that Python would import.
     """
     for folder in _folders(package):
-        names = {file.stem for file in folder.glob("msg/*.msg")}
-        names |= {
-            f"{file.stem}{part}" for file in folder.glob("action/*.action") for part in _PARTS
-        }
+        try:
+            names = {file.stem for file in folder.glob("msg/*.msg")}
+            actions = [file.stem for file in folder.glob("action/*.action")]
+        except OSError:  # no file can have such a name
+            continue
+        names |= {f"{action}{part}" for action in actions for part in _PARTS}
         if names:
             return frozenset(f"{package}/{name}" for name in names)
     return frozenset()
