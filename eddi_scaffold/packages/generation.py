@@ -20,7 +20,7 @@ from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
 from eddi_scaffold.packages.handwritten import lost_sources
 from eddi_scaffold.packages.links import follow
-from eddi_scaffold.packages.obstacles import KEPT, obstacles
+from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
@@ -33,7 +33,7 @@ from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.python_text import parse_python
-from eddi_scaffold.regions.store import save_orphan, save_reject
+from eddi_scaffold.regions.store import SAVED, save_orphan, save_reject
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
 
 
@@ -172,7 +172,7 @@ def _merge_package(
     found = obstacles(package.folder, tree.others, names)
     stop = found.at_records(ANSWERS_FILE)
     if stop is None:
-        written = tree.others or any(not path.startswith(KEPT) for path in tree.files)
+        written = tree.others or any(not path.startswith(SAVED) for path in tree.files)
         if written and package.folder not in renames.former:
             _refuse_foreign(target)
         before = {path: state for path, state in tree.files.items() if path not in found.skipped}
@@ -270,7 +270,7 @@ def _merged(
 
 def _is_record(path: str) -> bool:
     """Tell whether a file is only of use to a package: neither a person's nor a saved text."""
-    return path == ANSWERS_FILE or (path.startswith(".eddi/") and not path.startswith(KEPT))
+    return path == ANSWERS_FILE or (path.startswith(".eddi/") and not path.startswith(SAVED))
 
 
 def _refuse_foreign(target: Path) -> None:

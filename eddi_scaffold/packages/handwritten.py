@@ -12,7 +12,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
+from eddi_scaffold.regions.check import RegionStatus, accept, list_regions, regions_of
 from eddi_scaffold.regions.markers import Marker, read_marker
 
 
@@ -49,7 +49,7 @@ def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
     return [
         f"{root / package / status.file}:{status.line}"
         for package, ids in needed.items()
-        for status in (list_regions(root / package) if ids else ())
+        for status in (regions_of(root / package) if ids else ())
         if status.id in ids and status.state == "untouched"
     ]
 
@@ -66,7 +66,7 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
     lost = {name for name, line in made.items() if line and now.get(name) == ""}
     if not lost:
         return []
-    untouched = {one.id for one in list_regions(package) if one.state == "untouched"}
+    untouched = {one.id for one in regions_of(package) if one.state == "untouched"}
     return [
         f"input {name!r} has no source any more: it was made by `{made[name]}`"
         for name in sorted(lost)
@@ -83,16 +83,22 @@ def _statements(answers: Mapping[str, Any]) -> dict[str, str]:
     inputs = answers.get("inputs")
     for one in inputs if isinstance(inputs, list) else ():
         if isinstance(one, dict) and isinstance(body := one.get("body"), list) and body:
-            marker = read_marker(str(one.get("region_begin")), 1)
-            if isinstance(marker, Marker) and marker.id is not None:
+            region = region_of(one)
+            if region is not None:
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
-                found[marker.id.removeprefix("input:")] = "" if waits else str(body[-1])
+                found[region.removeprefix("input:")] = "" if waits else str(body[-1])
     return found
+
+
+def region_of(entry: Mapping[str, Any]) -> str | None:
+    """Return the id of the region that an entry of the answers has."""
+    marker = read_marker(str(entry.get("region_begin")), 1)
+    return marker.id if isinstance(marker, Marker) else None
 
 
 def written(package: Path) -> list[str]:
     """Return the ids of the regions of a package in which somebody has written."""
-    return [status.id for status in list_regions(package) if status.state == "edited"]
+    return [status.id for status in regions_of(package) if status.state == "edited"]
 
 
 def packages_of(monitor: BoundMonitor, near: Iterable[Path]) -> list[Path]:

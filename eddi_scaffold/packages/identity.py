@@ -14,7 +14,7 @@ from typing import Any
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.answers_check import model_id
-from eddi_scaffold.packages.handwritten import written
+from eddi_scaffold.packages.handwritten import region_of, written
 from eddi_scaffold.platforms import PackageAnswers
 
 _PLACES = frozenset({"line", "path", "source", "sha256"})
@@ -99,14 +99,13 @@ def _exchanged_inputs(
         name = item["id"]
         owner = next((one for one, of in before.items() if of == after[name]), name)
         same = begins.get(name) == item["region_begin"]  # else a rename or the signature tells
-        if name in before and owner != name and same and before[name] != after[name]:
-            region = item["region_begin"].partition("region: ")[2].split()[0]
-            if region in written(package):
-                yield (
-                    f"{package.name}: {item['title']} keeps its hand-written code, but reads "
-                    f"{after[name]} now, as another input did before; if inputs changed names, "
-                    "declare `renamed_from`"
-                )
+        moved = name in before and owner != name and same and before[name] != after[name]
+        if moved and region_of(item) in written(package):
+            yield (
+                f"{package.name}: {item['title']} keeps its hand-written code, but reads "
+                f"{after[name]} now, as another input did before; if inputs changed names, "
+                "declare `renamed_from`"
+            )
 
 
 def _topics(answers: Mapping[str, Any]) -> dict[str, str]:

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
+from eddi_scaffold.regions.store import SAVED
+
 _SHOWN = 5
 _RECORDS = ".eddi"
-KEPT = (".eddi/orphans/", ".eddi/rejects/")
-"""Folders of records that a person may work in."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Obstacles:
                 path
                 for path in self.kinds
                 if path in {answers_file, _RECORDS}
-                or (path.startswith(f"{_RECORDS}/") and not path.startswith(KEPT))
+                or (path.startswith(f"{_RECORDS}/") and not path.startswith(SAVED))
             ),
             None,
         )

@@ -16,12 +16,12 @@ from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.generated import changed_generated, recorded_generated
 from eddi_scaffold.regions.markers import decode_id, encode_id
+from eddi_scaffold.regions.store import SAVED
 
 _RECORDS = ".eddi/"
 _KEPT = ("base", "pristine", "generated", "next", "rejects")
 _MANIFEST = f"{_RECORDS}manifest.json"
 _BASE, _ORPHANS = f"{_RECORDS}base/", f"{_RECORDS}orphans/"
-_SAVED = (_ORPHANS, f"{_RECORDS}rejects/")
 _FILE = "# file: "
 
 
@@ -150,7 +150,7 @@ def _is_as_made(package: Path) -> bool:
         name in made
         or name == ANSWERS_FILE
         or base.get(f"{_BASE}{name}") == state.data
-        or (name.startswith(_RECORDS) and not name.startswith(_SAVED))
+        or (name.startswith(_RECORDS) and not name.startswith(SAVED))
         for name, state in files.items()
     )
 

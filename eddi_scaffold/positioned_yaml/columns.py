@@ -11,7 +11,6 @@ from eddi_scaffold.problems import Place
 
 _LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
-"""What ends a line for libyaml, which gave the line of the start."""
 _BLOCK = re.compile(r"(?P<style>[|>])[-+]?(?P<indent>[1-9])?")
 
 _Spot = tuple[int, int]
@@ -28,7 +27,7 @@ def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
     """
     if start.line is None or start.col is None or not text:
         return lambda _: start
-    lines = _LINE_END.split(text)
+    lines = yaml_lines(text)
     if start.line > len(lines):
         return lambda _: start
     found = list(_characters(lines, start.line - 1, start.col - 1))
@@ -38,6 +37,11 @@ def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
         return replace(start, line=line + 1, col=col + 1)
 
     return of
+
+
+def yaml_lines(text: str) -> list[str]:
+    """Return the lines of a text as libyaml counts them, without their ends."""
+    return _LINE_END.split(text)
 
 
 def _characters(lines: Sequence[str], line: int, col: int) -> Iterator[_Spot]:

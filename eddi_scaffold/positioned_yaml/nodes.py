@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from eddi_scaffold.positioned_yaml.columns import yaml_lines
 from eddi_scaffold.positioned_yaml.scalars import (
     MAX_DIGITS,
     Items,
@@ -224,7 +225,7 @@ class _Composer:
 
     def _has_tab(self, line: int) -> bool:
         """Return whether a line, counted from 0, is indented with a tab."""
-        text = next(itertools.islice(self.text.splitlines(), line, None), "")
+        text = next(itertools.islice(yaml_lines(self.text), line, None), "")
         return "\t" in text[: len(text) - len(text.lstrip(" \t"))]
 
     def _unreadable(self, problem: yaml.reader.ReaderError) -> tuple[str, Place]:

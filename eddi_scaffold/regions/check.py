@@ -24,6 +24,7 @@ from .placements import adopt_ids
 from .review import doubtful_names
 from .store import (
     EDDI,
+    SAVED,
     files_below,
     load_orphans,
     read_text,
@@ -69,8 +70,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     if _has_lost_renderings(root / EDDI):
         note = "without this folder hand edits and generated text look the same; generate again"
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
-    for name in files_below(root / EDDI / "pristine"):
-        found.extend(_of_file(root, name))
+    found += _regions(root)
     broken = {one.file for one in found if one.state == "broken"}
     found += [
         one for one in unfit_files(root, partial(former_texts, root)) if one.file not in broken
@@ -86,13 +86,22 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     return (*found, *_conflicts(root, broken))
 
 
+def regions_of(root: Path) -> list[RegionStatus]:
+    """Return the regions of the editable files, and damaged markers; no other file is read."""
+    return [] if linked_folders(root) else _regions(root)
+
+
+def _regions(root: Path) -> list[RegionStatus]:
+    names = files_below(root / EDDI / "pristine")
+    return [status for name in names for status in _of_file(root, name)]
+
+
 def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
     """Return the text files with conflict markers, but for our copies of text without a place."""
-    kept = (f"{EDDI}/orphans/", f"{EDDI}/rejects/")
     return [
         _broken(Refusal(name, lines[0], CONFLICT))
         for name, kind in entries(root, skip=("__pycache__", ".git"))
-        if kind is None and name not in known and not name.startswith(kept)
+        if kind is None and name not in known and not name.startswith(SAVED)
         if (lines := _conflict_lines(root, name))
     ]
 
@@ -172,8 +181,7 @@ def broken_files(root: Path) -> tuple[Refusal, ...]:
     """Return the damaged markers of a package: a new rendering could not be merged."""
     return linked_folders(root) or tuple(
         Refusal(status.file, status.line or 1, "; ".join(status.notes))
-        for name in files_below(root / EDDI / "pristine")
-        for status in _of_file(root, name)
+        for status in _regions(root)
         if status.state == "broken"
     )
 

@@ -27,6 +27,8 @@ from .paths import is_relative
 from .result import Orphan
 
 EDDI = names.folder
+SAVED = (f"{EDDI}/orphans/", f"{EDDI}/rejects/")
+"""Folders of records that a person may work in: text of theirs that has no place."""
 _TEMPORARY = ".eddi-tmp"
 # The last line of a rendering; before the colon stands the name of the template or its generator.
 _SENTINEL_LINE = re.compile(
