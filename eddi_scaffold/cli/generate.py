@@ -77,7 +77,7 @@ def generate(
     from eddi_scaffold.packages.identity import exchanged, left_behind
     from eddi_scaffold.packages.renaming import read_renames
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import at_work, existing, packages_root
+    from eddi_scaffold.packages.workspace import at_work, packages_root
     from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.problems import EddiError
 
@@ -101,7 +101,7 @@ def generate(
         asked = choices(runtime, single_process)
         assembly = assemble(monitors, target, root, problems, asked, moved)
         console.problems(assembly.problems)
-        present = existing(root, {monitor.package for monitor in monitors})
+        present = assembly.present
         swapped = list(exchanged(root, present, assembly.packages, moved))
         older = list(left_behind(present, assembly.packages, monitors, moved))
         outcome = write_packages(

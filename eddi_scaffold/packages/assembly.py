@@ -36,11 +36,13 @@ class Assembly:
         packages: all packages of the command.
         monitors: folders of the monitor packages among them.
         problems: warnings and infos about models and configurations.
+        present: package -> answers of those that are there already.
     """
 
     packages: Sequence[PackageAnswers]
     monitors: Sequence[str]
     problems: Sequence[Problem]
+    present: Mapping[str, Mapping[str, Any]]
 
 
 def monitors_of(
@@ -140,8 +142,8 @@ def assemble(
         if folder not in new and {**answers, **asked} != answers
     ]
     wanted = {package.folder: package.answers for package in packages}
-    shared = support(platform, root, wanted, config, gone)
-    return Assembly([*packages, *shared], new, found)
+    shared = support(platform, root, before, wanted, config, gone)
+    return Assembly([*packages, *shared], new, found, before)
 
 
 def _sharing(
@@ -192,6 +194,7 @@ def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonit
 def support(
     platform: Platform,
     root: Path,
+    present: Mapping[str, Mapping[str, Any]],
     monitors: Mapping[str, Mapping[str, Any]],
     config: Config | None,
     gone: Container[str] = (),
@@ -203,7 +206,8 @@ def support(
     Args:
         platform: of all of them.
         root: folder of all packages.
-        monitors: package -> answers of those that are new, or newer.
+        present: package -> answers of those that are there.
+        monitors: the same of those that are new, or newer.
         config: names the maintainer of the shared packages.
         gone: packages that are there, but will have another name.
 
@@ -212,7 +216,6 @@ def support(
 
     The maintainer of a shared package was set when it was first generated, and is kept.
     """
-    present = existing(root, monitors)
     own = platform.templates.monitor
     there = {
         name: answers

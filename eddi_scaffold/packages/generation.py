@@ -123,25 +123,19 @@ def write_packages(
         renderer = Renderer(template, source)
         for number, package in enumerate(packages):
             rendered = Path(scratch, str(number), "rendered")
+            target = root / package.folder
             if not package.answers:
                 rendered.mkdir(parents=True)
-                note = f"{package.folder}: removed, nothing needs it any more"
-                _merge_package(root, package, rendered, [note], within, renames, work)
+                notes = [f"{package.folder}: removed, nothing needs it any more"]
+            elif package.folder not in renames.involved and is_current(
+                target, package, template, source
+            ):
                 continue
-            moves = package.folder in renames.involved
-            if not moves and is_current(root / package.folder, package, template, source):
-                continue
-            progress(package.folder)
-            notes = renderer.render(package.answers, rendered)
-            for name, data in package.files.items():
-                target = rendered / GENERATED / name
-                target.parent.mkdir(parents=True, exist_ok=True)
-                target.write_bytes(data)
-            problem = write_compiled(rendered)
-            if problem is not None:
-                raise EddiError(error("K028", problem, Place(str(root / package.folder))))
-            if source.notes:
-                (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
+            else:
+                progress(package.folder)
+                notes = _render(renderer, package, rendered, target)
+                if source.notes:
+                    (rendered / UNCOMMITTED).write_text("rendered from templates with changes\n")
             _merge_package(root, package, rendered, notes, within, renames, work)
     remains = renames.remains(root, {package.folder for package in packages})
     work.changes.update(dict.fromkeys(remains))
@@ -151,6 +145,19 @@ def write_packages(
         work.left += written.left
         work.notes += written.notes
     return Outcome(root, work.changes, work.before, work.notes, work.attention, work.left)
+
+
+def _render(renderer: Renderer, package: PackageAnswers, rendered: Path, target: Path) -> list[str]:
+    """Render a package with what Copier does not render, and return what is to be said of it."""
+    notes = renderer.render(package.answers, rendered)
+    for name, data in package.files.items():
+        place = rendered / GENERATED / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_bytes(data)
+    problem = write_compiled(rendered)
+    if problem is not None:
+        raise EddiError(error("K028", problem, Place(str(target))))
+    return notes
 
 
 def _merge_package(

@@ -23,6 +23,7 @@ from eddi_scaffold.packages.journal import JournalEntry
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import entries, kind_of, open_regular, read_regular
+from eddi_scaffold.regions.store import ChangedMeanwhileError
 
 PREFIX = ".eddi-transaction-"
 """How the folders with staged texts begin."""
@@ -102,10 +103,6 @@ class Applied:
 
     left: Sequence[str] = ()
     notes: Sequence[str] = ()
-
-
-class ChangedMeanwhileError(Exception):
-    """A file is not any more what the new one was made of; the text is its path."""
 
 
 def apply(
@@ -189,7 +186,7 @@ def _refuse_changed(root: Path, steps: Sequence[JournalEntry]) -> None:
     first = {step.path: step for step in reversed(steps)}
     for path, step in first.items():
         if _digest(root / path) != step.old:
-            raise ChangedMeanwhileError(path)
+            raise ChangedMeanwhileError(errno.EBUSY, "it was saved meanwhile", str(root / path))
 
 
 def write(
@@ -208,7 +205,7 @@ def write(
         return apply(root, changes, before, follows, meanwhile)
     except ChangedMeanwhileError as saved:
         message = "it was changed while this command was running; nothing was written"
-        place = Place(str(root / str(saved)))
+        place = Place(str(saved.filename))
         raise EddiError(error("F013", message, place, "run the command again")) from None
     except OSError as problem:
         reason = problem.strerror or str(problem)

@@ -134,7 +134,9 @@ def targets(
     shared = {folder for folder in group.present if folder not in monitors}
     for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
         own = {p.folder: p.answers for p in packages if monitors.get(p.folder) is platform}
-        packages += [p for p in support(platform, group.root, own, None) if p.folder in shared]
+        present = existing(group.root, own)
+        made = support(platform, group.root, present, own, None)
+        packages += [package for package in made if package.folder in shared]
     if has_errors(problems):
         raise EddiError(*problems)
     return packages, problems
