@@ -18,23 +18,24 @@ import yaml
 from eddi_scaffold.packages import generation, transaction
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
-from tests.updates.inputs import Element, elements, write_inputs
+from tests.updates.inputs import write_inputs
 from tests.updates.templates import CHECKOUT, Templates, git, make_templates, new_version
-from tests.updates.world import World, killed_at, long_profile, snapshot
+from tests.updates.world import (
+    CHANGED,
+    START,
+    World,
+    edited_world,
+    killed_at,
+    long_profile,
+    snapshot,
+)
 
 pytestmark = pytest.mark.slow
-
-START = elements("alpha", "beta", "gamma")
-CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 
 
 @pytest.fixture
 def world(templates: Templates, folder: Path) -> World:
-    world = World(folder, templates, "plain", START)
-    assert world.copy().status == 0
-    world.settle()
-    for shape, item in enumerate(START):
-        world.edit(item.name, shape)
+    world = edited_world(templates, folder)
     world.commit()
     return world
 

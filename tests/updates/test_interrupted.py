@@ -11,23 +11,15 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.regions.sync import sync_package
-from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates
-from tests.updates.world import World, snapshot
+from tests.updates.world import CHANGED, START, World, edited_world, forked, snapshot
 
 pytestmark = pytest.mark.slow
-
-START = elements("alpha", "beta", "gamma")
-CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 
 
 @pytest.fixture
 def world(templates: Templates, folder: Path) -> World:
-    world = World(folder, templates, "plain", START)
-    assert world.copy().status == 0
-    world.settle()
-    for shape, item in enumerate(START):
-        world.edit(item.name, shape)
+    world = edited_world(templates, folder)
     world.edit_outside("helper")
     world.commit()
     return world
@@ -38,16 +30,7 @@ def kill_when_answered(world: World) -> None:
     answers = world.package / ".copier-answers.yml"
     before = answers.read_bytes()
     world.commit()
-    child = os.fork()
-    if child == 0:  # pragma: no cover - ends by SIGKILL
-        os.setsid()
-        nowhere = os.open(os.devnull, os.O_RDWR)
-        for handle in (0, 1, 2):
-            os.dup2(nowhere, handle)
-        try:
-            world.update()
-        finally:
-            os._exit(0)
+    child = forked(world.update)
     while True:
         now = answers.read_bytes()
         if now != before and now.endswith(b"\n"):

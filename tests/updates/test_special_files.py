@@ -9,24 +9,17 @@ from pathlib import Path
 import pytest
 
 from tests.hostile.special import a_socket
-from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates
-from tests.updates.world import World
+from tests.updates.world import CHANGED, World, edited_world
 
 pytestmark = pytest.mark.slow
 
-START = elements("alpha", "beta", "gamma")
-CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 
 
 @pytest.fixture
 def world(templates: Templates, folder: Path) -> World:
-    world = World(folder, templates, "plain", START)
-    assert world.copy().status == 0
-    world.settle()
-    for shape, item in enumerate(START):
-        world.edit(item.name, shape)
+    world = edited_world(templates, folder)
     world.edit_outside("helper")
     return world
 

@@ -11,14 +11,11 @@ import pytest
 from eddi_scaffold.regions.git import committed_text
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
-from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates, git
-from tests.updates.world import World, snapshot
+from tests.updates.world import CHANGED, World, edited_world, snapshot
 
 pytestmark = pytest.mark.slow
 
-START = elements("alpha", "beta", "gamma")
-CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 OWN = {
     ".clang-format": "BasedOnStyle: Google\n",
@@ -30,11 +27,7 @@ OWN = {
 
 @pytest.fixture
 def world(templates: Templates, folder: Path) -> World:
-    world = World(folder, templates, "plain", START)
-    assert world.copy().status == 0
-    world.settle()
-    for shape, item in enumerate(START):
-        world.edit(item.name, shape)
+    world = edited_world(templates, folder)
     for name, text in OWN.items():
         (world.package / name).parent.mkdir(exist_ok=True)
         (world.package / name).write_text(text)

@@ -33,7 +33,7 @@ from eddi_scaffold.platforms import chosen
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse
 from eddi_scaffold.regions.store import load_orphans
-from tests.updates.inputs import Element, write_inputs
+from tests.updates.inputs import Element, elements, write_inputs
 from tests.updates.templates import Templates, git
 
 EDITABLE = {
@@ -48,6 +48,9 @@ EDITABLE = {
 DAMAGES = 7
 DONE: Counter[str] = Counter()  # what was run, for the summary
 _WORD = re.compile(r"hand_\d+_line")
+
+START = elements("alpha", "beta", "gamma")
+CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 
 
 def long_profile() -> bool:
@@ -177,16 +180,7 @@ class World:
 
     def killed(self, operation: Callable[[], Result], delay: float) -> None:
         """Run an operation in a process of its own, and kill that and all it started."""
-        child = os.fork()
-        if child == 0:  # pragma: no cover - ends by SIGKILL
-            os.setsid()
-            nowhere = os.open(os.devnull, os.O_RDWR)
-            for handle in (0, 1, 2):
-                os.dup2(nowhere, handle)
-            try:
-                operation()
-            finally:
-                os._exit(0)
+        child = forked(operation)
         end = time.monotonic() + delay
         while time.monotonic() < end and os.waitpid(child, os.WNOHANG) == (0, 0):
             time.sleep(0.002)
@@ -618,3 +612,28 @@ def _function_of(text: str, token: str) -> str:
         if isinstance(node, ast.FunctionDef) and node.lineno <= number <= (node.end_lineno or 0)
     ]
     return max(found, key=lambda node: node.lineno).name if found else ""
+
+
+def forked(operation: Callable[[], object]) -> int:
+    """Run an operation, unheard, in a process group of its own, and return its id."""
+    child = os.fork()
+    if child == 0:  # pragma: no cover - ends by SIGKILL
+        os.setsid()
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        for handle in (0, 1, 2):
+            os.dup2(nowhere, handle)
+        try:
+            operation()
+        finally:
+            os._exit(0)
+    return child
+
+
+def edited_world(templates: Templates, folder: Path) -> World:
+    """Return a plain package of ``START`` with a hand-written body for each input."""
+    world = World(folder, templates, "plain", START)
+    assert world.copy().status == 0
+    world.settle()
+    for shape, item in enumerate(START):
+        world.edit(item.name, shape)
+    return world
