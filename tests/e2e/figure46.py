@@ -26,6 +26,9 @@ def demonstrate(run, evidence_of_b=EVIDENCE_B, *, steady=True, patience=PATIENCE
         steady: no guarantee may be lost again; not asked where a limit of age is so short that a
             busy machine passes it.
         patience: seconds for each step.
+
+    Returns:
+        The process that publishes the evidence of system A.
     """
     for topic in GUARANTEES:
         run.wait_for(topic, all_of(topic, active=False), patience)
@@ -38,10 +41,11 @@ def demonstrate(run, evidence_of_b=EVIDENCE_B, *, steady=True, patience=PATIENCE
     run.publish(last)
     run.wait_for(SYSTEM_B, all_of(SYSTEM_B, active=True), patience)
     never_active(run, SYSTEM_A)
-    run.publish(EVIDENCE_A)
+    evidence_of_a = run.publish(EVIDENCE_A)
     run.wait_for(SYSTEM_A, all_of(SYSTEM_A, active=True), patience)
     for topic in GUARANTEES:
         check_history(topic, run.states(topic), steady=steady)
+    return evidence_of_a
 
 
 def never_active(run, topic):

@@ -6,7 +6,7 @@ import signal
 import pytest
 
 from tests.e2e import figure46
-from tests.e2e.robot import STARTED, sourced
+from tests.e2e.robot import STARTED, end, sourced
 from tests.e2e.workspace import Workspace
 from tests.ros1.world import until
 
@@ -30,15 +30,20 @@ def built(generator, folder, home):
 @pytest.mark.parametrize("space", ["devel", "install"])
 def test_both_monitors_run_and_come_back(built, launched, home, space):
     with launched(sourced(built.path / space / "setup.bash", home)) as run:
-        figure46.demonstrate(run, steady=False)
+        evidence = figure46.demonstrate(run, steady=False)
         for name in ("/conserta", "/consertb"):
             run.wait_for_input(name, "RtE_A_E0", 10.0)
         assert f"/{NODE}" in run.command("rosnode", "list").split()
         ((_, pid),) = (one for one in STARTED.findall(run.launch_text()) if one[0] == NODE)
+        nothing, everything = (figure46.all_of(figure46.SYSTEM_A, active=x) for x in (False, True))
+        end(evidence)  # what runs again must not hear it before a person can see that it is missing
+        run.wait_for(figure46.SYSTEM_A, nothing, 30.0)
         before = len(run.states(figure46.SYSTEM_A))
         os.kill(int(pid), signal.SIGKILL)
         until(lambda: len(STARTED.findall(run.launch_text())) == 2, 30.0, "the respawn")
-        nothing = figure46.all_of(figure46.SYSTEM_A, active=False)
-        until(lambda: nothing in run.states(figure46.SYSTEM_A)[before:], 30.0, "nothing is known")
-        run.wait_for(figure46.SYSTEM_A, figure46.all_of(figure46.SYSTEM_A, active=True), 30.0)
+        until(lambda: run.states(figure46.SYSTEM_A)[before:], 30.0, "the first word")
+        run.wait_for(figure46.SYSTEM_B, figure46.all_of(figure46.SYSTEM_B, active=True), 30.0)
+        assert all(state == nothing for state in run.states(figure46.SYSTEM_A)[before:])
+        run.publish(figure46.EVIDENCE_A)
+        run.wait_for(figure46.SYSTEM_A, everything, 30.0)
         assert "Traceback" not in run.launch_text()
