@@ -12,9 +12,10 @@ from itertools import islice, product
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network, Node, in_digits
 from eddi_scaffold.problems import NearNames, Place, Problem, error, has_errors, warning
 
-TOLERANCE = 1e-6
-"""A row may be off by so much: published networks are off by up to 3e-7."""
+TOLERANCE = 1e-5
+"""A row may be off by so much: libraries write probabilities with six digits."""
 _ROUNDING = 1e-12
+_SHOWN = 4
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
 
@@ -149,7 +150,7 @@ class _Check:
                 continue
             values = [number for number in numbers if number is not None]
             total = math.fsum(values)
-            if abs(total - 1.0) > TOLERANCE:
+            if abs(total - 1.0) > TOLERANCE + _ROUNDING:
                 row_of = f"the row {where} of {draft.id!r} sums"
                 what = row_of if where else f"the probabilities of {draft.id!r} sum"
                 message = f"{what} to {total:.9g}, not to 1"
@@ -183,6 +184,20 @@ class _Check:
 
     def _error(self, code: str, message: str, place: Place, hint: str | None = None) -> None:
         self.problems.append(error(code, message, place, hint))
+
+
+def unsupported(of: str, nodes: Sequence[Named], hint: str) -> Problem:
+    """Return one problem for all nodes of a type that no monitor can have (B202).
+
+    Args:
+        of: the type, as the file calls it.
+        nodes: at least one.
+        hint: what to do.
+    """
+    names = ", ".join(repr(node.text) for node in nodes[:_SHOWN])
+    more = f" and {len(nodes) - _SHOWN} more" if len(nodes) > _SHOWN else ""
+    what = f"the node {names} is" if len(nodes) == 1 else f"the nodes {names}{more} are"
+    return error("B202", f"{what} of type {of!r}, which is not supported", nodes[0].place, hint)
 
 
 def first_missing(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from eddi_scaffold.kinds.bayesian_network.check import check_network
+from eddi_scaffold.kinds.bayesian_network.check import check_network, unsupported
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.kinds.bayesian_network.noisymax import NoisyMaxError, noisy_max_table
 from eddi_scaffold.problems import Place, Problem, error, has_errors, warning
@@ -37,12 +37,34 @@ def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list
     if feature_of(root) != "smile":
         message = f"the root element is {feature_of(root)!r}, not 'smile'"
         return None, [error("B201", message, Place(file, line_of(root)))]
+    refused = _refused(root, file)
+    if refused:
+        return None, refused  # what depends on these nodes is no problem of its own
     reader = _Reader(root, file)
     drafts = list(reader.drafts())
     place = Place(file, line_of(root))
     network, problems = check_network(root.get("id") or stem, drafts, place)
     problems = [*reader.problems, *reader.warnings, *problems]
     return (None if reader.problems else network), problems
+
+
+def _refused(root: Element, file: str) -> list[Problem]:
+    """Return a problem for each sort of what is in the file and no monitor can have."""
+    hint = "GeNIe: unroll it first"
+    problems = [
+        error("B207", "this is a dynamic network", Place(file, line_of(one)), hint)
+        for one in select(root, "dynamic")
+    ]
+    others: dict[str, list[Named]] = {}
+    for element in select(root, "nodes/*"):
+        of = feature_of(element)
+        if of not in _TYPES:
+            node = Named(element.get("id") or "", Place(file, line_of(element)))
+            others.setdefault(of, []).append(node)
+    for of, nodes in others.items():
+        advice = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
+        problems.append(unsupported(of, nodes, advice))
+    return problems
 
 
 class _Reader:
@@ -54,33 +76,20 @@ class _Reader:
             str(node.get("id")): _words(node, "name")
             for node in select(root, "extensions//node[@id]")
         }
-        self.states: dict[str, list[str]] = {}
+        self.states = {
+            str(node.get("id")): [one.get("id") or "" for one in select(node, "state")]
+            for node in select(root, "nodes/*[@id]")
+        }
 
     def drafts(self) -> Iterator[Draft]:
-        for dynamic in select(self.root, "dynamic"):
-            hint = "GeNIe: unroll it first"
-            self._error("B207", "this is a dynamic network", dynamic, hint)
-        declared = {str(e.get("id")) for e in select(self.root, "nodes/*[@id]")}
         for element in select(self.root, "nodes/*"):
-            of, name = feature_of(element), element.get("id") or ""
-            if of not in _TYPES:
-                message = f"the node {name!r} is of type {of!r}, which is not supported"
-                hint = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
-                self._error("B202", message, element, hint)
-                continue
-            yield self._draft(element, name, of, declared)
+            yield self._draft(element, element.get("id") or "", feature_of(element))
 
-    def _draft(self, element: Element, name: str, of: str, declared: set[str]) -> Draft:
+    def _draft(self, element: Element, name: str, of: str) -> Draft:
         states = tuple(Named(s.get("id") or "", self._place(s)) for s in select(element, "state"))
         given = select(element, "parents")
         parents = tuple(Named(p, self._place(given[0])) for p in _words(element, "parents").split())
-        for parent in parents:
-            if parent.text in declared and parent.text not in self.states and parent.text != name:
-                message = f"the parent {parent.text!r} of {name!r} is declared after it"
-                hint = "parents come first in XDSL"
-                self.problems.append(error("B203", message, parent.place, hint))
         names = [state.text for state in states]
-        self.states[name] = names
         tag = _TYPES[of]
         holders = select(element, tag)
         values: tuple[str, ...] | None = None

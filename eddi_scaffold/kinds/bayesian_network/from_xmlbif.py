@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from eddi_scaffold.kinds.bayesian_network.check import check_network
+from eddi_scaffold.kinds.bayesian_network.check import check_network, unsupported
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem, error
 from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
@@ -15,6 +15,15 @@ def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, li
     if feature_of(root) != "BIF":
         message = f"the root element is {feature_of(root)!r}, not 'BIF'"
         return None, [error("B221", message, Place(file, line_of(root)))]
+    others: dict[str, list[Named]] = {}
+    for variable in select(root, "NETWORK/VARIABLE"):
+        of = variable.get("TYPE") or "nature"
+        if of != "nature":
+            node = Named(_name(variable), Place(file, line_of(variable)))
+            others.setdefault(of, []).append(node)
+    if others:  # what depends on these nodes is no problem of its own
+        hint = "remove it: a monitor does not decide"
+        return None, [unsupported(of, nodes, hint) for of, nodes in others.items()]
     reader = _Reader(root, file)
     drafts = list(reader.drafts())
     name = next(iter(_texts(root, "NETWORK/NAME")), "") or stem
@@ -35,18 +44,14 @@ class _Reader:
                 definitions.setdefault(name, definition)
         names = set()
         for variable in select(self.root, "NETWORK/VARIABLE"):
-            name = next(iter(_texts(variable, "NAME")), "")
+            name = _name(variable)
             names.add(name)
-            of = variable.get("TYPE") or "nature"
-            if of != "nature":
-                message = f"the variable {name!r} is of type {of!r}, which is not supported"
-                self._error("B202", message, variable, "remove it: a monitor does not decide")
-                continue
             yield self._draft(variable, name, definitions.get(name))
         for name, definition in definitions.items():
             if name not in names:
                 message = f"there is a definition for {name!r}, which is not a variable"
-                self._error("B222", message, definition)
+                place = self._place(definition)
+                self.problems.append(error("B222", message, place))
 
     def _draft(self, variable: Element, name: str, definition: Element | None) -> Draft:
         states = tuple(
@@ -70,8 +75,9 @@ class _Reader:
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))
 
-    def _error(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
-        self.problems.append(error(code, message, self._place(element), hint))
+
+def _name(variable: Element) -> str:
+    return next(iter(_texts(variable, "NAME")), "")
 
 
 def _texts(element: Element, path: str) -> list[str]:

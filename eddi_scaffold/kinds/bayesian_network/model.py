@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from heapq import heappop, heappush
 
 from eddi_scaffold.problems import Place
 
@@ -78,14 +79,17 @@ class Network:
 
     def in_order(self) -> list[Node]:
         """Return the nodes, parents first; the order of the file wherever it allows that."""
-        done: set[str] = set()
+        at = {node.id: k for k, node in enumerate(self.nodes)}
+        missing = [len(node.parents) for node in self.nodes]
+        ready = [k for k, count in enumerate(missing) if not count]
+        children = self.children()
         found: list[Node] = []
-        waiting = list(self.nodes)
-        while waiting:
-            ready = next(node for node in waiting if done.issuperset(node.parents))
-            waiting.remove(ready)
-            done.add(ready.id)
-            found.append(ready)
+        while ready:
+            found.append(self.nodes[heappop(ready)])
+            for child in children[found[-1].id]:
+                missing[at[child]] -= 1
+                if not missing[at[child]]:
+                    heappush(ready, at[child])
         return found
 
 

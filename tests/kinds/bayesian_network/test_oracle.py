@@ -131,6 +131,9 @@ def test_other_formats(section: str) -> None:
     for case in cases(section):
         reading = read(case["text"], f"x.{section}")
         codes = [problem.code for problem in reading.problems]
+        if case["id"] == "parent_later":  # pgmpy writes XDSL so, and it is clear what is meant
+            assert (codes, len(reading.models)) == ([], 1)
+            continue
         if "code" in case:
             assert case["code"] in codes, (case["id"], codes)
             assert not reading.models, case["id"]

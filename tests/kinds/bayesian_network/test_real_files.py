@@ -1,0 +1,70 @@
+"""Networks as other tools write them: digits, orders and types of nodes that real files have."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.kinds.bayesian_network.networks import read
+
+TWO = '<state id="y"/><state id="n"/>'
+
+
+def xdsl(*nodes: str) -> str:
+    return f'<smile version="1.0" id="N"><nodes>{"".join(nodes)}</nodes></smile>'
+
+
+def cpt(name: str, numbers: str, parents: str = "") -> str:
+    given = f"<parents>{parents}</parents>" if parents else ""
+    return f'<cpt id="{name}">{TWO}{given}<probabilities>{numbers}</probabilities></cpt>'
+
+
+@pytest.mark.parametrize("off", ["0.500001", "0.49999", "0.50001"])
+def test_rows_with_few_digits_are_normalised(off: str) -> None:
+    reading = read(xdsl(cpt("A", f"0.5 {off}")), "n.xdsl")
+    assert [(one.level, one.code) for one in reading.problems] == [("warning", "B114")]
+    total = 0.5 + float(off)
+    assert reading.models[0].data.node("A").table == (0.5 / total, float(off) / total)
+
+
+@pytest.mark.parametrize("off", ["0.499989", "0.500011"])
+def test_rows_that_are_off_by_more_are_refused(off: str) -> None:
+    (problem,) = read(xdsl(cpt("A", f"0.5 {off}")), "n.xdsl").problems
+    assert (problem.level, problem.code) == ("error", "B113")
+
+
+def test_children_may_come_before_their_parents() -> None:
+    noisy = (
+        f'<noisymax id="C">{TWO}<parents>B</parents><parameters>0.9 0.1 0 1 0 1</parameters>'
+        "</noisymax>"
+    )
+    reading = read(xdsl(noisy, cpt("B", "1 0 0.25 0.75", "A"), cpt("A", "0.5 0.5")), "n.xdsl")
+    assert reading.problems == ()
+    network = reading.models[0].data
+    assert network.names() == ["C", "B", "A"]
+    assert [node.id for node in network.in_order()] == ["A", "B", "C"]
+    assert network.node("C").table == pytest.approx([0.9, 0.1, 0.0, 1.0])
+
+
+def test_nodes_of_a_type_that_is_not_supported_are_one_problem() -> None:
+    equations = [
+        f'<equation id="e{k}"><definition>e{k}=1</definition></equation>' for k in range(9)
+    ]
+    reading = read(xdsl(*equations, cpt("A", "1 0 0 1", "e1")), "n.xdsl")
+    (problem,) = reading.problems
+    assert problem.code == "B202"
+    assert problem.message == (
+        "the nodes 'e0', 'e1', 'e2', 'e3' and 5 more are of type 'equation', which is not supported"
+    )
+
+
+def test_variables_that_decide_are_one_problem() -> None:
+    def variable(name: str, of: str) -> str:
+        return f'<VARIABLE TYPE="{of}"><NAME>{name}</NAME></VARIABLE>'
+
+    text = variable("D", "decision") + variable("E", "decision") + variable("U", "utility")
+    child = "<DEFINITION><FOR>A</FOR><GIVEN>D</GIVEN></DEFINITION>"
+    document = f'<BIF VERSION="0.3"><NETWORK>{text}{variable("A", "nature")}{child}</NETWORK></BIF>'
+    assert {one.message for one in read(document, "n.xmlbif").problems} == {
+        "the nodes 'D', 'E' are of type 'decision', which is not supported",
+        "the node 'U' is of type 'utility', which is not supported",
+    }
