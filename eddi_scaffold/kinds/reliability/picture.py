@@ -44,7 +44,11 @@ def picture(name: str, system: ReliabilitySystem) -> Diagram:
             edges += _tree_edges(system, component.name, content)
         else:
             nodes.append(_box(component))
-            edges += [DiagramEdge(_top(system, below), component.name) for below in component.uses]
+            edges += [
+                DiagramEdge(_top(system, below), component.name)
+                for below in component.uses
+                if below in system.components  # `check` says what is missing
+            ]
     for one in system.thresholds:
         lines = (one.id, f"p_fail <= {one.activate:g}")
         nodes.append(DiagramNode(f"evidence:{one.id}", lines, "hexagon", "output"))

@@ -134,6 +134,13 @@ def test_pictures_and_outlines() -> None:
     assert FUNCTIONS.counts(models["Rotors"]) == {"models": 1, "states": 3}
 
 
+def test_a_picture_leaves_out_what_does_not_exist(tmp_path: Path) -> None:
+    (tmp_path / "m.yml").write_text("models:\n  a: {type: series, of: [gone]}\n")
+    drawn = run("diagram", "m.yml", cwd=tmp_path)
+    assert (drawn.status, "gone" in drawn.out) == (0, False)
+    assert "warning: model 'a' uses 'gone', which does not exist" in drawn.err
+
+
 def test_a_tree_that_has_a_monitor_is_shown_once() -> None:
     model = str(EXAMPLE / "drone.xml")
     assert "no monitor yet" not in run("show", model, cwd=EXAMPLE).out
