@@ -8,13 +8,16 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
     ModelFile,
     Name,
+    NodeModels,
     PlatformName,
     Runtime,
     SingleProcess,
+    System,
     in_a_folder,
 )
 from eddi_scaffold.platforms import DEFAULT
@@ -37,12 +40,16 @@ def answers(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     platform: PlatformName = DEFAULT,
+    system: System = None,
+    models: NodeModels = None,
     runtime: Runtime = None,
     single_process: SingleProcess = None,
     workspace: Annotated[
         Path | None,
         typer.Option(
-            "-w", "--workspace", help="With --all: workspace whose other monitors are kept."
+            "-w",
+            "--workspace",
+            help="Workspace of the package, and of the others with --all.",
         ),
     ] = None,
     every: Annotated[
@@ -55,19 +62,24 @@ def answers(
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.packages.assembly import assemble, monitors_of, only
+    from eddi_scaffold.packages.assembly import assemble, monitors_of, only, remembered_types
+    from eddi_scaffold.packages.handwritten import lost_sources
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.positioned_yaml.writer import dump_plain
+    from eddi_scaffold.robot.robot_models import beside_configs
 
     target = chosen(platform)
-    monitors, problems = monitors_of(
-        model, [config] if config else [], name, default_guarantee or ()
-    )
-    only(monitors)
     root = (workspace or Path()) / target.root
-    assembly = assemble(monitors, target, root, problems, choices(runtime, single_process))
+    configs = [config] if config else []
+    with beside_configs(system, models) as (robot, problems):
+        monitors, found = monitors_of(
+            model, configs, name, default_guarantee or (), robot, remembered_types(root)
+        )
+    only(monitors)
+    asked = choices(runtime, single_process)
+    assembly = assemble(monitors, target, root, [*problems, *found], asked)
     console.problems(assembly.problems)
     rendered = [package for package in assembly.packages if package.answers]
     packages = rendered if every else rendered[:1]
@@ -86,3 +98,13 @@ def answers(
         path = quote(str(output / file if every else output))
         folder = "/".join(part for part in (target.root, package.folder) if part)
         console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")
+    present = assembly.present
+    lost = [
+        f"{one.folder}: {line}"
+        for one in packages
+        for line in lost_sources(root / one.folder, present.get(one.folder, {}), one.answers)
+    ]
+    for line in lost:
+        console.say(f"note: {line}")
+    if lost:
+        raise typer.Exit(exit_status.LOOK)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import PLATFORMS, DefaultGuarantees, Json, NodeModels
+from eddi_scaffold.cli.options import PLATFORMS, DefaultGuarantees, Json, NodeModels, System
 from eddi_scaffold.platforms import DEFAULT
 
 
@@ -20,6 +20,7 @@ def check(
             "with such files."
         ),
     ],
+    system: System = None,
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
     platform: Annotated[
@@ -39,12 +40,14 @@ def check(
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """
+    from dataclasses import replace
+
     from eddi_scaffold.cli.console import console, count_line
     from eddi_scaffold.deployments.checking import BY_HAND, ByHand, check_files
     from eddi_scaffold.monitors.folders import files_of
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
-    from eddi_scaffold.robot.robot_models import check_robots
+    from eddi_scaffold.robot.robot_models import beside_configs, check_robots
 
     unread: list[Path] = []
     for folder in [file for file in files if file.is_dir()]:
@@ -55,6 +58,10 @@ def check(
     robots = [file for file in files if named_like_mros(file.name)]
     others = [file for file in files if file not in robots]
     found, robot = check_robots(robots, others, models)
+    if system is not None:
+        told = {replace(one, level="warning") for one in found}
+        with beside_configs(system, models) as (robot, unsure):
+            found += [one for one in unsure if one not in told]
     found += check_files(others, default_guarantee or (), robot, platform)
     problems = in_order(found)
     if as_json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -22,10 +22,6 @@ from eddi_scaffold.cli.options import (
     in_a_folder,
 )
 from eddi_scaffold.platforms import DEFAULT
-
-if TYPE_CHECKING:
-    from eddi_scaffold.config.reading import RobotAdditions
-    from eddi_scaffold.problems import Problem
 
 
 def generate(
@@ -71,7 +67,7 @@ def generate(
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.deployments.wiring.check import members_of
     from eddi_scaffold.deployments.wiring.topics import shared_by_robots
-    from eddi_scaffold.packages.assembly import assemble, monitors_of
+    from eddi_scaffold.packages.assembly import assemble, monitors_of, remembered_types
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.identity import exchanged, left_behind
@@ -79,27 +75,20 @@ def generate(
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import at_work, packages_root
     from eddi_scaffold.platforms import choices, chosen
-    from eddi_scaffold.problems import EddiError
+    from eddi_scaffold.robot.robot_models import beside_configs
 
     target = chosen(platform)
     place = destination(target, workspace, output)
     root = packages_root(target, place)
-    robot: RobotAdditions | None = None
-    problems: list[Problem] = []
-    if system is not None or models is not None:
-        from eddi_scaffold.robot.robot_models import beside_configs
-
-        robot, problems = beside_configs(system, models)
-    try:
-        monitors, found = monitors_of(model, config or [], name, default_guarantee or (), robot)
-    except EddiError as refused:  # what is wrong with the robot's models may be the reason
-        raise EddiError(*problems, *refused.problems) from None
-    problems = [*problems, *found]
+    marks = default_guarantee or ()
     with at_work(() if dry_run else [root, place]) as finished:
+        known = remembered_types(root, rename or ())
+        with beside_configs(system, models) as (robot, problems):
+            monitors, found = monitors_of(model, config or [], name, marks, robot, known)
         renames = read_renames(rename or (), root, {monitor.package for monitor in monitors})
         moved = renames.involved
         asked = choices(runtime, single_process)
-        assembly = assemble(monitors, target, root, problems, asked, moved)
+        assembly = assemble(monitors, target, root, [*problems, *found], asked, moved)
         console.problems(assembly.problems)
         present = assembly.present
         swapped = list(exchanged(root, present, assembly.packages, moved))

@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import DefaultGuarantees, Json, Name, for_pictures
+from eddi_scaffold.cli.options import (
+    DefaultGuarantees,
+    Json,
+    Name,
+    NodeModels,
+    System,
+    for_pictures,
+)
 
 if TYPE_CHECKING:
+    from eddi_scaffold.config.reading import RobotAdditions
     from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.replay.packaged import Packaged
@@ -55,6 +63,8 @@ def run(
         ),
     ] = None,
     name: Name = None,
+    system: System = None,
+    models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
     steps_as: Annotated[
         StepsAs,
@@ -83,20 +93,25 @@ def run(
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.replay.playing import play
     from eddi_scaffold.replay.running import changes, picture, steps, table, watched
+    from eddi_scaffold.robot.robot_models import beside_configs
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
     if (inputs is None) == (bag is None):
         raise EddiError(error("G020", "give either --inputs FILE.csv or --bag FILE.bag"))
-    package = _package(files or [], config=config, name=name, marks=default_guarantee)
+    others = {"config": config, "name": name, "marks": default_guarantee}
+    package = _package(files or [], **others, system=system, models=models)
     configs: list[Path] = []
     monitors: list[BoundMonitor] = []
     problems: list[Problem] = []
     if package is not None:
         monitors = [package.monitor]
     else:
-        models, configs = _models_and_configs(files or [], config or [])
-        monitors, problems = monitors_of(models, configs, name, default_guarantee or ())
+        with beside_configs(system, models) as (robot, problems):
+            model_files, configs = _models_and_configs(files or [], config or [], robot)
+            marks = default_guarantee or ()
+            monitors, more = monitors_of(model_files, configs, name, marks, robot)
+        problems += more
         problems += _unused_lines(monitors, configs)
     _check_number(monitors, configs, one_only="--csv" if as_csv else "--plot" if plot else None)
     rhythms = _rhythms(monitors, steps_as)
@@ -156,7 +171,7 @@ def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> 
 
 
 def _models_and_configs(
-    files: Sequence[Path], configs: Sequence[Path]
+    files: Sequence[Path], configs: Sequence[Path], robot: RobotAdditions | None
 ) -> tuple[list[Path], list[Path]]:
     """Separate models from configurations, which may be given instead of their models."""
     from eddi_scaffold.config.model_path import named_model_path
@@ -170,7 +185,7 @@ def _models_and_configs(
     sources = {path: read_source(path) for path in files}
     models = [path for path, source in sources.items() if not is_config(source)]
     for path in [] if models else files:
-        parsed, problems = read_config(sources[path])
+        parsed, problems = read_config(sources[path], robot)
         if parsed is None:
             raise EddiError(*problems)
         if named_model_path(parsed) is None:

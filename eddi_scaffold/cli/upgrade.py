@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import ConfigFiles, DryRun, Force
+from eddi_scaffold.cli.options import ConfigFiles, DryRun, Force, NodeModels, System
 
 
 def upgrade(
@@ -19,6 +19,8 @@ def upgrade(
     ] = None,
     model: Annotated[Path | None, typer.Option("-m", "--model", help="Newer model file.")] = None,
     config: ConfigFiles = None,
+    system: System = None,
+    models: NodeModels = None,
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
@@ -35,16 +37,25 @@ def upgrade(
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, roots, targets
     from eddi_scaffold.packages.workspace import at_work, linked_package
+    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.robot.robot_models import beside_configs
 
+    if not config and (system is not None or models is not None):
+        hint = "add -c CONFIG: packages remember the message types that they were made with"
+        raise EddiError(error("U008", "--system and --models add to configurations", hint=hint))
     outcomes: list[Outcome] = []
     template = own_template()
     places = roots(workspace, packages or [])
     places += [] if packages else [workspace or Path()]
-    with at_work(() if dry_run else places) as finished:
+    with (
+        at_work(() if dry_run else places) as finished,
+        beside_configs(system, models) as (robot, unsure),
+    ):
         planned = [
-            (group, *targets(group, model, config or []))
+            (group, *targets(group, model, config or [], robot))
             for group in groups(workspace, packages or [])
         ]
+        console.problems(unsure)
         for group, wanted, problems in planned:
             console.problems(problems)
             swapped = list(exchanged(group.root, group.present, wanted))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -10,16 +10,20 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
+from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
+from eddi_scaffold.packages.answers_check import check_answers
+from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import existing, is_compiled
 from eddi_scaffold.platforms import RUNTIME, SINGLE_PROCESS, Choices, PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
@@ -51,11 +55,20 @@ def monitors_of(
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
     robot: RobotAdditions | None = None,
+    known: Callable[[str], MessageFields] = lambda _: {},
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Read a model file, or several, and configurations, and join them.
 
     With configurations: one monitor for each, of a model in the file or of the file that the
     configuration itself names. Without: one for each model, or the one of ``name``.
+
+    Args:
+        model_file: the model file, or several.
+        config_files: the configurations.
+        name: of one model.
+        default_guarantees: the marks of ``--default-guarantee``.
+        robot: what models of a robot add to the configurations.
+        known: package -> message types that count after those: see ``remembered_types``.
 
     Raises:
         EddiError: a file cannot be used, or none is given (G015).
@@ -71,14 +84,40 @@ def monitors_of(
         problems += reading.problems
     if model_file and name is not None:
         models = select(models, name)
-    configs, unsure = read_configs(config_files, robot)
+    given, unsure = read_configs(config_files, robot)
     problems += unsure
+    configs = [with_types(one, known(package_name(one.config.Model.id))) for one in given]
     read = partial(checked_models, default_guarantees=default_guarantees)
     monitors, found = join(models, configs, read, default_guarantees)
     problems += found
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors, problems
+
+
+def remembered_types(root: Path, renames: Sequence[str] = ()) -> Callable[[str], MessageFields]:
+    """Return what tells the message types that a package was generated with.
+
+    They stay known where the models of the robot that they came from are not given again.
+
+    Args:
+        root: folder of all packages.
+        renames: ``OLD=NEW``: the package of the new name has those of the old one.
+    """
+    pairs = [word.partition("=") for word in renames]
+    former = {package_name(new): package_name(old) for old, _, new in pairs}
+
+    def types(package: str) -> MessageFields:
+        folder = root / former.get(package, package)
+        answers = read_answers(folder) or {}
+        try:
+            check_answers(folder, answers)
+        except EddiError:  # told, if it matters, where the package is written
+            return {}
+        text = answers.get("config_json")
+        return from_json(text, folder.name).config.MessageTypes if text else {}
+
+    return types
 
 
 def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:

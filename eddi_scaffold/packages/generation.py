@@ -14,6 +14,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
@@ -183,7 +184,8 @@ def _merge_package(
         if written and package.folder not in renames.former:
             _refuse_foreign(target)
         before = {path: state for path, state in tree.files.items() if path not in found.skipped}
-        merged = _merged(target, package, before, rendered, found.skipped)
+        was = read_answers(root / renames.former.get(package.folder, package.folder)) or {}
+        merged = _merged(target, package, before, rendered, found.skipped, was)
         stop = found.before(merged.changes)
     if stop is not None:
         work.left.append(found.stop(stop))
@@ -229,6 +231,7 @@ def _merged(
     before: Mapping[str, FileState],
     rendered: Path,
     skipped: Collection[str],
+    was: Mapping[str, Any],
 ) -> _Merged:
     """Merge a rendering with the files of a package, in the scratch folder.
 
@@ -238,6 +241,7 @@ def _merged(
         before: its files, empty for a new one.
         rendered: the rendering.
         skipped: files of the rendering that wait for an obstacle in their place.
+        was: its answers before, maybe under another name.
     """
     staged = rendered.with_name("staged")
     if before:
@@ -266,7 +270,7 @@ def _merged(
     ours = {*_names(rendered / ".eddi" / "pristine"), *_names(rendered / GENERATED)}
     _check_python(after, ours, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
-    lost = lost_sources(staged, read_answers(target) or {}, package.answers)
+    lost = lost_sources(staged, was, package.answers)
     unfit = unfit_files(staged, partial(former_texts, target)) if package.answers else ()
     look = [
         *(f"{package.folder}: {one}" for one in lost),

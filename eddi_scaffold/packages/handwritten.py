@@ -62,38 +62,47 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
         before: its former answers.
         after: its answers.
     """
-    made, now = _statements(before), _statements(after)
-    lost = {name for name, line in made.items() if line and now.get(name) == ""}
-    if not lost:
-        return []
-    untouched = {one.id for one in regions_of(package) if one.state == "untouched"}
+    made = {marker.id: line for marker, line in _statements(before)}
+    lost = {}
+    for marker, line in _statements(after):
+        names = (marker.id, *marker.was)
+        was = next((made[name] for name in names if made.get(name)), None)
+        if was is not None and not line:
+            lost[names] = was
+    edited = {one.id for one in regions_of(package) if one.state == "edited"} if lost else set()
     return [
-        f"input {name!r} has no source any more: it was made by `{made[name]}`"
-        for name in sorted(lost)
-        if f"input:{name}" in untouched
+        f"input {str(names[0]).removeprefix('input:')!r} has no source any more: "
+        f"it was made by `{was}`"
+        for names, was in lost.items()
+        if not edited.intersection(names)
     ]
 
 
-def _statements(answers: Mapping[str, Any]) -> dict[str, str]:
-    """Return input -> generated statement that sets it, empty where a person must write it.
+def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str]]:
+    """Return each input and the generated statement that sets it, none where a person must.
 
     Answers may be of an older release, or damaged: what is not there says nothing.
     """
-    found = {}
+    found = []
     inputs = answers.get("inputs")
     for one in inputs if isinstance(inputs, list) else ():
         if isinstance(one, dict) and isinstance(body := one.get("body"), list) and body:
-            region = region_of(one)
-            if region is not None:
+            marker = _marker(one)
+            if marker is not None:
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
-                found[region.removeprefix("input:")] = "" if waits else str(body[-1])
+                found.append((marker, "" if waits else str(body[-1])))
     return found
 
 
 def region_of(entry: Mapping[str, Any]) -> str | None:
     """Return the id of the region that an entry of the answers has."""
+    marker = _marker(entry)
+    return marker.id if marker is not None else None
+
+
+def _marker(entry: Mapping[str, Any]) -> Marker | None:
     marker = read_marker(str(entry.get("region_begin")), 1)
-    return marker.id if isinstance(marker, Marker) else None
+    return marker if isinstance(marker, Marker) else None
 
 
 def written(package: Path) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model_path
-from eddi_scaffold.config.reading import read_configs
+from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
@@ -94,15 +94,24 @@ def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
 
 
 def targets(
-    group: PackageGroup, model_file: Path | None, config_files: Sequence[Path]
+    group: PackageGroup,
+    model_file: Path | None,
+    config_files: Sequence[Path],
+    robot: RobotAdditions | None = None,
 ) -> tuple[list[PackageAnswers], list[Problem]]:
     """Return what the packages of a group should be, with the problems of newer inputs.
+
+    Args:
+        group: the packages.
+        model_file: newer model.
+        config_files: newer configurations.
+        robot: what models of a robot add to these.
 
     Raises:
         EddiError: an input cannot be used, a new configuration comes without a model and names none
             (U002) or belongs to no package (U005).
     """
-    given, _ = read_configs(config_files)
+    given, _ = read_configs(config_files, robot)
     configs = {package_name(one.config.Model.id): one for one in given}
     for name in sorted(configs.keys() - group.present.keys()):
         message = f"no package here is called {name!r}"

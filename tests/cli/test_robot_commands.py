@@ -137,17 +137,70 @@ def test_an_upgrade_keeps_the_message_types_of_the_robots_models(robot: Path) ->
     assert "self.Charge = charge.level" in inputs.read_text("utf-8")
 
 
-def test_an_input_that_loses_its_source_is_said(robot: Path) -> None:
+def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:
+    """Whatever command comes next, and without the models."""
     (robot / "ws/src").mkdir(parents=True)
-    generate = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    assert run(*generate, "--models", NODES, cwd=robot).status == 0
-    again = run(*generate, cwd=robot)
+    sources = ("-w", "ws", "-m", MODEL, "-c", CONFIG)
+    assert run("generate", *sources, "--models", NODES, cwd=robot).status == 0
+    again = run("generate", *sources, cwd=robot)
+    assert (again.status, "nothing to change" in again.err) == (0, True)
+    assert run("answers", *sources, "-o", "a.yml", cwd=robot).status == 0
+    assert "self.Charge = charge.level" in (robot / "a.yml").read_text("utf-8")
+    edit(robot / CONFIG, "  id: Rover", "  id: Rover2")
+    renamed = ("generate", *sources, "--name", "Rover", "--rename", "Rover=Rover2")
+    assert run(*renamed, cwd=robot).status in {0, 3}
+    inputs = robot / "ws/src/eddi_monitor/rover2/src/rover2/EDDIInput.py"
+    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
+
+
+@pytest.mark.parametrize("command", ["generate", "upgrade", "answers"])
+def test_an_input_that_loses_its_source_is_named(robot: Path, command: str) -> None:
+    (robot / "ws/src").mkdir(parents=True)
+    sources = ("-w", "ws", "-m", MODEL, "-c", CONFIG)
+    assert run("generate", *sources, "--models", NODES, cwd=robot).status == 0
+    edit(robot / CONFIG, "rover_msgs.Charge", "rover_msgs.Other")
+    words = (*sources, "-o", "a.yml") if command == "answers" else (*sources, "--dry-run")
+    again = run(command, *words, cwd=robot)
     assert again.status == 3
     assert (
         "rover: input 'Charge' has no source any more: it was made by `self.Charge = charge.level`"
         in again.err
     )
     assert "WayIsClear" not in again.err
+
+
+def test_every_command_takes_the_models_of_the_robot(robot: Path) -> None:
+    """The configuration as it is shipped has no topics: without the models all of them refuse."""
+    (robot / "ws/src").mkdir(parents=True)
+    assert run("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG, cwd=robot).status == 0
+    shutil.copy(ROOT / "examples" / "robot-models" / CONFIG, robot / CONFIG)
+    (robot / "inputs.csv").write_text("t,WayIsClear,ForwardSpeed,Charge\n0,1,0.5,80\n")
+    models = ("--system", SYSTEM, "--models", NODES)
+    for words in (
+        ("check", MODEL, CONFIG),
+        ("answers", "-m", MODEL, "-c", CONFIG, "-o", "a.yml"),
+        ("upgrade", "-w", "ws", "-m", MODEL, "-c", CONFIG),
+        ("run", MODEL, "-c", CONFIG, "-i", "inputs.csv"),
+    ):
+        refused = run(*words, cwd=robot)
+        assert (refused.status in {1, 2}, codes(refused.err)) == (True, ["K007"] * 3), words
+        done = run(*words, *models, cwd=robot)
+        assert (done.status, codes(done.err)) == (0, []), words
+    assert "self.Charge = charge.level" in (robot / "a.yml").read_text("utf-8")
+
+
+def test_what_does_not_resolve_in_the_system_is_told_with_what_it_refuses(robot: Path) -> None:
+    shutil.copy(ROOT / "examples" / "robot-models" / CONFIG, robot / CONFIG)
+    edit(robot / SYSTEM, '"laser_driver.laser"', '"lost.laser"')
+    models = ("--system", SYSTEM, "--models", NODES)
+    for words, status in (
+        (("check", MODEL, CONFIG), 1),
+        (("answers", "-m", MODEL, "-c", CONFIG, "-o", "a.yml"), 2),
+        (("run", MODEL, "-c", CONFIG, "-i", "inputs.csv"), 2),
+    ):
+        refused = run(*words, *models, cwd=robot)
+        assert refused.status == status
+        assert {"K007", "M007"} <= set(codes(refused.err)), words
 
 
 def test_a_configuration_that_is_saved_while_its_block_is_made_stays(
