@@ -88,6 +88,10 @@ def _reads(
                 yield sources[head_of(name)], path_behind(name), False
         return
     field = config.config.EDDIInputs[index].field
-    if field is not None and binding.is_given:
-        for source in binding.requires:
-            yield source, parse_field(field), True
+    if not binding.is_given:
+        return
+    for argument, source in zip(binding.arguments, binding.requires, strict=True):
+        believed = (binding.known_fields or {}).get(argument, ())
+        taken = believed[0] if field is None and len(believed) == 1 else field
+        if taken is not None:
+            yield source, parse_field(taken), True

@@ -190,6 +190,12 @@ def battery(folder: Path, declared: str, text: str) -> Any:
             "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'voltage'",
         ),
         (
+            "charged: bool",  # the only field needs no `field:`
+            "requires: [battery]",
+            "c.yml:8:",
+            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
+        ),
+        (
             "volts: bool",
             "requires: [battery], field: volts",
             "c.yml:8:",
