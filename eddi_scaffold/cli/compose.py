@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,26 +22,31 @@ def compose(
 
     Example: eddi-scaffold compose ConSertA.yml ConSertB.yml
     """
-    from pathlib import Path
+    from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
+    from eddi_scaffold.kinds.consert.default_guarantees import without_foreign_marks
     from eddi_scaffold.kinds.consert.model import ConSert
-    from eddi_scaffold.monitors.loading import checked_models
+    from eddi_scaffold.monitors.loading import read_models, whole
     from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.source import read_source
 
+    marks = default_guarantee or ()
+    labels, files = zip(*(_named(argument) for argument in conserts), strict=True)
+    sources = [read_source(file) for file in files]
+    readings = [read_models(source, marks) for source in sources]
+    sound = without_foreign_marks([one.problems for one in readings], marks)
     instances = []
-    for argument in conserts:
-        label, separator, file = argument.partition("=")
-        named = bool(separator) and not Path(argument).exists()
-        reading = checked_models(Path(file if named else argument), default_guarantee or ())
-        found = [(one.name, one.data) for one in reading.models if isinstance(one.data, ConSert)]
-        if named and len(found) != 1:
-            message = f"{file} contains {len(found)} ConSerts, `NAME=` can name only one"
+    for label, source, reading, problems in zip(labels, sources, readings, sound, strict=True):
+        models = whole(source, replace(reading, problems=tuple(problems))).models
+        found = [(one.name, one.data) for one in models if isinstance(one.data, ConSert)]
+        if label and len(found) != 1:
+            message = f"{source.name} contains {len(found)} ConSerts, `NAME=` can name only one"
             raise EddiError(error("G010", message, hint="leave the name out"))
-        instances += [(label if named else name, consert) for name, consert in found]
+        instances += [(label or name, consert) for name, consert in found]
         if not as_json:
-            console.problems(reading.problems)
+            console.problems(problems)
     repeated = sorted({name for name, _ in instances if [n for n, _ in instances].count(name) > 1})
     if repeated:
         message = f"two instances are called {repeated[0]!r}"
@@ -53,3 +59,11 @@ def compose(
             console.data(line)
     if not result.composable:
         raise typer.Exit(exit_status.NO)
+
+
+def _named(argument: str) -> tuple[str, Path]:
+    """Return the name that an argument gives to its ConSert, or nothing, and its file."""
+    label, separator, file = argument.partition("=")
+    if not separator or Path(argument).exists():
+        return "", Path(argument)
+    return label, Path(file)

@@ -112,7 +112,15 @@ def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Readin
         EddiError: a problem is an error, or there is no model in the file (F004).
     """
     source = read_source(path)
-    reading = read_models(source, default_guarantees)
+    return whole(source, read_models(source, default_guarantees))
+
+
+def whole(source: Source, reading: Reading) -> Reading:
+    """Return what was read of a file if it is of use.
+
+    Raises:
+        EddiError: a problem is an error, or there is no model in the file (F004).
+    """
     if has_errors(reading.problems):
         raise EddiError(*reading.problems)
     if not reading.models:

@@ -44,6 +44,18 @@ def mark_defaults(
     return tuple(_marked(consert, chosen) for consert in conserts), problems
 
 
+def without_foreign_marks(
+    files: Sequence[Sequence[Problem]], marks: Sequence[str]
+) -> list[list[Problem]]:
+    """Return the problems of several files less those of marks that another one of them has."""
+    said = [{one.message for one in found} for found in files]
+    foreign = {_unknown(mark) for mark in marks}.difference(set[str].intersection(*said))
+    return [
+        [one for one in found if not (one.code == CODE and one.message in foreign)]
+        for found in files
+    ]
+
+
 def _all(conserts: Sequence[ConSert]) -> list[tuple[str, str]]:
     return [(consert.name, g.id) for consert in conserts for g in consert.guarantees]
 
@@ -57,14 +69,16 @@ def _named(conserts: Sequence[ConSert], mark: str) -> list[tuple[str, str]]:
 def _unclear(
     conserts: Sequence[ConSert], mark: str, found: Sequence[tuple[str, str]], place: Place
 ) -> Problem:
-    option = f"--default-guarantee {mark}"
     if found:
         names = " or ".join("/".join(pair) for pair in found)
-        message = f"{option}: several ConSerts have this guarantee"
+        message = f"--default-guarantee {mark}: several ConSerts have this guarantee"
         return error(CODE, message, place, f"write {names}")
     known = [name for pair in _all(conserts) for name in (pair[1], "/".join(pair))]
-    message = f"{option}: there is no guarantee {shown(mark)}"
-    return error(CODE, message, place, did_you_mean(mark, known))
+    return error(CODE, _unknown(mark), place, did_you_mean(mark, known))
+
+
+def _unknown(mark: str) -> str:
+    return f"--default-guarantee {mark}: there is no guarantee {shown(mark)}"
 
 
 def _marked(consert: ConSert, chosen: set[tuple[str, str]]) -> ConSert:

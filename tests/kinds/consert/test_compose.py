@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -24,6 +25,7 @@ from eddi_scaffold.kinds.consert.model import (
     RequiredService,
 )
 from eddi_scaffold.kinds.consert.ranges import Interval, exact, is_inside
+from tests.cli.command import run
 from tests.diagnosed import assert_example
 
 
@@ -223,3 +225,27 @@ def test_text_and_json():
         "reasons:",
         "  demand u/D is not fulfilled: p/G has no Binary dimension X",
     ]
+
+
+FALLBACK = """\
+guarantees:
+  - {id: Stop, dimensions: [Binary: {type: Standing}]}
+demands: []
+evidence: []
+gates: []
+tree_propagations: []
+required_services: []
+provided_services: [{id: S, functional_service_type: Moving, guarantees: [Stop]}]
+"""
+
+
+@pytest.mark.parametrize("name", ["", "c="])
+def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> None:
+    for file, text in (("A", FALLBACK), ("B", FALLBACK.replace("Stop", "Wait"))):
+        (tmp_path / f"{file}.yml").write_text(text)
+    marks = ("--default-guarantee", "Stop", "--default-guarantee", "B/Wait")
+    found = run("compose", f"{name}A.yml", "B.yml", *marks, cwd=tmp_path)
+    assert (found.status, found.out.splitlines()[0]) == (0, "composable"), found.err
+    wrong = run("compose", "A.yml", "B.yml", *marks, "--default-guarantee", "Sit", cwd=tmp_path)
+    assert (wrong.status, wrong.err.count("[C028]")) == (2, 1)
+    assert "there is no guarantee 'Sit'" in wrong.err
