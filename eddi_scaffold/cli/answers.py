@@ -83,18 +83,21 @@ def answers(
     console.problems(assembly.problems)
     rendered = [package for package in assembly.packages if package.answers]
     packages = rendered if every else rendered[:1]
-    files = {
-        (f"{package.folder}.yml" if every else output.name): FileState(
-            dump_plain(package.answers).encode()
-        )
-        for package in packages
-    }
-    write(output if every else output.parent, files)
+    place = output if every else output.parent
+    names = [f"{one.folder}.yml" if every else output.name for one in packages]
+    files: dict[str, FileState] = {}
+    for package, name_ in zip(packages, names, strict=True):
+        tables = f"{name_}.tables"
+        given = {"tables": str((place / tables).resolve())} if package.files else {}
+        files[name_] = FileState(dump_plain({**package.answers, **given}).encode())
+        for path, data in package.files.items():
+            files[f"{tables}/{path.rpartition('/')[2]}"] = FileState(data)
+    write(place, files)
     template = own_template()
     template.keep()
     version = f" --vcs-ref {template.ref}" if template.ref else ""
     command = f"copier copy --trust --defaults{version}"
-    for package, file in zip(packages, files, strict=True):
+    for package, file in zip(packages, names, strict=True):
         path = quote(str(output / file if every else output))
         folder = "/".join(part for part in (target.root, package.folder) if part)
         console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")

@@ -1,6 +1,7 @@
-"""Command line for Copier's tasks and migrations: ``python <this folder> write``.
+"""Command line for Copier's tasks and migrations: ``python <this folder> write [TABLES]``.
 
-The working directory is the package. It ends with 0 whatever it finds, because a failing task
+``TABLES`` is the folder of large tables of numbers, which Copier does not render. The working
+directory is the package. It ends with 0 whatever it finds, because a failing task
 would make Copier drop hand edits.
 """
 
@@ -14,19 +15,24 @@ if not __package__:  # run as a folder: make the template's checkout importable,
     sys.dont_write_bytecode = True
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
-from eddi_scaffold.compiling.package import write_compiled
+from eddi_scaffold.compiling.package import place_tables, write_compiled
 
-_USAGE = "usage: python <template>/eddi_scaffold/compiling write   (in the package's folder)\n"
+_USAGE = "usage: python <template>/eddi_scaffold/compiling write [TABLES]   (in the package)\n"
 
 
 def main(arguments: list[str] | None = None, root: Path | None = None) -> int:
     """Compile the model of the package in ``root`` (default: the working directory)."""
     words = sys.argv[1:] if arguments is None else arguments
-    if words != ["write"]:
+    if words[:1] != ["write"] or len(words) > 2:
         sys.stderr.write(_USAGE)
         return 0 if words in (["-h"], ["--help"]) else 2
+    package = root or Path.cwd()
     try:
-        problem = write_compiled(root or Path.cwd())
+        problem = write_compiled(package)
+        missing = place_tables(package, Path(words[1]) if any(words[1:]) else None)
+        if missing:
+            told = f"{', '.join(missing)} of the answers is not there"
+            problem = problem or f"{told}: give its folder, as with `-d tables=FOLDER`"
     except Exception:  # noqa: BLE001 - a failing task makes Copier drop hand edits
         problem = f"our bug; hand edits are not lost\n{traceback.format_exc()}"
     if problem is not None:

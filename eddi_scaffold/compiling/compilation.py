@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
@@ -23,7 +23,7 @@ _CONSTANTS = {"INF": 'float("inf")', "NAN": 'float("nan")'}
 KINDS = ("bayesian_network", "consert", "event", "reliability", "safeml")
 """Each is a folder here; its ``emission`` offers ``lines_of``, which writes the class of a monitor,
 the ``FORMAT`` of its part of the runtime and, if there are any, the ``MODULES`` of that part which
-only some monitors import.
+only some monitors import, and ``tables_of``: the files that a monitor reads.
 """
 
 
@@ -48,6 +48,18 @@ def compile_model(model_file: ModelFile, runtime: str = "") -> str:
         return whole_text(model_file, parts, [*lines], runtime)
     except ModelError as problem:
         raise ModelError(model_file.path, problem.reason) from None
+
+
+def tables_of(model_file: ModelFile) -> Mapping[str, str]:
+    """Return name -> SHA-256 of the files that must lie beside a compiled monitor.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    emission = _emission(model_file.kind)
+    offered = getattr(emission, "tables_of", None)
+    found: Mapping[str, str] = offered(model_file) if offered is not None else {}
+    return found
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.compiling.package import write_compiled
+from eddi_scaffold.compiling.package import place_tables, write_compiled
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "examples/two-conserts/expected/src/eddi_monitor/conserta"
@@ -80,3 +80,31 @@ def test_the_command_never_fails_a_task(package: Path) -> None:
     assert done.stderr.startswith("error: config/model.json: the file is damaged")
     assert run("-h").returncode == 0
     assert run("read").returncode == 2
+
+
+def test_tables_are_taken_from_their_folder(tmp_path: Path) -> None:
+    """Copier renders no numbers: what is missing is named, what nothing reads any more leaves."""
+    golden = ROOT / "tests/golden/plain/camera_scope"
+    given, root = tmp_path / "given", tmp_path / "camera_scope"
+    given.mkdir()
+    for name in ("model.json", "EDDIMonitor.py"):
+        (root / RENDERED).mkdir(parents=True, exist_ok=True)
+        shutil.copy(golden / name, root / RENDERED / name)
+    table, old = root / RENDERED / "reference.bin", root / RENDERED / "axes.bin"
+    assert place_tables(root, None) == ["reference.bin"]
+    (given / "reference.bin").write_bytes(b"another one")
+    assert place_tables(root, given) == ["reference.bin"]
+    assert not table.exists()
+    shutil.copy(golden / "reference.bin", given)
+    old.write_bytes(b"of the model before")
+    assert place_tables(root, given) == []
+    assert table.read_bytes() == (golden / "reference.bin").read_bytes()
+    assert not old.exists()
+    assert place_tables(root, None) == [], "the one that is there is the right one"
+    tool = [sys.executable, "-S", str(ROOT / "eddi_scaffold" / "compiling"), "write"]
+    table.unlink()
+    done = subprocess.run(tool, cwd=root, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("reference.bin of the answers is not there")) == (
+        0,
+        1,
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from eddi_scaffold.compiling.document import ModelFile
 from eddi_scaffold.compiling.inputs import head_lines
@@ -47,6 +47,17 @@ def lines_of(model_file: ModelFile) -> list[str]:
     what = "Features, each ascending" if data.axes is None else "Rows"
     lines += [f"    # {what}: {comment(data.about)}"]
     return [*lines, *assignment("reference", _table(data.sample), 4)]
+
+
+def tables_of(model_file: ModelFile) -> Mapping[str, str]:
+    """Return name -> SHA-256 of the files of numbers that the monitor reads.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    data = read_safeml(model_file)
+    tables = [data.sample, *([data.axes.table] if data.axes is not None else [])]
+    return {one.file: one.sha256 for one in tables if one.numbers is None}
 
 
 def _thresholds(data: SafeMLData) -> list[str]:

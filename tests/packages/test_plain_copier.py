@@ -1,0 +1,67 @@
+"""Plain Copier with the answers of some files gives what `generate` gives for these files.
+
+The example of the two ConSerts, with the shared packages, is rendered in `tests/generated`.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import copier
+import pytest
+import yaml
+
+from eddi_scaffold.packages import assembly
+from eddi_scaffold.replay.packaged import load
+from tests.cli.command import ROOT, files_below, run, template
+
+pytestmark = pytest.mark.slow
+
+ROS1, PLAIN = ("ros1", "ws/src/eddi_monitor", "-w"), ("plain", "ws", "-o")
+ROBOT = ("--system", "rover.rossystem", "--models", "nodes")
+CASES = [
+    ("rover-events", "rover", "Rover.yml", "eddi_config.yml", PLAIN),
+    ("robot-models", "rover", "Rover.yml", "eddi_config.yml", ROS1),
+    ("motor-watch", "motor_watch", "motor_watch.events", "motor_config.yml", PLAIN),
+    ("pedestrian", "pedestrian_prediction_example", "pedestrian.xml", "eddi_config.yml", PLAIN),
+    ("drone", "missionloss", "drone.xml", "reliability_config.yml", PLAIN),
+    ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", PLAIN),
+    ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", ROS1),
+]
+
+
+def copied(answers: Path, to: Path) -> None:
+    """Do what `copier copy --trust --defaults --data-file ANSWERS` does, its tasks included."""
+    data = yaml.safe_load(answers.read_text("utf-8"))
+    location = Path(template().location)
+    program = location / "eddi_scaffold"
+    if not program.exists():
+        program.symlink_to(ROOT / "eddi_scaffold")
+    copier.run_copy(str(location), to, data, defaults=True, overwrite=True, unsafe=True, quiet=True)
+
+
+@pytest.mark.parametrize(("example", "package", "model", "config", "where"), CASES)
+def test_every_kind_and_every_example(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    example: str,
+    package: str,
+    model: str,
+    config: str,
+    where: tuple[str, str, str],
+) -> None:
+    monkeypatch.setattr(assembly, "_cross_checked", lambda monitor, _: monitor)  # takes seconds
+    platform, packages, option = where
+    folder = Path(shutil.copytree(ROOT / "examples" / example, tmp_path / "example"))
+    (folder / "ws" / "src").mkdir(parents=True)
+    words = ["-m", model, "-c", config, "--platform", platform]
+    words += ROBOT if example == "robot-models" else ()
+    assert run("generate", *words, option, "ws", cwd=folder).status == 0
+    assert run("answers", *words, "-o", "a.yml", cwd=folder).status == 0
+    copied(folder / "a.yml", tmp_path / package)
+    ours, theirs = files_below(folder / packages / package), files_below(tmp_path / package)
+    assert ours.keys() == theirs.keys()
+    assert [name for name in ours if ours[name] != theirs[name]] == []
+    if where is PLAIN:
+        load(tmp_path / package).new()
