@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.adopting.expected import foreign
 from eddi_scaffold.adopting.modules import Body, ParsedModule, whole_body
 from eddi_scaffold.adopting.package import OldPackage, read_old_package
-from eddi_scaffold.adopting.proposals import use_of
-from eddi_scaffold.adopting.wiring import OldInput, Wiring, read_wiring
-from eddi_scaffold.kinds import DeclaredInput, Kind, Model, Options, kinds
+from eddi_scaffold.adopting.proposals import BodyUse, use_of
+from eddi_scaffold.adopting.wiring import OldInput, Wiring, published_ids, read_wiring
+from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, kinds
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models
 from eddi_scaffold.problems import EddiError, Place, error, has_errors
@@ -25,25 +26,33 @@ class Adoption:
     """What was found in an old package.
 
     Attributes:
-        model: the model, and the file that it was read from.
-        config: text of the recovered configuration.
+        id: the ``Model: id`` of the recovered configuration, which names the package.
+        model: the model.
+        model_file: the file that it was read from.
+        model_name: the name that this file gets.
         bodies: hand-written bodies by region.
+        fitting: the regions of those that were written for just these inputs or states.
+        headers: module -> the comments above all else in it.
         rejects: module -> text of what a person wrote outside of the places for it.
         notes: what the user must know, one line each.
     """
 
     old: OldPackage
+    id: str
     model: Model
     kind: Kind[Model]
     model_file: Path
+    model_name: str
     wiring: Wiring
     bodies: tuple[Orphan, ...]
+    fitting: frozenset[str]
+    headers: dict[str, str]
     rejects: dict[str, str]
     notes: tuple[str, ...]
 
-    def config(self, model: str) -> str:
-        """Return the text of a configuration that names the model by this file."""
-        return self.wiring.as_yaml(self.model.name, self.kind.config_types[0], model)
+    def config(self) -> str:
+        """Return the text of the recovered configuration."""
+        return self.wiring.as_yaml(self.id, self.kind.config_types[0], self.model_name)
 
 
 def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
@@ -52,16 +61,30 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     Args:
         folder: the old package.
         model_file: the model to use in place of the one in the package.
-        name: which model of that file.
+        name: of the new package in place of the old one's, and which model of a file with several.
 
     Raises:
         EddiError: the package or the model cannot be used (A001 to A004).
     """
     old = read_old_package(folder)
-    file, model = _model(old, model_file, name)
+    wanted = name or old.name
+    file, model = _model(old, model_file, wanted)
+    same = wanted is None or package_name(wanted) == package_name(model.name)
+    id_ = model.name if wanted is None or same else wanted
+    renamed = model_file is None and package_name(file.stem) != package_name(id_)
+    model_name = f"{package_name(id_)}{file.suffix}" if renamed else file.name
     kind = kinds()[model.kind]
+    wiring = _of_the_model(read_wiring(old.node, old.eddi_input, old.config), model, kind)
+    published = published_ids(old.monitor)
+    by_class = _options(published, model, kind)
+    uses = _uses(old.config, {one.id for one in wiring.inputs if one.known_type == "bool"})
+    nodes = _names(model, kind, "node")
+    observed = [nodes[name] for name, use in uses.items() if use.observed and name in nodes]
+    options = {**by_class, **({"observed": observed} if observed else {})}
+    wiring = replace(wiring, options=options)
     notes: list[str] = []
     bodies: list[Orphan] = []
+    headers: dict[str, str] = {}
     rejects: dict[str, str] = {}
     for module, prefix, region in (
         (old.eddi_input, "process_", "input"),
@@ -71,6 +94,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
             continue
         names = _names(model, kind, region)
         bodies += _bodies(module, prefix, region, names)
+        headers[module.path.name] = module.header
         text = "\n\n".join(
             f"# line {getattr(one, 'lineno', 0)}\n{module.segment(one)}"
             for one in foreign(module, prefix)
@@ -83,29 +107,84 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
             for one in module.imports
             if not _is_frame_import(one)
         ]
-    wiring = _fitting(read_wiring(old.node, old.eddi_input), model, kind)
+    fitting = {*_fitting_inputs(old.eddi_input, wiring), *_fitting_nodes(old.config, model, kind)}
     notes += [f"not recovered: {what}" for what in wiring.lost]
-    notes += _uses(old.config)
-    return Adoption(old, model, kind, file, wiring, tuple(bodies), rejects, tuple(notes))
+    if by_class:
+        shown = ", ".join(f"{key}: {value}" for key, value in by_class.items())
+        notes.append(f"{shown}: the old monitor publishes {', '.join(sorted(published))}")
+    notes += [_report(name, use) for name, use in uses.items()]
+    return Adoption(
+        old=old,
+        id=id_,
+        model=model,
+        kind=kind,
+        model_file=file,
+        model_name=model_name,
+        wiring=wiring,
+        bodies=tuple(bodies),
+        fitting=frozenset(fitting),
+        headers=headers,
+        rejects=rejects,
+        notes=tuple(notes),
+    )
+
+
+def _options(published: frozenset[str], model: Model, kind: Kind[Model]) -> dict[str, JsonValue]:
+    """Return what the configuration must say for the monitor to publish the ids of the old one."""
+    choices: Sequence[dict[str, JsonValue]] = ({}, {"guarantee_ids": "class"})
+    for options in choices:
+        configured, _ = kind.functions.configure(model, Options(values=options))
+        ids = kind.functions.ids(configured or model).get("guarantees", ())
+        if published <= {*ids}:
+            return options
+    return {}
+
+
+def _fitting_inputs(module: ParsedModule | None, wiring: Wiring) -> Iterator[str]:
+    """Yield the regions of inputs whose messages the methods get by the same names as before."""
+    for one in wiring.inputs:
+        method = module.methods.get(f"process_{one.id}") if module is not None else None
+        if method is not None and method.arguments == one.requires:
+            yield f"input:{one.id}"
+
+
+def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model]) -> Iterator[str]:
+    """Yield the regions of nodes whose methods have the outcomes that they had before."""
+    for new in (one for each in kind.functions.modules(model) for one in each.methods):
+        method = module.methods.get(new.name) if module is not None else None
+        if method is not None and {*_outcomes(method.tree), "dra_data"} == {*new.uses}:
+            yield new.region
 
 
 def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path, Model]:
     if given is not None:
-        found = select(checked_models(given).models, name)
-        return given, found[0]
+        return given, _chosen(checked_models(given).models, name)
     for path in old.models:
         source = read_source(path)
         if is_config(source):
             continue
         reading = read_models(source)
         if reading.models and not has_errors(reading.problems):
-            return path, select(reading.models, name)[0]
+            return path, _chosen(reading.models, name)
     message = "the package contains no model that a monitor can be generated from"
     hint = "name it: -m MODEL (the EDDI, the .xdsl or the ConSert YAML)"
     raise EddiError(error("A004", message, Place(str(old.folder)), hint))
 
 
-def _fitting(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
+def _chosen(models: Sequence[Model], name: str | None) -> Model:
+    """Return the only model of a file, or the one that is called as the package.
+
+    Raises:
+        EddiError: none is called so (F005), or there is no name to choose by (G005).
+    """
+    if len(models) > 1 and name is None:
+        names = ", ".join(model.name for model in models)
+        message, place = f"the file contains several models: {names}", Place(models[0].source.name)
+        raise EddiError(error("G005", message, place, "choose one with --name"))
+    return models[0] if len(models) == 1 else select(models, name)[0]
+
+
+def _of_the_model(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
     """Leave out inputs that the model does not have, and defaults that would be good evidence."""
     declared = tuple(
         DeclaredInput(one.id, None, None, one.default, model.place) for one in wiring.inputs
@@ -152,22 +231,27 @@ def _bodies(
             )
 
 
-def _uses(config: ParsedModule | None) -> list[str]:
-    """Report for each node of a network what its body does, and what could be declared instead."""
-    found = []
-    for method in config.methods.values() if config is not None else ():
-        if not method.name.startswith("node_") or method.body is None:
-            continue
-        name = method.name.removeprefix("node_")
-        use = use_of(name, method.body, _outcomes(method.tree))
-        what = [
-            word
-            for word, holds in (("observed by code", use.observed), ("an output", use.output))
-            if holds
-        ]
-        line = f"{name}: {' and '.join(what) or 'unused'}"
-        found.append(f"{line}; could be declared: {use.proposal}" if use.proposal else line)
-    return found
+def _uses(config: ParsedModule | None, truths: Collection[str]) -> dict[str, BodyUse]:
+    """Return what the body of each node's method does, by the node's name in Python."""
+    methods = config.methods.values() if config is not None else ()
+    return {
+        (name := method.name.removeprefix("node_")): use_of(
+            name, method.body, _outcomes(method.tree), truths
+        )
+        for method in methods
+        if method.name.startswith("node_") and method.body is not None
+    }
+
+
+def _report(name: str, use: BodyUse) -> str:
+    """Return what the body of a node does, and what could be declared instead."""
+    words = [
+        word
+        for word, holds in (("observed by code", use.observed), ("an output", use.output))
+        if holds
+    ]
+    line = f"{name}: {' and '.join(words) or 'unused'}"
+    return f"{line}; could be declared: {use.proposal}" if use.proposal else line
 
 
 def _outcomes(tree: ast.FunctionDef) -> dict[str, str]:

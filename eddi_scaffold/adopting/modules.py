@@ -9,6 +9,7 @@ import ast
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, Place, error
@@ -17,6 +18,7 @@ from eddi_scaffold.regions.markers import indent_of
 from eddi_scaffold.regions.python_text import parse_shallow
 from eddi_scaffold.source import read_source
 
+_CODING = re.compile(r"#.*coding[:=]")
 _MARKER = re.compile(r"(?<!-)-{3,}\s*Manual edit (begin|end)\s*-{3,}", re.IGNORECASE)
 
 
@@ -50,6 +52,11 @@ class Method:
     body: Body | None
     outside: tuple[ast.stmt, ...]
 
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The names of its arguments, without ``self``."""
+        return tuple(one.arg for one in self.tree.args.args[1:])
+
 
 @dataclass(frozen=True)
 class ParsedModule:
@@ -61,6 +68,7 @@ class ParsedModule:
         methods: of its classes, by name.
         other: statements that are neither an import, a class nor a docstring.
         imports: import statements.
+        header: comments above all else, such as of a licence.
     """
 
     path: Path
@@ -68,6 +76,7 @@ class ParsedModule:
     methods: dict[str, Method]
     other: tuple[ast.stmt, ...]
     imports: tuple[ast.stmt, ...]
+    header: str
 
     def segment(self, node: ast.AST) -> str:
         """Return the source of a statement."""
@@ -108,7 +117,15 @@ def read_module(path: Path) -> ParsedModule:
             imports.append(node)
         elif not _is_text(node):
             other.append(node)
-    return ParsedModule(path, tuple(lines), methods, tuple(other), tuple(imports))
+    return ParsedModule(path, tuple(lines), methods, tuple(other), tuple(imports), _header(lines))
+
+
+def _header(lines: Sequence[str]) -> str:
+    """Return the comments at the top, without what Python and the system read in them."""
+    top = takewhile(lambda line: not line.strip() or line.startswith("#"), lines)
+    kept = [line for line in top if not line.startswith("#!") and not _CODING.match(line)]
+    text = "".join(kept).strip("\n")
+    return f"{text}\n" if text else ""
 
 
 def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:

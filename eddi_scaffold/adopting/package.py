@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.adopting.modules import ParsedModule, read_module
+from eddi_scaffold.identifiers import is_package_name, package_name
 from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.source import read_source
 
 _MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
-_NO_MODELS = {"package.xml"}
+_MANIFEST = "package.xml"
+_NAME = re.compile(rb"<name>\s*([A-Za-z0-9_-]+)\s*</name>")
 
 
 @dataclass(frozen=True)
@@ -19,17 +23,21 @@ class OldPackage:
     """An old package.
 
     Attributes:
+        name: of the ROS package, ``None`` of one that is none.
         eddi_input: ``EDDIInput.py``.
         config: ``bayesian_network_config.py``.
         node: the ROS node's script.
+        monitor: ``EDDIMonitor.py``.
         models: files that may hold the model, the best one first.
         files: every file, relative to the folder.
     """
 
     folder: Path
+    name: str | None
     eddi_input: ParsedModule | None
     config: ParsedModule | None
     node: ParsedModule | None
+    monitor: ParsedModule | None
     models: tuple[Path, ...]
     files: tuple[Path, ...]
 
@@ -54,13 +62,21 @@ def read_old_package(folder: Path) -> OldPackage:
         raise EddiError(error("A002", message, Place(str(folder)), hint))
     near = config.path.parent if config is not None else folder
     models = [
-        folder / file
-        for file in files
-        if file.suffix.lower() in _MODELS and file.name not in _NO_MODELS
+        folder / file for file in files if file.suffix.lower() in _MODELS and file.name != _MANIFEST
     ]
     models.sort(key=lambda path: (_MODELS.index(path.suffix.lower()), path.parent != near, path))
     node = _only(folder, files, "RosNode.py")
-    return OldPackage(folder, eddi_input, config, node, tuple(models), files)
+    monitor = _only(folder, files, "EDDIMonitor.py")
+    name = _package_name(folder)
+    return OldPackage(folder, name, eddi_input, config, node, monitor, tuple(models), files)
+
+
+def _package_name(folder: Path) -> str | None:
+    """Return the name that launch files and other packages know the package by."""
+    manifest = folder / _MANIFEST
+    found = _NAME.search(read_source(manifest).data) if manifest.is_file() else None
+    name = package_name(found[1].decode("ascii")) if found else ""
+    return name if is_package_name(name) else None
 
 
 def _files(folder: Path) -> Sequence[Path]:

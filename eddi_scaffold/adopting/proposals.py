@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import ast
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 from eddi_scaffold.adopting.modules import Body
+from eddi_scaffold.positioned_yaml.writer import dump_plain, quoted
 from eddi_scaffold.regions.python_text import parse_shallow
+
+_Position = tuple[float, int]
+"""A number, and where next to it: just below (-1), at it (0), just above (1)."""
+_Interval = tuple[_Position, _Position]
+"""The first and the last position of an interval."""
+_Branch = tuple[ast.expr | None, str]
+"""The test of a branch, ``None`` for the last ``else``, and the state that it sets."""
+_EVERYTHING: _Interval = ((-math.inf, 0), (math.inf, 0))
 
 
 @dataclass(frozen=True)
@@ -25,13 +35,16 @@ class BodyUse:
     proposal: str | None
 
 
-def use_of(node: str, body: Body, outcomes: dict[str, str]) -> BodyUse:
+def use_of(
+    node: str, body: Body, outcomes: Mapping[str, str], truths: Collection[str] = ()
+) -> BodyUse:
     """Look at a body.
 
     Args:
         node: name of the node.
         body: what a person wrote.
         outcomes: variable (``outcome_Yes``) -> state.
+        truths: the inputs that are true or false.
     """
     try:
         tree = parse_shallow("if True:\n" + _shifted(body.text))
@@ -49,7 +62,8 @@ def use_of(node: str, body: Body, outcomes: dict[str, str]) -> BodyUse:
     output = isinstance(flag, ast.Constant) and flag.value is True
     first = tree.body[0]
     statements = first.body if isinstance(first, ast.If) else []
-    return BodyUse(observed, output, _proposal(node, statements, outcomes))
+    proposal = _proposal(statements, outcomes, truths)
+    return BodyUse(observed, output, proposal and f"{quoted(node)}: {proposal}")
 
 
 def _shifted(text: str) -> str:
@@ -58,55 +72,142 @@ def _shifted(text: str) -> str:
     return "\n".join(f" {one[least:]}" if one.strip() else "" for one in lines)
 
 
-def _proposal(node: str, statements: list[ast.stmt], outcomes: dict[str, str]) -> str | None:
-    """Return a declaration for a chain of comparisons of one attribute with rising constants."""
+def _proposal(
+    statements: Sequence[ast.stmt], outcomes: Mapping[str, str], truths: Collection[str]
+) -> str | None:
+    """Return a declaration for one chain of tests of one attribute."""
     names: dict[str, str] = {}
-    chain: ast.stmt | None = None
-    for one in statements:
-        if isinstance(one, ast.Assign) and isinstance(one.targets[0], ast.Name) and chain is None:
-            attribute = _attribute(one.value, names)
-            if attribute is None:
-                return None
-            names[one.targets[0].id] = attribute
-        elif isinstance(one, ast.If) and chain is None:
-            chain = one
-        else:
+    for one in statements[:-1]:
+        held = _held(one, names)
+        if held is None:
             return None
-    edges: list[float] = []
-    states: list[str] = []
-    sources: set[str] = set()
-    strict: set[bool] = set()
-    while isinstance(chain, ast.If):
-        upper = _upper(chain.test, names, sources, strict, edges[-1] if edges else None)
-        state = _state(chain.body, outcomes)
-        if state is None or upper is False:
-            return None
-        states.append(state)
-        if upper is None:
-            chain = None if not chain.orelse else chain.orelse[0]
-            if chain is not None:
-                return None
-            break
-        edges.append(upper)
-        rest = chain.orelse
-        if len(rest) == 1 and isinstance(rest[0], ast.If):
-            chain = rest[0]
-            continue
-        last = _state(rest, outcomes) if rest else None
-        if last is not None:
-            states.append(last)
-        break
-    rising = all(a < b for a, b in pairwise(edges))
-    fits = len(states) == len(edges) + 1 == len(set(states)) and len(sources) == 1
-    if not edges or not rising or not fits or len(strict) != 1:
+        names |= held
+    chain = statements[-1] if statements else None
+    branches = _branches(chain, outcomes) if isinstance(chain, ast.If) else None
+    if not branches:
         return None
-    closed = ", closed: left" if True in strict else ""
-    listed = ", ".join(f"{edge:g}" for edge in edges)
-    order = ", ".join(states)
-    return f"{node}: {{input: {sources.pop()}, bins: [{listed}], order: [{order}]{closed}}}"
+    return _as_map(branches, names, truths) or _as_bins(branches, names)
 
 
-def _attribute(node: ast.expr, names: dict[str, str]) -> str | None:
+def _held(statement: ast.stmt, names: Mapping[str, str]) -> dict[str, str] | None:
+    """Return the variable that an assignment gives the value of an attribute."""
+    if not isinstance(statement, ast.Assign) or not isinstance(statement.targets[0], ast.Name):
+        return None
+    attribute = attribute_of(statement.value, names)
+    return None if attribute is None else {statement.targets[0].id: attribute}
+
+
+def _branches(chain: ast.If, outcomes: Mapping[str, str]) -> list[_Branch] | None:
+    """Return the branches of a chain, ``None`` where one does more than set a state."""
+    state = _state(chain.body, outcomes)
+    if state is None:
+        return None
+    match chain.orelse:
+        case []:
+            rest: list[_Branch] | None = []
+        case [ast.If() as following]:
+            rest = _branches(following, outcomes)
+        case _:
+            last = _state(chain.orelse, outcomes)
+            rest = None if last is None else [(None, last)]
+    return None if rest is None else [(chain.test, state), *rest]
+
+
+def _as_map(
+    branches: Sequence[_Branch], names: Mapping[str, str], truths: Collection[str]
+) -> str | None:
+    """Return the declaration of ``if x: ... else: ...`` for an input that is true or false."""
+    match branches:
+        case [(ast.UnaryOp(op=ast.Not(), operand=test), false), (None, true)]:
+            pass
+        case [(ast.expr() as test, true), (None, false)]:
+            pass
+        case _:
+            return None
+    source = attribute_of(test, names)
+    if source is None or source not in truths or true == false:
+        return None
+    return f"{{input: {quoted(source)}, map: {{true: {quoted(true)}, false: {quoted(false)}}}}}"
+
+
+def _as_bins(branches: Sequence[_Branch], names: Mapping[str, str]) -> str | None:
+    """Return the declaration of comparisons with constants, in whatever order they stand.
+
+    The constants cut the numbers into pieces; each has the state of the first test that holds.
+    """
+    sources: set[str] = set()
+    intervals: list[tuple[_Interval, str]] = []
+    for test, state in branches:
+        found = _EVERYTHING if test is None else _interval(test, names, sources)
+        if found is None:
+            return None
+        intervals.append((found, state))
+    bounds = (bound for (low, high), _ in intervals for bound in (low[0], high[0]))
+    edges = sorted({bound for bound in bounds if math.isfinite(bound)})
+    if len(sources) != 1 or not edges:
+        return None
+
+    def state_at(position: _Position) -> str | None:
+        return next((of for (low, high), of in intervals if low <= position <= high), None)
+
+    states, bins, closed = [state_at((edges[0], -1))], [], set()
+    for edge in edges:
+        at, above = state_at((edge, 0)), state_at((edge, 1))
+        if above == states[-1] == at:
+            continue
+        closed.add("right" if at == states[-1] else "left" if at == above else None)
+        states.append(above)
+        bins.append(edge)
+    if {*states} != {of for _, of in intervals} or len(states) != len({*states}):
+        return None
+    if None in closed or len(closed) != 1:
+        return None
+    order = ", ".join(quoted(state) for state in states if state is not None)
+    numbers = (int(edge) if edge.is_integer() else edge for edge in bins)
+    listed = ", ".join(dump_plain(number).strip() for number in numbers)
+    left = ", closed: left" if "left" in closed else ""
+    return f"{{input: {quoted(sources.pop())}, bins: [{listed}], order: [{order}]{left}}}"
+
+
+def _interval(test: ast.expr, names: Mapping[str, str], sources: set[str]) -> _Interval | None:
+    """Return where comparisons of one attribute with constants hold."""
+    if isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And):
+        parts = [_interval(one, names, sources) for one in test.values]
+    elif isinstance(test, ast.Compare):
+        parts = list(_halves(test, names, sources))
+    else:
+        return None
+    low, high = _EVERYTHING
+    for part in parts:
+        if part is None:
+            return None
+        low, high = max(low, part[0]), min(high, part[1])
+    return low, high
+
+
+def _halves(
+    test: ast.Compare, names: Mapping[str, str], sources: set[str]
+) -> Iterator[_Interval | None]:
+    """Yield where each comparison of a chain (``1 < x <= 2``) holds, ``None`` for another form."""
+    operands = [test.left, *test.comparators]
+    for left, op, right in zip(operands, test.ops, operands[1:], strict=False):
+        name, number = attribute_of(left, names), _number(right)
+        less = isinstance(op, ast.Lt | ast.LtE)
+        if name is None:
+            name, number, less = attribute_of(right, names), _number(left), not less
+        ordered = isinstance(op, ast.Lt | ast.LtE | ast.Gt | ast.GtE)
+        if name is None or number is None or not ordered:
+            yield None
+            return
+        sources.add(name)
+        strict = isinstance(op, ast.Lt | ast.Gt)
+        if less:
+            yield _EVERYTHING[0], (number, -strict)
+        else:
+            yield (number, int(strict)), _EVERYTHING[1]
+
+
+def attribute_of(node: ast.AST, names: Mapping[str, str]) -> str | None:
     """Return the input that ``self.dra_data.x``, or a variable that holds it, refers to."""
     if isinstance(node, ast.Name):
         return names.get(node.id)
@@ -115,37 +216,6 @@ def _attribute(node: ast.expr, names: dict[str, str]) -> str | None:
         is_data = inner.attr == "dra_data" and isinstance(inner.value, ast.Name)
         return node.attr if is_data else None
     return None
-
-
-def _upper(
-    test: ast.expr,
-    names: dict[str, str],
-    sources: set[str],
-    strict: set[bool],
-    lower: float | None,
-) -> float | bool | None:
-    """Return the upper edge of a branch, None for the last one, False for another form."""
-    if not isinstance(test, ast.Compare):
-        return False
-    parts = [test.left, *test.comparators]
-    values = [_attribute(part, names) or _number(part) for part in parts]
-    if len(values) == 3:  # lower < x <= upper
-        if values[0] != lower or not isinstance(values[1], str):
-            return False
-        values, ops = values[1:], test.ops[1:]
-    else:
-        ops = test.ops
-    left, right = values
-    op = ops[0]
-    if isinstance(left, str) and isinstance(right, float) and isinstance(op, ast.Lt | ast.LtE):
-        sources.add(left)
-        strict.add(isinstance(op, ast.Lt))
-        return right
-    above = (
-        isinstance(left, float) and isinstance(right, str) and isinstance(op, ast.Lt | ast.LtE)
-    ) or (isinstance(left, str) and isinstance(right, float) and isinstance(op, ast.Gt | ast.GtE))
-    edge = left if isinstance(left, float) else right
-    return None if above and edge == lower else False
 
 
 def _number(node: ast.expr) -> float | None:
@@ -157,7 +227,7 @@ def _number(node: ast.expr) -> float | None:
         return None
 
 
-def _state(body: list[ast.stmt], outcomes: dict[str, str]) -> str | None:
+def _state(body: Sequence[ast.stmt], outcomes: Mapping[str, str]) -> str | None:
     """Return the state that a branch sets for sure, and nothing else."""
     if len(body) != 1 or not isinstance(body[0], ast.Assign):
         return None

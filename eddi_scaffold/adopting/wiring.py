@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from types import EllipsisType
 
 from eddi_scaffold.adopting.modules import ParsedModule
+from eddi_scaffold.adopting.proposals import attribute_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.positioned_yaml.nodes import dump_plain
 
@@ -34,17 +35,25 @@ class OldInput:
     Attributes:
         default: value before the first message.
         requires: ids of topics.
+        type: as its use tells, where there is no default.
     """
 
     id: str
     default: JsonValue
     requires: tuple[str, ...]
+    type: str | None = None
+
+    @property
+    def known_type(self) -> str | None:
+        """Its type in a configuration, ``None`` where nothing tells."""
+        return _TYPES.get(type(self.default), self.type)
 
 
 @dataclass(frozen=True)
 class Wiring:
     """The content of a configuration, as far as it could be read."""
 
+    options: Mapping[str, JsonValue] = field(default_factory=dict)
     frequency: float | None = None
     topics: tuple[Subscription, ...] = ()
     outputs: tuple[tuple[str, str], ...] = ()
@@ -62,6 +71,7 @@ class Wiring:
         section: dict[str, JsonValue] = {"id": name, "type": kind}
         if self.frequency is not None:
             section["frequency"] = self.frequency
+        section |= self.options
         section["parameters"] = [{"model": model}]
         document = {
             "Model": section,
@@ -77,20 +87,27 @@ class Wiring:
 
 def _input(one: OldInput) -> dict[str, JsonValue]:
     found: dict[str, JsonValue] = {"id": one.id}
-    of = _TYPES.get(type(one.default))
-    if of is not None:
-        found["type"] = of
+    if one.known_type is not None:
+        found["type"] = one.known_type
     found["requires"] = list(one.requires)
     if one.default is not None:
         found["default"] = one.default
     return found
 
 
-def read_wiring(node: ParsedModule | None, eddi_input: ParsedModule | None) -> Wiring:
-    """Read the connections of a node script and of its input class."""
-    inputs = tuple(_inputs(eddi_input)) if eddi_input is not None else ()
+def read_wiring(
+    node: ParsedModule | None, eddi_input: ParsedModule | None, config: ParsedModule | None
+) -> Wiring:
+    """Read the connections of a node script, and the inputs.
+
+    Without a class of inputs they are what the methods of a network read.
+    """
+    if eddi_input is not None:
+        inputs = tuple(_inputs(eddi_input))
+    else:
+        inputs = tuple(inputs_read(config)) if config is not None else ()
     if node is None:
-        return Wiring(inputs=inputs)
+        return Wiring(inputs=tuple(replace(one, requires=()) for one in inputs))
     classes = dict(_message_classes(node))
     stored = dict(_stored(node))
     lost: list[str] = []
@@ -119,10 +136,16 @@ def read_wiring(node: ParsedModule | None, eddi_input: ParsedModule | None) -> W
             if name not in topics
         ]
     kept = tuple(
-        OldInput(one.id, one.default, tuple(name for name in one.requires if name in topics))
+        replace(one, requires=tuple(name for name in one.requires if name in topics))
         for one in inputs
     )
-    return Wiring(frequency, tuple(topics.values()), tuple(outputs.items()), kept, tuple(lost))
+    return Wiring(
+        frequency=frequency,
+        topics=tuple(topics.values()),
+        outputs=tuple(outputs.items()),
+        inputs=kept,
+        lost=tuple(lost),
+    )
 
 
 def _message_classes(module: ParsedModule) -> Iterator[tuple[str, str]]:
@@ -189,6 +212,60 @@ def _required(module: ParsedModule) -> Iterator[tuple[str, tuple[str, ...]]]:
             keys = [_constant(one.slice) for one in node.args if isinstance(one, ast.Subscript)]
             if name.startswith("process_"):
                 yield name.removeprefix("process_"), tuple(k for k in keys if isinstance(k, str))
+
+
+def inputs_read(config: ParsedModule) -> Iterator[OldInput]:
+    """Yield the inputs that the methods of a network read, in the order of the file."""
+    types: dict[str, set[str]] = {}
+    for method in config.methods.values():
+        names: dict[str, str] = {}
+        for node in ast.walk(method.tree):
+            name = attribute_of(node, {})
+            if name is not None:
+                types.setdefault(name, set())
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+                held = attribute_of(node.value, names)
+                names |= {node.targets[0].id: held} if held is not None else {}
+        for operand, of in _typed(method.tree):
+            name = attribute_of(operand, names)
+            if name is not None:
+                types[name].add(of)
+    for name, found in types.items():
+        yield OldInput(name, None, (), found.pop() if len(found) == 1 else None)
+
+
+def _typed(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
+    """Yield expressions with the type that their use tells."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.If(test=test) | ast.IfExp(test=test):
+                yield test, "bool"
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                yield operand, "bool"
+            case ast.BoolOp(values=values):
+                yield from ((value, "bool") for value in values)
+            case ast.BinOp(left=left, right=right):
+                yield from ((left, "float"), (right, "float"))
+            case ast.Compare(left=left, comparators=others):
+                operands = (left, *others)
+                is_text = any(isinstance(_constant(one), str) for one in operands)
+                yield from ((one, "str" if is_text else "float") for one in operands)
+
+
+def published_ids(monitor: ParsedModule | None) -> frozenset[str]:
+    """Return the ids of guarantees that an old monitor's results have (SESAME D7.2 Fig 9)."""
+    methods = monitor.methods.values() if monitor is not None else ()
+    results = (node for one in methods for node in ast.walk(one.tree) if isinstance(node, ast.Dict))
+    found = set()
+    for result in results:
+        entry = {
+            _constant(key): _constant(value)
+            for key, value in zip(result.keys, result.values, strict=True)
+            if key is not None and isinstance(_constant(key), str)
+        }
+        if "active" in entry and isinstance(entry.get("id"), str):
+            found.add(str(entry["id"]))
+    return frozenset(found)
 
 
 def _constant(node: ast.expr) -> JsonValue | bytes | EllipsisType:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.adopting.adopt import Adoption, leftover
 from eddi_scaffold.identifiers import package_name
@@ -18,6 +19,7 @@ from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.source import read_source
 
 
@@ -40,23 +42,22 @@ def write_adopted(
             there already (A005), or it cannot be generated.
     """
     root = packages_root(platform, place)
-    package = package_name(adoption.model.name)
+    package = package_name(adoption.id)
     if os.path.lexists(root / package):
-        hint = "move it away: adopting is for packages that are not ours yet"
+        hint = "move it away (adopting is for packages that are not ours yet), or choose --name"
         raise EddiError(
             error("A005", "the package already exists", Place(str(root / package)), hint)
         )
-    model_name = adoption.model_file.name
     config_name = f"{package}_config.yml"
-    text = adoption.config(model_name)
-    files = {config_name: text.encode(), model_name: read_source(adoption.model_file).data}
+    data = read_source(adoption.model_file).data
+    files = {config_name: adoption.config().encode(), adoption.model_name: data}
     new = {name: FileState(data) for name, data in files.items() if _is_new(place / name, data)}
     with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
         for name, data in files.items():
             Path(scratch, name).write_bytes(data)
         configs = [Path(scratch, config_name)]
         try:
-            monitors, problems = monitors_of(None, configs, adoption.model.name)
+            monitors, problems = monitors_of(None, configs)
             assembly = assemble(monitors, platform, root, problems)
         except EddiError as failed:
             raise EddiError(*(_shown(one, place) for one in failed.problems)) from None
@@ -87,20 +88,31 @@ def _with_bodies(one: PackageAnswers, package: str, adoption: Adoption) -> Packa
     if one.folder != package:
         return one
     rejects = {name: text.encode() for name, text in adoption.rejects.items()}
-    return replace(one, saved=adoption.bodies, adopted=rejects)
+    signatures = {id_: sig for id_, sig in _signatures(one) if id_ in adoption.fitting}
+    bodies = [replace(body, sig=signatures.get(body.id)) for body in adoption.bodies]
+    return replace(one, saved=bodies, adopted=rejects, headers=adoption.headers)
+
+
+def _signatures(package: PackageAnswers) -> Iterator[tuple[str, str | None]]:
+    """Yield the regions of the new package with what their bodies may use."""
+    answers: Mapping[str, Any] = package.answers
+    methods = (method for module in answers["modules"] for method in module["methods"])
+    for one in (*answers["inputs"], *methods):
+        marker = read_marker(one["region_begin"], 1)
+        if isinstance(marker, Marker) and marker.id is not None:
+            yield marker.id, marker.sig
 
 
 def _needs_look(adoption: Adoption, states: Mapping[str, str]) -> bool:
     return bool(adoption.rejects) or any(
-        states.get(one.id, "orphaned") != "edited" for one in adoption.bodies
+        states.get(one.id, "orphaned") == "orphaned" for one in adoption.bodies
     )
 
 
 def _report(adoption: Adoption, states: Mapping[str, str], written: Sequence[Path]) -> list[str]:
     lines = [f"written: {path}" for path in written]
     for body in adoption.bodies:
-        state = states.get(body.id)
-        if state == "edited":
+        if states.get(body.id, "orphaned") != "orphaned":
             lines.append(f"{body.id}: the body is in its region")
         else:
             lines.append(f"{body.id}: no region of that name, the body is kept in .eddi/orphans")

@@ -9,7 +9,6 @@ import typer
 
 from eddi_scaffold.cli.options import (
     DryRun,
-    Name,
     OptionalModelFile,
     PlatformOfPlace,
     in_a_folder,
@@ -27,7 +26,14 @@ def adopt(
     ] = None,
     platform: PlatformOfPlace = None,
     model: OptionalModelFile = None,
-    name: Name = None,
+    name: Annotated[
+        str | None,
+        typer.Option(
+            "--name",
+            help="Name of the new package, by default the old one's; also which model of a file"
+            " with several.",
+        ),
+    ] = None,
     dry_run: DryRun = False,
 ) -> None:
     """Take over a package made by the D7.2 tools, with every hand-written body in its place.

@@ -357,8 +357,8 @@ class _InputBinder:
 
     def _max_age(self) -> float | str | None:
         max_age = self.entry.max_age if self.entry.max_age is not None else _shortest(self.requires)
-        if max_age is None and self.item.safety:
-            topics = ", ".join(source.topic for source in self.requires) or "nothing"
+        if max_age is None and self.item.safety and self.requires:
+            topics = ", ".join(source.topic for source in self.requires)
             message = (
                 f"input {self.entry.id!r} (from {topics}) has no max_age: it stays as it was if "
                 "its publisher dies"

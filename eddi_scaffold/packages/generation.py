@@ -262,6 +262,10 @@ def _merged(
 
     report = sync_package(staged, earlier)
     _refuse(report.refused, target)
+    for name in _names(rendered / ".eddi" / "pristine"):
+        header = package.headers.get(Path(name).name)
+        if header:
+            (staged / name).write_text(header + (staged / name).read_text("utf-8"), "utf-8")
     after = {
         path: _with_mode(state, before.get(path))
         for path, state in transaction.tree_of(staged).items()

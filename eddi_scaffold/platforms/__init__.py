@@ -84,6 +84,7 @@ class PackageAnswers:
         files: path in the package -> bulk data that Copier does not render.
         saved: bodies that are waiting for their regions.
         adopted: module -> lines of an adopted one that have no place in the package.
+        headers: module -> comments of an adopted one that stay above all else in it.
     """
 
     folder: str
@@ -91,6 +92,7 @@ class PackageAnswers:
     files: Mapping[str, bytes] = field(default_factory=dict)
     saved: Sequence[Orphan] = ()
     adopted: Mapping[str, bytes] = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

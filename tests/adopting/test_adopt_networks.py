@@ -43,6 +43,7 @@ def test_every_body_is_in_its_method(old: Path) -> None:
     assert config["Model"] == {
         "id": "PedestrianRisk",
         "type": "BayesianNetwork",
+        "observed": ["AV_Shuttle_Speed", "Distance_to_Pedestrian"],
         "parameters": [{"model": "PedestrianRisk.xdsl"}],
     }
 

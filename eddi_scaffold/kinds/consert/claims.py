@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from eddi_scaffold.claims import Meaning, Meanings
 from eddi_scaffold.graphs import reached
 from eddi_scaffold.kinds.consert.matching import mismatch
+from eddi_scaffold.kinds.consert.options import publishing
 from eddi_scaffold.kinds.consert.paths import constants
 
 if TYPE_CHECKING:
@@ -34,16 +35,17 @@ MEANINGS: Meanings = {
 
 
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
-    """Return the evidence and demands on which each guarantee rests."""
+    """Return the evidence and demands on which each guarantee rests, by its id in messages."""
     model = document["model"]
     ids = [one["id"] for group in _GROUPS for one in model[group]]
     feeding: dict[str, list[str]] = {id_: [] for id_ in ids}
     for source, target in model["edges"]:
         feeding[target].append(source)
     leaves = frozenset(one["id"] for kind in ("evidence", "demands") for one in model[kind])
+    publish = publishing(document["settings"])
     return {
-        one["id"]: frozenset() if one["default"] else leaves & reached(feeding, [one["id"]])
-        for one in model["guarantees"]
+        publish(name): frozenset() if is_default else leaves & reached(feeding, [name])
+        for name, is_default in ((one["id"], one["default"]) for one in model["guarantees"])
     }
 
 

@@ -13,7 +13,7 @@ from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
 from eddi_scaffold.kinds.consert.eddi.reading import read_eddi
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
-from eddi_scaffold.kinds.consert.options import accepted, configure, lag, settings
+from eddi_scaffold.kinds.consert.options import accepted, configure, lag, published_ids, settings
 from eddi_scaffold.kinds.consert.outline import counts, outline
 from eddi_scaffold.kinds.consert.picture import diagram
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
@@ -73,12 +73,12 @@ FUNCTIONS = Functions(
     configure=configure,
     settings=settings,
     diagram=lambda model: diagram(model.data),
-    ids=lambda model: {"guarantees": [one.id for one in model.data.guarantees]},
+    ids=lambda model: {"guarantees": [*published_ids(model)]},
     meanings=lambda _document, _part: MEANINGS,
     accepted=accepted,
     lag=lag,
     support=support,
     unfulfilled=lambda provider, output, user, item: unfulfilled(
-        provider.data, output, user.data, item
+        provider.data, published_ids(provider).get(output, output), user.data, item
     ),
 )

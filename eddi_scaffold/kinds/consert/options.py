@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.claims import Acceptance
 from eddi_scaffold.kinds import JsonValue, Options
 from eddi_scaffold.kinds.consert.model import ConSertModel
+from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.problems import Problem, error
 
 KEYS = ("guarantee_ids", "debounce", "filter")
@@ -38,6 +39,17 @@ def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | Non
 def settings(model: ConSertModel) -> dict[str, JsonValue]:
     """Return the ``settings`` part of ``config/model.json``."""
     return dict(model.options or {"guarantee_ids": "source", "filter": dict(_NO_FILTER)})
+
+
+def published_ids(model: ConSertModel) -> dict[str, str]:
+    """Return the ids that guarantees have in messages -> their ids in the model."""
+    publish = publishing(settings(model))
+    return {publish(one.id): one.id for one in model.data.guarantees}
+
+
+def publishing(settings: Mapping[str, Any]) -> Callable[[str], str]:
+    """Return what gives a guarantee its id in messages."""
+    return published_class if settings["guarantee_ids"] == "class" else str
 
 
 def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:

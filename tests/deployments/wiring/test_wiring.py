@@ -95,6 +95,30 @@ def test_a_value_alone_means_what_its_field_means(tmp_path: Path) -> None:
     assert codes(check_wiring([base, bad])) == ["D001"]
 
 
+def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:
+    """With ``guarantee_ids: class``, also around a ring and where the id of the model is used."""
+    ring = []
+    for name, other in (("a", "b"), ("b", "a")):
+        (tmp_path / f"{name}.yml").write_text(CONSERT.format().replace("G", "all_fine"), "utf-8")
+        source = f"  - {{id: s, type: eddi_messages.ConSertOutput, topic: {other}/out}}"
+        text = CONFIG.format(
+            id=name,
+            sources=source,
+            input="requires: [s], field: 'guarantees[AllFine].active'",
+            topic=f"{name}/out",
+        )
+        path = tmp_path / f"{name}_config.yml"
+        path.write_text(text.replace("type: ConSert", "type: ConSert, guarantee_ids: class"))
+        ring.append(path)
+    with pytest.raises(EddiError) as refused:
+        monitors_of(None, ring)
+    assert codes(list(refused.value.problems)) == ["D003"]
+    ring[0].write_text(ring[0].read_text("utf-8").replace("AllFine", "all_fine"))
+    with pytest.raises(EddiError) as refused:
+        monitors_of(None, ring)
+    assert "b publishes no 'all_fine'" in str(refused.value)
+
+
 def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
     """An expression that turns another input round turns what that one reads round."""
     member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")

@@ -1,0 +1,123 @@
+"""What is recovered from an old package, as a value: nothing is rendered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from eddi_scaffold.adopting.adopt import Adoption, adopt
+from eddi_scaffold.problems import EddiError
+from tests.adopting.old_networks import LICENCE, write_old_ros_network
+from tests.adopting.old_packages import write_old_ros_package
+from tests.cli.command import EXAMPLE
+
+CONSERT = """---
+guarantees: [{id: System_A_G0, dimensions: [{Binary: {type: IsTrue}}]}]
+demands: []
+evidence: [{id: RtE_A_E0, dimension: {Binary: {type: SensorHealthy}}}]
+gates: []
+tree_propagations: [{from: RtE_A_E0, to: System_A_G0}]
+required_services: []
+provided_services: []
+"""
+MONITOR = """class EDDIMonitor:
+    def execute_step(self, eddi_input):
+        guarantees = []
+        guarantees.append({'id': 'ID', 'active': True})
+        return guarantees
+"""
+
+
+def config_of(found: Adoption) -> dict[str, dict[str, object]]:
+    return dict(yaml.safe_load(found.config()))
+
+
+def test_the_package_keeps_its_name(tmp_path: Path) -> None:
+    found = adopt(write_old_ros_network(tmp_path / "old", "harm_risk"), None, None)
+    assert (found.id, found.model.name, found.model_name) == (
+        "harm_risk",
+        "network1",
+        "harm_risk.xdsl",
+    )
+    assert config_of(found)["Model"] == {
+        "id": "harm_risk",
+        "type": "BayesianNetwork",
+        "frequency": 0.2,
+        "observed": ["Density", "Distance", "Heat", "Fire"],
+        "parameters": [{"model": "harm_risk.xdsl"}],
+    }
+
+
+def test_a_package_can_be_renamed(tmp_path: Path) -> None:
+    found = adopt(write_old_ros_network(tmp_path / "old", "harm_risk"), None, "other")
+    assert (found.id, found.model_name) == ("other", "other.xdsl")
+
+
+def test_the_name_of_the_package_chooses_among_models(tmp_path: Path) -> None:
+    old = write_old_ros_package(tmp_path / "old", "")
+    (old / "package.xml").write_text("<package><name>consertb</name></package>\n")
+    eddi = EXAMPLE / "two_conserts.xml"
+    assert adopt(old, eddi, None).id == "ConSertB"
+    assert adopt(old, eddi, "ConSertA").id == "ConSertA"
+    with pytest.raises(EddiError, match="no model 'other'"):
+        adopt(old, eddi, "other")
+    (old / "package.xml").unlink()
+    with pytest.raises(EddiError, match="several models: ConSertA, ConSertB"):
+        adopt(old, eddi, None)
+
+
+def test_bodies_of_the_same_inputs_and_states_need_no_look(tmp_path: Path) -> None:
+    old = write_old_ros_network(tmp_path / "old", "harm_risk")
+    found = adopt(old, None, None)
+    assert {body.id for body in found.bodies} <= found.fitting
+    network = old / "scripts" / "files" / "network1" / "network1.xdsl"
+    text = network.read_text()
+    network.write_text(text.replace('id="Hot"', 'id="Warm"'))
+    (old / "scripts" / "RosNode.py").unlink()
+    changed = found.fitting - adopt(old, None, None).fitting
+    inputs = {f"input:{name}" for name in ("dense", "heat", "fire", "distance")}
+    assert changed == {"node:Heat", *inputs}
+
+
+def test_a_licence_stays_with_its_module(tmp_path: Path) -> None:
+    old = write_old_ros_network(tmp_path / "old", "harm_risk")
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_text("#!/usr/bin/env python3\n# -*- coding: utf-8 -*-\n" + script.read_text())
+    headers = adopt(old, None, None).headers
+    assert headers == {"bayesian_network_config.py": LICENCE, "EDDIInput.py": ""}
+
+
+def test_each_body_that_a_declaration_could_replace_gets_it(tmp_path: Path) -> None:
+    notes = adopt(write_old_ros_network(tmp_path / "old", "harm_risk"), None, None).notes
+    assert [note.partition("; could be declared: ")[2] for note in notes if "by code" in note] == [
+        "Density: {input: dense, map: {true: Dense, false: Broad}}",
+        "Distance: {input: distance, bins: [500], order: [Close, Far]}",
+        "Heat: {input: heat, bins: [50], order: [Normal, Hot], closed: left}",
+        'Fire: {input: fire, map: {true: "Yes", false: "No"}}',
+    ]
+
+
+def test_without_a_class_of_inputs_they_are_what_the_methods_read(tmp_path: Path) -> None:
+    scripts = write_old_ros_network(tmp_path / "old", "harm_risk") / "scripts"
+    (scripts / "EDDIInput.py").unlink()
+    found = adopt(scripts / "files", None, None)
+    assert config_of(found)["EDDIInputs"] == [
+        {"id": "dense", "type": "bool", "requires": []},
+        {"id": "distance", "type": "float", "requires": []},
+        {"id": "heat", "type": "float", "requires": []},
+        {"id": "fire", "type": "bool", "requires": []},
+    ]
+    assert found.id == "network1"
+
+
+def test_class_names_in_use_stay_what_is_published(tmp_path: Path) -> None:
+    old = write_old_ros_package(tmp_path / "old", CONSERT)
+    script = old / "scripts" / "EDDIMonitor.py"
+    script.write_text(MONITOR.replace("ID", "System_A_G0"))
+    assert "guarantee_ids" not in config_of(adopt(old, None, None))["Model"]
+    script.write_text(MONITOR.replace("ID", "SystemAG0"))
+    found = adopt(old, None, None)
+    assert config_of(found)["Model"]["guarantee_ids"] == "class"
+    assert "guarantee_ids: class: the old monitor publishes SystemAG0" in found.notes
