@@ -90,7 +90,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
     found = foreign(document) if not models else None
     if found is not None:
         return Reading((), (found,))
-    return Reading(tuple(models), tuple(problems), tuple(unread(document)))
+    return Reading(tuple(models), tuple(problems), tuple(one.problem() for one in unread(document)))
 
 
 def _is_in(document: EddiDocument, kind: Kind[Model]) -> bool:

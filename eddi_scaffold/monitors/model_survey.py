@@ -20,6 +20,7 @@ from eddi_scaffold.problems import EddiError, Problem
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.survey import survey
+from eddi_scaffold.readers.unread import unread
 from eddi_scaffold.source import Source, read_source
 
 
@@ -27,7 +28,10 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
     """Return models, elements and references of a file, and what makes it unreadable."""
     if is_xml(source) and not any(kind.sniff(source) for kind in kinds().values()):
         document, problems = read_document(source)
-        return (survey(document).as_json() if document is not None else {"models": []}), problems
+        if document is None:
+            return {"models": []}, problems
+        left_out = [one.as_json() for one in unread(document)]
+        return {**survey(document).as_json(), "unread": left_out}, problems
     reading = read_models(source)
     models = [
         {

@@ -6,10 +6,12 @@ Models in them would otherwise be lost without a word.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.problems import Problem, error, warning
+from eddi_scaffold.problems import Place, Problem, error, warning
 from eddi_scaffold.readers.classes import CLASSES
 from eddi_scaffold.readers.spelling import fold, local_name
 from eddi_scaffold.readers.survey import MONITORED, kind_of_model
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
 _READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
 """Packages that readers look into, whether or not there is a model in them."""
-_LEFT_OUT = frozenset({"attacktree", "fmea", "fmeda"})
+_LEFT_OUT = frozenset({"attacktree", "fmea", "fmeda", "statemachine"})
 """Models of which no monitors are generated."""
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
 """Names in the namespaces of all generations of the metamodel."""
@@ -36,13 +38,53 @@ _LOOKS_LIKE = {
 }
 
 
-def unread(document: EddiDocument) -> Iterator[Problem]:
-    """Yield a warning (X021) for each class of packages and models that nothing reads."""
+@dataclass(frozen=True)
+class Unread:
+    """Packages and models of one class that nothing reads.
+
+    Attributes:
+        class_name: their class as the file states it, or the feature that they are in.
+        count: how many.
+        elements: number of elements, with all inside.
+        inside: class -> how many packages and models of it lie in them.
+        place: of the first one.
+    """
+
+    class_name: str
+    count: int
+    elements: int
+    inside: Mapping[str, int]
+    place: Place
+
+    def as_json(self) -> dict[str, object]:
+        """Return the stable JSON form of ``show --json``."""
+        return {
+            "class": self.class_name,
+            "count": self.count,
+            "elements": self.elements,
+            "inside": dict(self.inside),
+            "path": self.place.path,
+            "line": self.place.line,
+        }
+
+    def problem(self) -> Problem:
+        """Return the warning (X021)."""
+        name = local_name(self.class_name)
+        elements = f"{self.elements} element{'s' if self.elements != 1 else ''}"
+        if self.inside:
+            elements += f" with {', '.join(f'{n} {what}' for what, n in self.inside.items())}"
+        what = elements if name == self.class_name else f"{self.class_name}, {elements}"
+        verb, them = ("is", "it") if self.count == 1 else ("are", "them")
+        message = f"{self.count} {name} ({what}) {verb} not read: no monitor is made of {them}"
+        return warning("X021", message, self.place)
+
+
+def unread(document: EddiDocument) -> list[Unread]:
+    """Return each class of packages and models that nothing reads, in document order."""
     classes: dict[str, list[Element]] = {}
     for element in _unread_elements(document):
         classes.setdefault(_class_of(document, element), []).append(element)
-    for stated, same in classes.items():
-        yield _not_read(document, stated, same)
+    return [_described(document, stated, same) for stated, same in classes.items()]
 
 
 def foreign(document: EddiDocument) -> Problem | None:
@@ -71,26 +113,42 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
     for package in packages:
         if package.getparent() in inside:
             inside.add(package)  # reported with the enclosing package
-        elif _is_read(document, package):
-            children = [one for one in package.iterchildren() if one not in known]
-            yield from (one for one in children if _is_left_out(document, package, one))
+        elif document.class_of(package).name in _READ or _holds_models(document, package):
+            for child in package.iterchildren():
+                if child not in known:
+                    yield from _left_out(document, package, child)
         elif fold(_class_of(document, package)).endswith(("package", "packages")):
             inside.add(package)
             yield package
 
 
-def _is_left_out(document: EddiDocument, package: Element, child: Element) -> bool:
-    """Return whether a child of a package that is read is a model which is not."""
-    if document.class_of(package).name != "ddipackage":
-        return document.class_of(child).name in _LEFT_OUT
-    is_model = kind_of_model(document, child) in MONITORED
-    return not is_model and fold(feature_of(child)) != "keyvaluemaps"
+def _left_out(document: EddiDocument, package: Element, child: Element) -> Iterator[Element]:
+    """Yield what is not read of a child of a package that is, at least in part."""
+    if fold(feature_of(child)) == "keyvaluemaps":
+        return
+    own = document.class_of(package).name
+    is_whole = own not in _READ or own == "ddipackage"
+    if is_whole and not _holds_models(document, child):
+        yield child
+        return
+    waiting = [child]
+    while waiting:
+        element = waiting.pop()
+        if _is_left_out(document, element):
+            yield element
+        else:
+            waiting += reversed(element)
 
 
-def _is_read(document: EddiDocument, package: Element) -> bool:
-    if document.class_of(package).name in _READ:
-        return True
-    return any(kind_of_model(document, one) in MONITORED for one in package.iter())
+def _is_left_out(document: EddiDocument, element: Element) -> bool:
+    """Tell whether an element is a model or a package that no monitor is made of."""
+    name = fold(local_name(_class_of(document, element)))
+    is_package = name.endswith(("package", "packages")) and not _holds_models(document, element)
+    return is_package or name in _LEFT_OUT or name.removesuffix("s") in _LEFT_OUT
+
+
+def _holds_models(document: EddiDocument, element: Element) -> bool:
+    return any(kind_of_model(document, one) in MONITORED for one in element.iter())
 
 
 def _class_of(document: EddiDocument, element: Element) -> str:
@@ -98,12 +156,9 @@ def _class_of(document: EddiDocument, element: Element) -> str:
     return document.class_of(element).printed or feature_of(element)
 
 
-def _not_read(document: EddiDocument, stated: str, same: Sequence[Element]) -> Problem:
-    count = sum(1 for one in same for _ in one.iter())
-    elements = f"{count} element{'s' if count != 1 else ''}"
-    name = local_name(stated)
-    what = elements if name == stated else f"{stated}, {elements}"
-    is_one = len(same) == 1
-    verb, them = ("is", "it") if is_one else ("are", "them")
-    message = f"{len(same)} {name} ({what}) {verb} not read: no monitor is made of {them}"
-    return warning("X021", message, document.place(same[0]))
+def _described(document: EddiDocument, stated: str, same: Sequence[Element]) -> Unread:
+    below = [one for element in same for one in element.iterdescendants()]
+    inside = Counter(
+        local_name(_class_of(document, one)) for one in below if _is_left_out(document, one)
+    )
+    return Unread(stated, len(same), len(same) + len(below), inside, document.place(same[0]))
