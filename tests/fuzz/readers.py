@@ -167,6 +167,38 @@ def _networks(suffix: str) -> Callable[[Path], Made]:
     return make
 
 
+def _text_networks(name: str, text: bytes) -> Callable[[Path], Made]:
+    def make(folder: Path) -> Made:
+        _, attempt = _models()(folder)
+        return [Sample(name, text)], attempt
+
+    return make
+
+
+_BIF = b"""\
+network "Dogs" { // of a test
+  property "credal-set constant-density-bounded 1.1" ;
+}
+variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
+variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
+variable C { type discrete [ 2 ] { yes, no }; }
+probability ( A ) { table 0.25, 0.75; }
+probability ( B | A ) { (y) 0.5, 0.25, 0.25; (n) 0.125, 0, 0.875; }
+probability ( C | A, B ) { default 0.5, 0.5; (y, <5) 1e-3, 0.999; }
+"""
+_HUGIN = b"""\
+% of a test
+net { name = Dogs; node_size = (80 40); }
+node A { label = "What \\"A\\" is"; states = ("y" "n"); position = (1 2); }
+discrete node B { states = ("<5" "5-12" "12+"); }
+potential (A) { data = (0.25 0.75); experience = (1); }
+potential (B | A) {
+  data = ((0.5 0.25 0.25)    % A=y
+          (0.125 0 0.875));  % A=n
+}
+"""
+
+
 def _config(folder: Path) -> Made:
     """Configurations beside the models that they belong to."""
     samples, model_of = [], {}
@@ -459,6 +491,8 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     ),
     "XDSL": _networks(".xdsl"),
     "XMLBIF": _networks(".xmlbif"),
+    "BIF": _text_networks("n.bif", _BIF),
+    "Hugin": _text_networks("n.net", _HUGIN),
     "configuration": _config,
     "reliability YAML": _reliability,
     "SafeML": _safeml,

@@ -224,6 +224,41 @@ _XDSL = {
     ),
 }
 
+_BIF_ROOT = "variable n# {type discrete [2] {a, b};}\nprobability (n#) {table 0.5 0.5;}\n"
+_BIF = {
+    "variables": lambda n: _each(_BIF_ROOT, n),
+    "rows": lambda n: (
+        f"variable p {{type discrete [{n}] {{{_each('s# ', n)}}};}}\n"
+        "variable c {type discrete [2] {a, b};}\nprobability (c | p) {\n"
+        + _each("(s#) 0.5 0.5;\n", n)
+        + "}\n"
+    ),
+    "misspelt states": lambda n: (
+        f"variable p {{type discrete [{n}] {{{_each('state# ', n)}}};}}\n"
+        "variable c {type discrete [2] {a, b};}\nprobability (c | p) {\n"
+        + _each("(stat#) 0.5 0.5;\n", n)
+        + "}\n"
+    ),
+    "definitions of nothing": lambda n: (
+        _each(_BIF_ROOT, n) + _each("probability (m#) {table 0.5 0.5;}\n", n)
+    ),
+    "properties": lambda n: "network x {\n" + "property x = 1;\n" * n + "}\n",
+    "open comments": lambda n: "network x { property " + "/* " * n,
+    "comments": lambda n: "/* a */ // b\n" * n,
+    "quotes": lambda n: '"a" ' * n,
+    "numbers": lambda n: f"probability (c) {{table {'0.5 ' * n};}}\n",
+}
+_HUGIN = {
+    "nodes": lambda n: "net {}\n" + _each(
+        'node n# {states = ("a" "b");}\npotential (n#) {data = (0.5 0.5);}\n', n
+    ),
+    "definitions of nothing": lambda n: "net {}\n" + _each("potential (m#) {data = (1);}\n", n),
+    "brackets": lambda n: f"net {{}} potential (a) {{data = {'(' * n};}}\n",
+    "attributes": lambda n: "net {" + "a = (1);\n" * n + "}\n",
+    "open quotes": lambda n: "net {} " + '"\\"' * n,
+    "words": lambda n: "net {} " + "a " * n,
+}  # fmt: skip
+
 # configurations
 
 _OUTPUTS = "SimulatorOutputs:\n  - {id: o, type: std_msgs.Bool, topic: /o}\n"
@@ -484,6 +519,8 @@ _FAMILIES: list[tuple[str, str, dict[str, Callable[[int], str]]]] = [
     ("EDDI XML", "m.xml", _XML),
     ("ConSert YAML", "c.yml", _CONSERT),
     ("XDSL", "n.xdsl", _XDSL),
+    ("BIF", "n.bif", _BIF),
+    ("Hugin", "n.net", _HUGIN),
     ("configuration", "two-conserts/damaged_consert_a_config.yml", _CONFIG),
     ("configuration", "motor-watch/damaged_motor_config.yml", _CONFIG_EVENT),
     ("reliability YAML", "r.yml", _RELIABILITY),

@@ -12,10 +12,13 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds.bayesian_network.options import NetworkModel
     from eddi_scaffold.source import Source
 
-_SUFFIXES = (".xdsl", ".xmlbif", ".bif", ".xml")
+_SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".net", ".xml")
 _METHODS = "bayesian_network_config.py"
 _HEAD = 65536
 _ROOT = re.compile(rb"<(?:smile|BIF)[\s>/]")
+_HUGIN = re.compile(
+    rb"(?:\xef\xbb\xbf)?(?:\s|%[^\n]*\n)*(?:net|class|(?:[a-z]+\s+)?node|decision|utility)\b"
+)
 _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
     "renamed", "evidence",
@@ -29,12 +32,13 @@ IN_EDDI = (
 
 def _sniff(source: Source) -> bool:
     name = source.name.lower()
-    if name.endswith((*_SUFFIXES[:2], _METHODS)):
+    if name.endswith((*_SUFFIXES[:4], _METHODS)):
         return True
     if not name.endswith(_SUFFIXES):
         return False
     with source.open() as stream:
-        return _ROOT.search(stream.read(_HEAD)) is not None
+        head = stream.read(_HEAD)
+    return (_HUGIN.match if name.endswith(".net") else _ROOT.search)(head) is not None
 
 
 def _functions() -> Functions[NetworkModel]:

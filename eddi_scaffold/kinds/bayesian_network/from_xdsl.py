@@ -61,6 +61,11 @@ def _refused(root: Element, file: str) -> list[Problem]:
         if of not in _TYPES:
             node = Named(element.get("id") or "", Place(file, line_of(element)))
             others.setdefault(of, []).append(node)
+    several = [one for one in select(root, "nodes/*/parents") if len(text_of(one).split()) > 1]
+    if several and select(root, 'extensions/genie[starts-with(@app, "aGrUM")]'):
+        message = "pyAgrum lists the rows of a table in another order than XDSL has"
+        place = Place(file, line_of(several[0]))
+        problems.append(error("B209", message, place, "write it as .bif, .net or .bifxml there"))
     for of, nodes in others.items():
         advice = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
         problems.append(unsupported(of, nodes, advice))

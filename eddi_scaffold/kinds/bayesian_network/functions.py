@@ -19,7 +19,9 @@ from eddi_scaffold.kinds.bayesian_network.claims import MEANINGS, accepted, lag,
 from eddi_scaffold.kinds.bayesian_network.config_module import config_module
 from eddi_scaffold.kinds.bayesian_network.crosscheck import cross_check
 from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
+from eddi_scaffold.kinds.bayesian_network.from_bif import read_bif
 from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
+from eddi_scaffold.kinds.bayesian_network.from_net import read_net
 from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
 from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
 from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
@@ -45,20 +47,32 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
 
 
 def read_file(source: Source, _marks: Sequence[str]) -> Reading:
-    """Read an XDSL or XMLBIF file, or look at a module of hand-written methods."""
+    """Read a network by itself, or look at a module of hand-written methods."""
     if is_config_module(source.name):
         return Reading((), tuple(in_order(lint(source))))
-    is_bif = PurePath(source.name).suffix.lower() != ".xdsl" and b"<BIF" in source.data[:65536]
+    suffix = PurePath(source.name).suffix.lower()
+    if suffix == ".net":
+        network, problems = read_net(source)
+    elif suffix == ".bif" and not source.data.lstrip().startswith(b"<"):
+        network, problems = read_bif(source)
+    else:
+        network, problems = _read_xml(source, suffix)
+    return _reading([network] if network is not None else [], problems, source)
+
+
+def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem]]:
+    is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
     clean, problems = without_doctype(source) if is_bif else (source, [])
     with clean.open() as stream:
         tree, found = load(stream, source.name)
     problems = problems or found
     if tree is None:
-        return Reading((), tuple(in_order(problems)))
-    suffix = PurePath(source.name).suffix.lower()
-    read = read_xdsl if suffix == ".xdsl" or (not is_bif and suffix != ".xmlbif") else read_xmlbif
-    network, more = read(tree.document, source.name, source.stem)
-    return _reading([network] if network is not None else [], [*problems, *more], source)
+        return None, problems
+    is_xmlbif = is_bif or suffix in (".xmlbif", ".bifxml")
+    network, more = (read_xmlbif if is_xmlbif else read_xdsl)(
+        tree.document, source.name, source.stem
+    )
+    return network, [*problems, *more]
 
 
 def _reading(networks: Sequence[Network], problems: Sequence[Problem], source: Source) -> Reading:

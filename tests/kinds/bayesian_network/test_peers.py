@@ -1,18 +1,21 @@
-"""Other tools read what `export` writes, and see the same distribution."""
+"""Other tools and this one see the same distribution in each other's files."""
 
 from __future__ import annotations
 
+import gzip
+import random
 import warnings
 from pathlib import Path
 from typing import Any
 
 import pytest
+from eddi_runtime.bayesian_network.asking import posteriors
 from hypothesis import given, settings
 
 from eddi_scaffold.kinds.bayesian_network.model import Network
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
-from tests.kinds.bayesian_network.networks import networks
+from tests.kinds.bayesian_network.networks import joined, networks, read, read_path, running
 
 pytestmark = pytest.mark.slow
 
@@ -46,3 +49,50 @@ def test_pgmpy_reads_the_same_tables(
         width = len(node.states)
         for k in range(width):  # a row of pgmpy holds one state under every combination
             assert table.get_values()[k].tolist() == list(node.table[k::width])
+
+
+@pytest.fixture(scope="module", params=["asia", "child"])
+def public(request: pytest.FixtureRequest) -> tuple[bytes, Any]:
+    """Return a public network as BIF text, and as pgmpy reads it."""
+    readwrite = pytest.importorskip("pgmpy.readwrite", reason="the extra `bn` is not installed")
+    folder = Path(readwrite.__file__).parents[1] / "utils" / "example_models"
+    text = gzip.decompress((folder / f"{request.param}.bif.gz").read_bytes())
+    return text, readwrite.BIFReader(string=text.decode()).get_model()
+
+
+def test_a_public_network_has_the_posteriors_of_pgmpy(public: tuple[bytes, Any]) -> None:
+    from pgmpy.inference import VariableElimination
+
+    text, peer = public
+    reading = read(text, "n.bif")
+    assert reading.problems == ()
+    monitor, _ = joined(reading.models[0])
+    assert monitor is not None
+    machine, asked = running(monitor), VariableElimination(peer)
+    nodes = {node.id: node for node in reading.models[0].data.nodes}
+    chance = random.Random(1)
+    for _ in range(10):
+        names = chance.sample(sorted(nodes), 3)
+        evidence = {name: chance.choice(nodes[name].states) for name in names}
+        for output, found in posteriors(machine, evidence).items():
+            if output in evidence:
+                continue
+            wanted = asked.query([output], evidence, show_progress=False)
+            states = wanted.state_names[output]
+            values = [wanted.values[states.index(state)] for state in nodes[output].states]
+            assert list(found) == pytest.approx(values, abs=1e-9)
+
+
+@pytest.mark.parametrize("form", ["bif", "net", "xdsl"])
+def test_what_pgmpy_writes_is_read(public: tuple[bytes, Any], form: str, tmp_path: Path) -> None:
+    from pgmpy import readwrite
+
+    text, peer = public
+    writer = {"bif": "BIFWriter", "net": "NETWriter", "xdsl": "XDSLWriter"}[form]
+    path = tmp_path / f"n.{form}"
+    getattr(readwrite, writer)(peer).write(str(path))
+    found = {node.id: node for node in read_path(path).data.nodes}
+    for node in read(text, "n.bif").models[0].data.nodes:
+        mine = found[node.id]
+        assert (mine.states, mine.parents) == (node.states, node.parents)
+        assert mine.table == pytest.approx(node.table, abs=1e-12)

@@ -1,0 +1,238 @@
+"""Networks that are text: what BIF and Hugin files mean, and where they are wrong."""
+
+from __future__ import annotations
+
+import pytest
+
+from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds.bayesian_network.model import Network
+from tests.kinds.bayesian_network.networks import read
+
+START = """\
+network "Dog Problem" { // as JavaBayes writes it
+  property "credal-set constant-density-bounded 1.1" ;
+}
+variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
+variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
+"""
+BIF = START + "probability ( A ) { table 0.25, 0.75; }\n"
+NET = """\
+% of Hugin
+class Dogs {
+  inputs = ();
+  node A { label = "What \\"A\\" is"; states = ("y" "n"); position = (1 2); }
+  discrete node B { states = ("<5" "5-12" "12+"); }
+"""
+ROW = (0.5, 0.25, 0.25)
+ROWS = (*ROW, 0.125, 0.0, 0.875)
+
+
+def network(reading: Reading) -> Network:
+    assert reading.problems == ()
+    return reading.models[0].data
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "( B | A ) { (y) 0.5, 0.25, 0.25; (n) 0.125, 0, 0.875; }",
+        '("B" "A") { ("n") 0.125 0 0.875; ("y") 0.5 0.25 0.25; }',
+        "( B | A ) { table 0.5, 0.125, 0.25, 0, 0.25, 0.875; }",  # own states vary slowest
+        "( B | A ) { default 0.5 0.25 0.25; (n) 0.125 0 0.875; property x; }",
+    ],
+)
+def test_tables_of_bif(table: str) -> None:
+    found = network(read(f"{BIF}probability {table}", "n.bif"))
+    assert found.name == "Dog Problem"
+    b = found.node("B")
+    assert (b.states, b.parents, b.table) == (("<5", "5-12", "12+"), ("A",), ROWS)
+    assert found.node("A").table == (0.25, 0.75)
+
+
+def test_tables_of_hugin() -> None:
+    text = (
+        f"{NET}potential (B | A) {{ data = ((0.5 0.25 0.25) % A=y\n (0.125 0 0.875)); }}\n"
+        "potential (A | ) { data = (0.25 0.75); experience = (1); } }"
+    )
+    found = network(read(text, "n.net"))
+    assert found.name == "Dogs"
+    assert found.node("A").title == 'What "A" is'
+    b = found.node("B")
+    assert (b.title, b.states, b.parents, b.table) == ("B", ("<5", "5-12", "12+"), ("A",), ROWS)
+
+
+def test_a_hugin_file_without_a_class() -> None:
+    text = (
+        'net { name = Dogs; node_size = (80 40); }\nnode A { states = ("y" "n"); }\n'
+        "potential (A) { data = (0.25 0.75); }"
+    )
+    found = network(read(text, "n.net"))
+    assert (found.name, found.node("A").table) == ("Dogs", (0.25, 0.75))
+
+
+def test_the_order_of_parents_is_that_of_the_file() -> None:
+    variable = "variable {} {{ type discrete [2] {{ {}, {} }}; }}"
+    start = "".join(variable.format(*one) for one in ("Ayn", "Byn", "Cuv"))
+    roots = "probability (A) { table 1 0; } probability (C) { table 1 0; }"
+    rows = "(u, y) 1 0; (u, n) 0.9 0.1; (v, y) 0.8 0.2; (v, n) 0.7 0.3;"
+    bif = f"network N {{ }} {start} {roots} probability (B | C, A) {{ {rows} }}"
+    wanted = (("C", "A"), (1.0, 0.0, 0.9, 0.1, 0.8, 0.2, 0.7, 0.3))
+    b = network(read(bif, "n.bif")).node("B")
+    assert (b.parents, b.table) == wanted
+    nodes = "".join(f'node {name} {{ states = ("y" "n"); }}' for name in "ABC")
+    data = "(((1 0) (0.9 0.1)) ((0.8 0.2) (0.7 0.3)))"
+    net = f"net {{ }} {nodes} potential (A) {{ data = (1 0); }} potential (C) {{ data = (1 0); }}"
+    b = network(read(f"{net} potential (B | C A) {{ data = {data}; }}", "n.net")).node("B")
+    assert (b.parents, b.table) == wanted
+
+
+def told(text: str, name: str) -> list[tuple[str, int | None, int | None, str]]:
+    problems = read(text, name).problems
+    return [(p.code, p.place.line, p.place.col, p.message) for p in problems]
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("( B | A ) { (y) 0.5 0.25 0.25; }", ("B125", 7, 15, "the table of 'B' lacks 1 row: A=n")),
+        (
+            "( B | A ) {\n (y) 0.5 0.25 0.25; (m) 0 0 1; }",
+            ("B205", 8, 21, "'m' is not a state of 'A'"),
+        ),
+        (
+            "( B | A ) { (y) 0.5 0.5; (n) 0 0 1; }",
+            ("B111", 7, 25, "a row of 'B' has 2 values, expected 3"),
+        ),
+        (
+            "( B | A ) { (y, y) 0 0 1; (n) 0 0 1; }",
+            ("B122", 7, 25, "a row of 'B' names 2 states, it has 1 parents"),
+        ),
+        (
+            "( B | A ) { (y) 0 0 1; (y) 0 1 0; (n) 0 0 1; }",
+            ("B123", 7, 36, "y of 'B' has two rows, first in line 7"),
+        ),
+        (
+            "( B | A ) { (y) 0 0 1; (n) 0 0 x; }",
+            ("B112", 7, 36, "'x' of 'B' in row A=n is not a probability"),
+        ),
+        (
+            "( B | A ) { table 1 0; }",
+            ("B111", 7, 15, "the table of 'B' has 2 values, expected 6 (2 x 3)"),
+        ),
+        (
+            "( B | A ) { table ; }",
+            ("B111", 7, 15, "the table of 'B' has 0 values, expected 6 (2 x 3)"),
+        ),
+        ("( B | A ) { }", ("B110", 5, 10, "the node 'B' has no probabilities")),
+        (
+            "( B | Q ) { default 0 0 1; }",
+            ("B108", 7, 19, "'B' has the parent 'Q', which is not a node"),
+        ),
+        (
+            "( B | A ) { table 1; (y) 1; }",
+            ("B231", 7, 34, "the table of 'B' is given twice"),
+        ),
+        (
+            "( B, A | A ) { table 1; }",  # of two variables together
+            ("B231", 7, 20, "the name of a parent or `)` is expected, not '|'"),
+        ),
+        ('( B | "A', ("B231", 7, 19, 'this is not finished: "')),
+        ("( B ) { table 1 0 0; } /* end", ("B231", 7, 36, "this is not finished: /*")),
+        ("( B ) { table 1 0 0", ("B231", 7, 32, "`;` is expected, not the end of the file")),
+        (
+            "( B ) { table 1 0 0; }\nvariable C { type discrete [3] { y, n }; }",
+            ("B231", 8, 29, "3 states are announced, 2 are there"),
+        ),
+        (
+            "( B ) { table 1 0 0; }\nvariable C { type continuous; }",
+            ("B202", 8, 10, "the node 'C' is of type 'continuous', which is not supported"),
+        ),
+        (
+            "( B ) { table 1 0 0; }\nprobability ( C ) { table 1 0; }",
+            ("B222", 8, 15, "there is a definition for 'C', which is not a variable"),
+        ),
+        (
+            "( B ) { table 1 0 0; }\nvariable A { type discrete [2] { y, n }; }",
+            ("B102", 8, 10, "the node name 'A' is used twice, first in line 4"),
+        ),
+        (
+            "( B ) { table 1 0 0; }\nfunction f { }",
+            ("B231", 8, 1, "`network`, `variable` or `probability` is expected, not 'function'"),
+        ),
+    ],
+)
+def test_what_is_wrong_in_bif(text: str, wanted: tuple[str, int, int, str]) -> None:
+    assert told(f"{BIF}probability {text}", "n.bif") == [wanted]
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        (
+            "potential (B) { data = (0.5 0.5); }",
+            ("B111", 6, 24, "the table of 'B' has 2 values, expected 3 (3)"),
+        ),
+        (
+            "potential (B) { data = (0.5 0.5 x); }",
+            ("B112", 6, 24, "'x' of 'B' is not a probability"),
+        ),
+        ("potential (B) { data = ((1 0 0); }", ("B231", 6, 32, "a number is expected, not ';'")),
+        ("potential (A B) { data = (1); }", ("B231", 6, 14, "`)` is expected, not 'B'")),
+        (
+            "potential (B) { model_nodes = (); }",
+            ("B110", 5, 3, "the node 'B' has no probabilities"),
+        ),
+        (
+            "potential (B) { data = (1 0 0); }\npotential (B) { data = (1 0 0); }",
+            ("B232", 7, 12, "'B' is defined twice, first in line 6"),
+        ),
+        (
+            "potential (B) { data = (1 0 0); }\npotential (C) { data = (1 0 0); }",
+            ("B222", 7, 12, "there is a definition for 'C', which is not a variable"),
+        ),
+        (
+            "decision D { } utility U { } utility V { }",
+            ("B202", 6, 1, "the node 'D' is of type 'decision', which is not supported"),
+        ),
+        ("instance I : C;", ("B231", 6, 15, "`{` is expected, not ';'")),
+    ],
+)
+def test_what_is_wrong_in_hugin(text: str, wanted: tuple[str, int, int, str]) -> None:
+    root = "" if "V { }" in text else "potential (A) { data = (1 0); }"
+    assert told(f"{NET}{text} {root}}}", "n.net")[0] == wanted
+
+
+def test_a_class_beside_a_class() -> None:
+    (problem,) = told("class A { }\nclass B { }", "n.net")
+    assert problem[1:3] == (2, 1)
+
+
+def test_a_default_that_would_fill_too_much_is_refused() -> None:
+    names = [f"P{k}" for k in range(40)]
+    text = "".join(
+        f"variable {name} {{ type discrete [2] {{ y, n }}; }}" for name in ["X", *names]
+    ) + "".join(f"probability ({name}) {{ table 1 0; }}" for name in names)
+    text = f"network N {{ }} {text} probability (X | {', '.join(names)}) {{ default 1 0; }}"
+    (problem,) = told(text, "n.bif")
+    assert problem[0] == "B111"
+    assert problem[3] == "the table of 'X' would have 2199023255552 entries, more than 1000000"
+
+
+def test_text_that_is_not_utf_8() -> None:
+    (problem,) = read(b"network N { }\n// caf\xe9", "n.bif").problems
+    assert (problem.code, problem.place.line, problem.place.col) == ("B231", 2, 7)
+
+
+@pytest.mark.parametrize("name", ["n.bifxml", "n.bif", "n.xml", "n.xmlbif"])
+def test_xmlbif_under_each_of_its_names(name: str) -> None:
+    variable = "<VARIABLE><NAME>A</NAME><OUTCOME>y</OUTCOME><OUTCOME>n</OUTCOME></VARIABLE>"
+    definition = "<DEFINITION><FOR>A</FOR><TABLE>0.25 0.75</TABLE></DEFINITION>"
+    text = (
+        f'<?xml version="1.0"?><BIF VERSION="0.3"><NETWORK>{variable}{definition}</NETWORK></BIF>'
+    )
+    assert network(read(text, name)).node("A").table == (0.25, 0.75)
+
+
+@pytest.mark.parametrize("text", ['*Vertices 3\n1 "a"\n', "networks: 3\n", ""])
+def test_other_files_of_that_name_are_no_networks(text: str) -> None:
+    assert [problem.code for problem in read(text, "n.net").problems] == ["F003"]
