@@ -10,9 +10,9 @@ from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.regions.check import broken_files, unfit_files
 from eddi_scaffold.regions.generated import (
-    answers_digest,
     is_placed,
-    recorded_answers,
+    recorded_rendering,
+    rendering_digest,
 )
 from eddi_scaffold.regions.store import without_sentinel
 
@@ -42,7 +42,7 @@ def is_current(target: Path, package: PackageAnswers, template: Template, source
         return False
     if any(tree.files.get(name, _NO_FILE).data != data for name, data in package.files.items()):
         return False
-    return recorded_answers(target) == answers_digest(target) and _is_whole(target, tree)
+    return recorded_rendering(target) == rendering_digest(target) and _is_whole(target, tree)
 
 
 _NOTHING = object()

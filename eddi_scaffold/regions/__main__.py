@@ -30,7 +30,7 @@ if sys.argv[1:2] == ["--folder"] and __package__ == "copier_regions":
     names.choose(*sys.argv[2:3])
     del sys.argv[1:3]
 
-from .check import broken_files
+from .check import broken_files, mixed_renderings
 from .driver import merge_driver
 from .generated import keep_edits_of_old_layout
 from .git import committed_text
@@ -79,8 +79,8 @@ def _check(root: Path) -> list[str]:
     broken = broken_files(root)
     if not broken:
         keep_edits_of_old_layout(root)
-        interrupted = begin_update(root)
-        return [f"{ANSWERS}:1: error: {interrupted}"] if interrupted else []
+        stop = begin_update(root, lambda: mixed_renderings(root, partial(committed_text, root)))
+        return [f"{ANSWERS}:1: error: {stop}"] if stop else []
     return [f"{refusal.file}:{refusal.line}: error: {refusal.reason}" for refusal in broken]
 
 

@@ -61,7 +61,7 @@ def join_renderings(path: str, base: str, ours: str, theirs: str) -> str:
 def join_manifests(base: str, ours: str, theirs: str) -> str | None:
     """Return the digests of two branches, ``None`` where one is damaged.
 
-    Without the digest of the answers: no rendering was made of both branches' yet.
+    That of the whole rendering fits no package where both branches have a new one.
     """
     try:
         old, own, new = ({} if not text else json.loads(text) for text in (base, ours, theirs))
@@ -74,9 +74,8 @@ def join_manifests(base: str, ours: str, theirs: str) -> str | None:
         for name in sorted({*mine, *other})
         if (digest := _chosen(before.get(name), mine.get(name), other.get(name))) is not None
     }
-    same = own.get("answers") == new.get("answers")
-    record = {"answers": own.get("answers", "") if same else "", "sha256": both}
-    return json.dumps(record, indent=1, sort_keys=True) + "\n"
+    whole = _chosen(*(one.get("rendering") for one in (old, own, new)))
+    return json.dumps({"rendering": whole, "sha256": both}, indent=1, sort_keys=True) + "\n"
 
 
 def _chosen(base: object, ours: object, theirs: object) -> object:

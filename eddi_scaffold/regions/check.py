@@ -12,7 +12,7 @@ from .bodies import same_body
 from .conflicts import CONFLICT, conflict_lines, separator_lines
 from .files import entries, read_regular, stays
 from .fitting import made_of, missing_parts
-from .generated import ANSWERS, answers_digest, recorded_answers
+from .generated import ANSWERS, recorded_rendering, rendering_digest
 from .git import former_texts
 from .lost import lost_markers
 from .marked_file import Fault, MarkedFile, Region, parse
@@ -135,9 +135,8 @@ def unfit_files(
         former: versions of a file in the history, by commit; none where that is not known.
     """
     found = []
-    recorded = recorded_answers(root)
-    if recorded and recorded != answers_digest(root):
-        note = "the last finished rendering was of other answers; generate again"
+    if not _is_of_one_rendering(root):
+        note = "answers and renderings are not of one run, or of two branches; generate again"
         found.append(_unfit(ANSWERS, note))
     for name in files_below(root / EDDI / "pristine"):
         notes = _misfits(root, name, former)
@@ -175,6 +174,34 @@ def _misfits(root: Path, name: str, former: Callable[[str], Mapping[str, str]]) 
 
 def _unfit(name: str, *notes: str) -> RegionStatus:
     return RegionStatus("", name, None, "unfit", notes, review=True)
+
+
+def _is_of_one_rendering(root: Path) -> bool:
+    return recorded_rendering(root) in {"", rendering_digest(root)}
+
+
+def mixed_renderings(root: Path, committed: Callable[[str], str | None]) -> str | None:
+    """Return what to do before an update of a package that branches were merged in.
+
+    Copier would render what the package was made of, and take the difference for a person's edit.
+
+    Args:
+        root: the package.
+        committed: text of a file in the last commit.
+    """
+    answers = read_text(root / ANSWERS)
+    if not isinstance(answers, str) or answers != committed(ANSWERS):
+        return None  # there is a new rendering already
+    records = root / EDDI
+    texts = {name: read_text(records / "pristine" / name) for name in files_below(records / "base")}
+    whole = {n: without_sentinel(text) for n, text in texts.items() if isinstance(text, str)}
+    merged = all(text == read_text(records / "base" / name) for name, text in whole.items())
+    if None not in whole.values() and (not merged or _is_of_one_rendering(root)):
+        return None
+    return (
+        "answers and renderings are of two branches, or of a run that was interrupted: run `copier"
+        " recopy --trust --force` or `eddi-scaffold upgrade`, which bring all to one, and commit"
+    )
 
 
 def broken_files(root: Path) -> tuple[Refusal, ...]:

@@ -33,6 +33,9 @@ GENERATED = f"{EDDI}/generated"
 MANIFEST = "manifest.json"
 ANSWERS = ".copier-answers.yml"
 """File of a package in which Copier keeps the answers."""
+_LAYOUT = b" \t\r\n'\"(),\\"
+_LOWER = bytes(range(256)).lower()
+"""With these characters and upper case formatters do what they do, in every version of Python."""
 
 
 def listed_generated(root: Path) -> list[str]:
@@ -93,26 +96,33 @@ def place_generated(root: Path, committed: Callable[[str], str | None]) -> list[
                 continue
             text = f"it is left alone, and should be as generated: {problem.strerror or problem}"
             notes.append(Note(name, None, text))
-    record = {"answers": answers_digest(root), "sha256": written}
+    record = {"rendering": rendering_digest(root), "sha256": written}
     text = json.dumps(record, indent=1, sort_keys=True) + "\n"
     write_file(root, f"{EDDI}/{MANIFEST}", text.encode())
     return notes
 
 
-def answers_digest(root: Path) -> str:
-    """Return the SHA-256 of a package's answers, without where the templates lay."""
+def rendering_digest(root: Path) -> str:
+    """Return the SHA-256 of a package's answers and of the renderings that its files were made of.
+
+    Without where the templates lie, and without what a formatter changes.
+    """
     text = read_text(root / ANSWERS)
     kept, origin = [], False
     for line in (text if isinstance(text, str) else "").split("\n"):
-        origin = line.startswith("_") or (origin and line[:1] in {" ", ""})
+        origin = line.startswith("_src_path") or (origin and line[:1] in {" ", "\r", ""})
         if not origin:
             kept.append(line)
-    return hashlib.sha256("\n".join(kept).encode()).hexdigest()
+    digest = hashlib.sha256("\n".join(kept).encode().translate(_LOWER, _LAYOUT))
+    for name in files_below(root / EDDI / "base"):
+        data = read_regular(root / EDDI / "base" / name)
+        digest.update(b"\0" + os.fsencode(name) + b"\0" + data.translate(_LOWER, _LAYOUT))
+    return digest.hexdigest()
 
 
-def recorded_answers(root: Path) -> str:
-    """Return the digest of the answers of the last finished rendering, empty without one."""
-    return str(_manifest(root).get("answers", ""))
+def recorded_rendering(root: Path) -> str:
+    """Return the same of the last finished rendering, empty without one."""
+    return str(_manifest(root).get("rendering") or "")
 
 
 def keep_edits_of_old_layout(root: Path) -> None:

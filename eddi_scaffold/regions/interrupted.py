@@ -7,6 +7,7 @@ answers of before stay beside the package until the merge has ended, and are put
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from .store import EDDI, read_text, remove_file, write_file
@@ -15,8 +16,13 @@ ANSWERS = ".copier-answers.yml"
 _BEFORE = f"{EDDI}/updating.yml"
 
 
-def begin_update(root: Path) -> str | None:
-    """Keep the answers of before an update; return what to do where one was interrupted."""
+def begin_update(root: Path, hindrance: Callable[[], str | None]) -> str | None:
+    """Keep the answers of before an update; return what to do where it cannot begin.
+
+    Args:
+        root: the package.
+        hindrance: returns what else is in the way of an update that is not under way.
+    """
     before, now = read_text(root / _BEFORE), read_text(root / ANSWERS)
     if isinstance(before, str) and before != now:
         write_file(root, ANSWERS, before.encode())
@@ -24,6 +30,8 @@ def begin_update(root: Path) -> str | None:
             "the last update was interrupted; the answers are again those that the files were made"
             " of: commit, and run the same update again"
         )
+    if before is None and (found := hindrance()):
+        return found
     if isinstance(now, str):
         write_file(root, _BEFORE, now.encode())
     return None

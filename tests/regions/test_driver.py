@@ -155,13 +155,14 @@ def test_the_order_is_that_of_the_new_rendering(swapped: bool) -> None:
 
 
 def test_digests_of_two_renderings() -> None:
-    one = '{"answers": "1", "sha256": {"a": "1", "b": "1", "gone": "1"}}'
-    ours = '{"answers": "2", "sha256": {"a": "2", "b": "1", "c": "2", "gone": "1"}}'
-    theirs = '{"answers": "3", "sha256": {"a": "1", "b": "3"}}'
+    one = '{"rendering": "1", "sha256": {"a": "1", "b": "1", "gone": "1"}}'
+    ours = '{"rendering": "2", "sha256": {"a": "2", "b": "1", "c": "2", "gone": "1"}}'
+    theirs = '{"rendering": "3", "sha256": {"a": "1", "b": "3"}}'
     merged = join_manifests(one, ours, theirs)
     assert merged is not None
-    assert '"answers": ""' in merged
     assert '"a": "2",\n  "b": "3",\n  "c": "2"\n' in merged
+    assert join_manifests(one, one, theirs) == join_manifests(one, theirs, theirs)
+    assert '"rendering": "3"' in str(join_manifests(one, one, theirs))
     assert join_manifests(one, ours, "<<<<<<<") is None
 
 

@@ -12,7 +12,7 @@ import pytest
 from eddi_scaffold.identifiers import attribute
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates, git
-from tests.updates.world import World
+from tests.updates.world import World, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -40,9 +40,15 @@ def world(templates: Templates, folder: Path) -> World:
     return world
 
 
-def diverge(world: World, change: str) -> None:
-    """Write by hand on `side`; change the model or the template, and write by hand, on `main`."""
+def diverge(world: World, change: str, other: str | None = None) -> None:
+    """Write by hand on `side`; change the model or the template, and write by hand, on `main`.
+
+    ``other`` is a change on `side`.
+    """
     git(world.workspace, "checkout", "-q", "side")
+    if other is not None:
+        world.change(*CHANGES[other][0])
+        assert world.generate().status == 0
     world.edit("alpha", _COMMENT)
     for kind in ("import", "init", "helper"):
         assert world.edit_outside(kind)
@@ -120,3 +126,44 @@ def test_what_is_said_to_do_puts_it_right(world: World) -> None:
     assert world.upgrade().status == 0
     assert updated(world)
     assert world.command("regions", "--check", world.package).status == 0
+
+
+def test_plain_update_after_the_merge(world: World) -> None:
+    diverge(world, "both")
+    git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
+    assert merge(world)
+    world.version += 1
+    assert world.update().status == 0
+    world.settle()
+    world.check()
+    assert updated(world)
+    assert "unfit" not in world.command("regions", world.package).words
+
+
+@pytest.mark.parametrize("with_driver", [True, False])
+def test_plain_update_of_renderings_of_two_branches_waits_for_one(
+    world: World, capfd: pytest.CaptureFixture[str], *, with_driver: bool
+) -> None:
+    """Copier would undo in the new rendering what it misses in the merged one, without a word."""
+    diverge(world, "template", "renamed")
+    if with_driver:
+        git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
+    assert not merge(world)
+    for name in git(world.workspace, "diff", "--name-only", "--diff-filter=U").split():
+        git(world.workspace, "checkout", "--ours", name)
+    for token in [token for token in world.lines if token not in world.text()]:
+        del world.lines[token]  # the person's choice
+    world.commit()
+    world.change(*CHANGES["renamed"][0])
+    assert world.command("regions", "--check", world.package).status == 3
+    before = snapshot(world.package)
+    assert world.update().status == 1
+    assert snapshot(world.package) == before
+    assert "`copier recopy --trust --force`" in capfd.readouterr().err
+    for operation in (world.recopy, world.update):
+        assert operation().status == 0
+        world.settle()
+        world.check()
+        assert updated(world)
+        assert "unfit" not in world.command("regions", world.package).words
+        world.version += 1
