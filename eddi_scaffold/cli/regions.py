@@ -20,7 +20,10 @@ def regions(
     ] = False,
     accept: Annotated[
         list[str] | None,
-        typer.Option("--accept", help="Region id that was looked at and is right; repeatable."),
+        typer.Option(
+            "--accept",
+            help="Region id or unfit file that was looked at and is right; repeatable.",
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

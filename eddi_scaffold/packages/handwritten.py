@@ -14,6 +14,7 @@ from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions, regions_of
 from eddi_scaffold.regions.markers import Marker, read_marker
+from eddi_scaffold.regions.store import EDDI
 
 
 @dataclass(frozen=True)
@@ -154,18 +155,29 @@ def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     ]
 
 
-def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
-    """Confirm that bodies were reviewed and are correct.
+def accept_regions(folder: Path, words: Iterable[str]) -> Sequence[str]:
+    """Confirm that bodies, or files that do not fit their base, were reviewed and are correct.
+
+    Args:
+        folder: a package, or a folder that holds packages.
+        words: ids of regions, and paths of files as :func:`inventory` has them.
 
     Raises:
-        EddiError: no package has a region of such an id (U004).
+        EddiError: there is nothing of such a name to accept (U004).
     """
-    wanted = list(ids)
+    wanted, accepted = set(words), set[str]()
     packages = packages_below(folder)
     with alone(package.parent for package in packages):
-        accepted = [done for package in packages for done in accept(package, wanted)]
-    for missing in sorted(set(wanted) - set(accepted)):
-        raise EddiError(
-            error("U004", f"there is no region {missing!r} below {folder}", Place(str(folder)))
-        )
-    return sorted(set(accepted))
+        for package in packages:
+            names = {_name_in(package, word): word for word in sorted(wanted)}
+            accepted |= {names[done] for done in accept(package, names)}
+    for missing in sorted(wanted - accepted):
+        message = f"there is nothing {missing!r} to accept below {folder}"
+        raise EddiError(error("U004", message, Place(str(folder))))
+    return sorted(accepted)
+
+
+def _name_in(package: Path, word: str) -> str:
+    """Return a file's name in a package, any other word as it is."""
+    place = Path(os.path.relpath(word, package))
+    return place.as_posix() if (package / EDDI / "pristine" / place).is_file() else word

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -26,9 +27,11 @@ from .store import (
     EDDI,
     SAVED,
     files_below,
+    load_accepted,
     load_orphans,
     read_text,
     refuse_changed,
+    save_accepted,
     without_sentinel,
     write_file,
 )
@@ -154,22 +157,37 @@ def _misfits(root: Path, name: str, former: Callable[[str], Mapping[str, str]]) 
         return ["its rendering is not whole (interrupted, or of two branches); generate again"]
     if rendered != merged:
         return ["its newest rendering has not been merged into it; generate again"]
+    return list(_strange_parts(root, name, former).values())
+
+
+def _strange_parts(
+    root: Path, name: str, former: Callable[[str], Mapping[str, str]]
+) -> dict[str, str]:
+    """Return in what a file does not fit its base, but for what a person accepted; part -> note."""
     _, mine, theirs, _ = _documents(root, name)
-    base = _base(root, name, theirs)
+    base, place = _base(root, name, theirs), f"{EDDI}/base/{name}"
     if mine is None or base is None:
-        return []
-    place = f"{EDDI}/base/{name}"
-    notes = missing_parts(base, mine, python=kind_of(name) == "python")
+        return {}
+    missing = missing_parts(base, mine, python=kind_of(name) == "python")
+    accepted = load_accepted(root, name)
+    found = {part: note for part, note in missing.items() if part not in accepted}
     if same_lines(base.skeleton, mine.skeleton):
-        return notes
-    olds = {key: parse(text)[0] for key, text in former(place).items() if text != merged}
+        return found
+    texts = {key: text for key, text in former(place).items() if text != read_text(root / place)}
+    olds = {key: parse(one)[0] for key, one in texts.items() if _part_of(one) not in accepted}
     commit = made_of(base, mine, olds)
     if commit is not None:
-        cure = f"git checkout {commit} -- {place}', then upgrade"
-        notes.append(f"generated lines are of the rendering in {commit}; run '{cure}")
-    elif notes:
-        notes[-1] += f"; where you removed nothing: take {place} of the file's branch, then upgrade"
-    return notes
+        cure = f"git checkout {commit} -- {place}', then upgrade; if the file is right, accept it"
+        note = f"generated lines are of the rendering in {commit}; run '{cure}"
+        found[_part_of(texts[commit])] = note
+    elif found:
+        cure = f"where you removed nothing: take {place} of the file's branch, then upgrade"
+        found[[*found][-1]] += f"; {cure}; else accept the file"
+    return found
+
+
+def _part_of(rendering: str) -> str:
+    return hashlib.sha256(rendering.encode()).hexdigest()
 
 
 def _unfit(name: str, *notes: str) -> RegionStatus:
@@ -213,14 +231,24 @@ def broken_files(root: Path) -> tuple[Refusal, ...]:
     )
 
 
-def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
-    """Confirm that bodies were reviewed: their markers get the signature of the newest rendering.
+def accept(root: Path, words: Iterable[str]) -> tuple[str, ...]:
+    """Confirm that bodies, or files that do not fit their base, were reviewed and are right.
+
+    The markers of a body get the signature of the newest rendering; what a file has or lacks
+    against its base counts as written by hand until the base changes.
+
+    Args:
+        root: the package.
+        words: ids of regions, and editable files relative to the package.
 
     Returns:
-        The ids that were found; files with damaged markers are left alone.
+        The words that were found; files with damaged markers are left alone.
     """
-    wanted, accepted = set(ids), []
+    wanted, accepted = set(words), []
     for name in files_below(root / EDDI / "pristine"):
+        if name in wanted and (parts := _all_strange_parts(root, name)):
+            save_accepted(root, name, parts)
+            accepted.append(name)
         text, mine, theirs, _ = _documents(root, name)
         if text is None or mine is None or theirs is None or not stays(root, root / name):
             continue
@@ -235,6 +263,15 @@ def accept(root: Path, ids: Iterable[str]) -> tuple[str, ...]:
         check = partial(refuse_changed, root / name, text)
         write_file(root, name, "\n".join(lines).encode(), check=check)
     return tuple(accepted)
+
+
+def _all_strange_parts(root: Path, name: str) -> set[str]:
+    """Return the same parts, with every former rendering that the file has lines of."""
+    history, found = former_texts(root, f"{EDDI}/base/{name}"), set[str]()
+    while new := _strange_parts(root, name, lambda _, left=history: left).keys() - found:  # type: ignore[misc]
+        found |= new
+        history = {key: text for key, text in history.items() if _part_of(text) not in found}
+    return found
 
 
 def _documents(

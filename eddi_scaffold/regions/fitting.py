@@ -19,20 +19,21 @@ _ENOUGH = 2
 """Lines in which a file must agree with another rendering: a person may well remove one."""
 
 
-def missing_parts(base: MarkedFile, mine: MarkedFile, *, python: bool) -> list[str]:
+def missing_parts(base: MarkedFile, mine: MarkedFile, *, python: bool) -> dict[str, str]:
     """Return what the rendering has and the file has not: regions, and calls of their functions."""
     if same_lines(base.skeleton, mine.skeleton):
-        return []
+        return {}
     gone = [key for key in base.regions if key not in mine.regions]
-    found = [f"region {key!r} of the newest rendering is not in the file" for key in gone]
+    found = {key: f"region {key!r} of the newest rendering is not in the file" for key in gone}
     if python:
         wanted = {r.function.rpartition(".")[2]: None for r in base.regions.values() if r.function}
         before, now = (_mentioned(one.skeleton) for one in (base, mine))
         if now is not None:
             lost = [name for name in wanted if name in (before or ()) and name not in now]
-            found += [
-                f"{name!r} is called by the newest rendering, not by the file" for name in lost
-            ]
+            found |= {
+                name: f"{name!r} is called by the newest rendering, not by the file"
+                for name in lost
+            }
     return found
 
 

@@ -2,7 +2,8 @@
 
 Layout below ``.eddi/``: ``pristine/F`` (Copier's rendering of F), ``generated/F`` (the same of a
 file that must not be edited), ``base/F`` (the rendering of the last finished sync), ``next/F``
-(what becomes the base of a sync under way), ``orphans/<id>`` (bodies without a region),
+(what becomes the base of a sync under way), ``accepted/F`` (in what F may differ from that base
+though it looks like another one's), ``orphans/<id>`` (bodies without a region),
 ``rejects/F.patch`` (outside edits without a place), ``rejects/F.edited`` (whole files).
 """
 
@@ -13,7 +14,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from itertools import chain, count
 from pathlib import Path
@@ -194,6 +195,18 @@ def save_orphan(root: Path, orphan: Orphan) -> Path:
     if len(name) > 200 or not is_relative(name):
         name = f"{name[:150]}-{hashlib.sha256(orphan.id.encode()).hexdigest()[:16]}"
     return _save_numbered(root, f"{EDDI}/orphans/{name}", "~", "", data)
+
+
+def load_accepted(root: Path, path: str) -> frozenset[str]:
+    """Return the parts of a file that do not fit its base, and that a person found right."""
+    text = read_text(root / EDDI / "accepted" / path)
+    return frozenset(text.splitlines() if isinstance(text, str) else ())
+
+
+def save_accepted(root: Path, path: str, parts: Iterable[str]) -> None:
+    """Add to these parts."""
+    lines = sorted({*load_accepted(root, path), *parts})
+    write_file(root, f"{EDDI}/accepted/{path}", "".join(f"{line}\n" for line in lines).encode())
 
 
 def save_reject(root: Path, path: str, data: bytes, suffix: str = ".patch") -> Path:

@@ -302,9 +302,11 @@ def next_base(text: bytes, base: bytes) -> bytes:
 
 def _commit(root: Path, path: str, theirs: str | None) -> None:
     if theirs is None:
-        remove_file(root / EDDI / "base" / path)
+        changed = remove_file(root / EDDI / "base" / path)
     else:
-        write_file(root, f"{EDDI}/base/{path}", theirs.encode())
+        changed = write_file(root, f"{EDDI}/base/{path}", theirs.encode())
+    if changed:
+        remove_file(root / EDDI / "accepted" / path)
     remove_file(root / EDDI / "next" / path)
 
 

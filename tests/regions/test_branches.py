@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.regions.check import RegionStatus, list_regions
+from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
 from eddi_scaffold.regions.sync import sync_package
 from tests.regions.rendering import INPUT, Package, elements, render
 from tests.regions.test_sync import body, git, write_hand
@@ -94,6 +94,29 @@ def test_without_history_a_missing_input_is_seen(root: Path, tmp_path: Path) -> 
     (found,) = unfit(root)
     assert "region 'input:c' of the newest rendering is not in the file" in found.notes
     assert "'process_c' is called by the newest rendering" in found.notes[-1]
+
+
+@pytest.mark.parametrize("changed", [Package((A, B, C)), Package((A, B), 3)])
+def test_a_file_that_was_resolved_by_hand_is_accepted_until_its_base_changes(
+    root: Path, changed: Package
+) -> None:
+    generate(root, changed)
+    commit(root)
+    git(root, "checkout", "side", "--", INPUT)
+    assert unfit(root)
+    assert accept(root, [INPUT, "other.py"]) == (INPUT,)
+    assert not unfit(root)
+    assert accept(root, [INPUT]) == ()
+    write_hand(root, "input:b", "self.b = 'by hand'")
+    assert not unfit(root)
+    text = (root / INPUT).read_text()
+    (root / INPUT).write_text(text.replace("self.process_b,", "None,"))
+    assert "'process_b' is called" in " ".join(unfit(root)[0].notes)  # nobody accepted that
+    (root / INPUT).write_text(text)
+    generate(root, changed)
+    assert not unfit(root)
+    generate(root, Package((A, B, C, D), 3))
+    assert not (root / ".eddi/accepted").exists()
 
 
 def test_hand_edits_are_no_misfits(root: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -120,6 +121,11 @@ def test_what_is_said_to_do_puts_it_right(world: World) -> None:
     assert not merge(world)
     git(world.package, "checkout", "--theirs", world.main)
     world.commit()
+    shutil.copytree(world.package, copy := world.folder / "accepted" / "rover")
+    file = copy / world.main
+    assert world.command("regions", "--check", copy.parent).status == 3
+    assert world.command("regions", "--check", "--accept", file, copy.parent).status == 0
+    assert "U004" in world.command("regions", "--accept", file, copy.parent).words
     said = world.command("regions", "--check", world.package).words
     (cure,) = re.findall(r"run '(git checkout .*?)'", said)
     subprocess.run(cure.split(), cwd=world.package, check=True)
