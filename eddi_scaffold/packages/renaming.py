@@ -19,7 +19,7 @@ from eddi_scaffold.regions.markers import decode_id, encode_id
 from eddi_scaffold.regions.store import SAVED
 
 _RECORDS = ".eddi/"
-_KEPT = ("base", "pristine", "generated", "next", "rejects")
+_KEPT = ("base", "pristine", "generated", "next", "accepted", "rejects")
 _MANIFEST = f"{_RECORDS}manifest.json"
 _BASE, _ORPHANS = f"{_RECORDS}base/", f"{_RECORDS}orphans/"
 _FILE = "# file: "
@@ -133,13 +133,16 @@ def _check_movable(package: Path) -> None:
     Raises:
         EddiError: it has such an entry (G025).
     """
-    others = sorted(survey(package).others)
     if os.path.lexists(package / ".git"):
-        others.append(".git")
-    if others:
-        message = f"{others[0]!r} cannot move along: it is no regular file"
-        hint = "move it away first (an editor's lock goes when the file is closed)"
+        message = "'.git' cannot move along: the package is a repository of its own"
+        hint = (
+            "move '.git' away, run this again, and move it into the new folder; of a submodule,"
+            " write the new path into .gitmodules and into the core.worktree of its repository"
+        )
         raise _refused(message, hint, package)
+    for name, kind in sorted(survey(package).others.items()):
+        hint = "remove it, run this again, and make it anew (an editor's goes when it is closed)"
+        raise _refused(f"{name!r} cannot move along: it is {kind}", hint, package)
 
 
 def _is_as_made(package: Path) -> bool:

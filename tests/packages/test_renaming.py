@@ -11,6 +11,7 @@ from eddi_scaffold.packages.transaction import recover
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_example
 from tests.updates.inputs import elements, write_inputs
+from tests.updates.templates import git
 from tests.updates.world import killed_at
 
 pytestmark = pytest.mark.slow
@@ -165,18 +166,51 @@ def test_nothing_that_was_written_is_moved_over(folder: Path) -> None:
     assert_example("G025", result.err)
 
 
-@pytest.mark.parametrize("name", [".git", "src/conserta/link.py"])
-def test_what_is_no_regular_file_stops_a_rename(folder: Path, name: str) -> None:
-    path = folder / OLD / name
-    if name == ".git":
-        path.write_text("gitdir: ../../../.git/modules/conserta\n")
-    else:
-        path.symlink_to("own.py")
+def test_a_link_stops_a_rename_until_it_is_out_of_the_way(folder: Path) -> None:
+    link = folder / OLD / "src/conserta/link.py"
+    link.symlink_to("own.py")
     before = files_below(folder)
     result = run(*RENAME, cwd=folder)
     assert result.status == 2
-    assert f"{name!r} cannot move along" in result.err
+    assert "'src/conserta/link.py' cannot move along: it is a link" in result.err
+    assert "remove it, run this again, and make it anew" in result.err
     assert files_below(folder) == before
+    link.unlink()
+    assert run(*RENAME, cwd=folder).status == 0
+    (folder / NEW / "src/rover/link.py").symlink_to("own.py")
+    assert run(*GENERATE, cwd=folder).status == 0
+    check_moved(folder)
+
+
+def test_a_repository_goes_into_the_new_folder_by_hand(folder: Path) -> None:
+    """A submodule, whose repository says where its files lie; of another one `.git` is all."""
+    top, place = folder / "ws", "src/eddi_monitor/conserta"
+    inner = commit(top / place).rename(folder / "origin")
+    commit(top)
+    git(top, "-c", "protocol.file.allow=always", "submodule", "-q", "add", str(inner), place)
+    before = files_below(folder)
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 2
+    assert "'.git' cannot move along: the package is a repository of its own" in result.err
+    assert "core.worktree" in result.err
+    assert files_below(folder) == before
+    (folder / OLD / ".git").rename(folder / "aside")
+    assert run(*RENAME, cwd=folder).status == 0
+    (folder / "aside").rename(folder / NEW / ".git")
+    edit(top / ".gitmodules", f"path = {place}", "path = src/eddi_monitor/rover")
+    edit(top / ".git/modules" / place / "config", "eddi_monitor/conserta\n", "eddi_monitor/rover\n")
+    commit(folder / NEW)
+    assert "src/{conserta => rover}/own.py" in git(folder / NEW, "show", "--stat", "-M")
+    commit(top)
+    assert " src/eddi_monitor/rover " in git(top, "submodule", "status")
+
+
+def commit(folder: Path) -> Path:
+    git(folder, "init", "-q")
+    git(folder, "add", "-A")
+    name = ("-c", "user.name=T", "-c", "user.email=t@example.org")
+    git(folder, *name, "commit", "-qm", "work")
+    return folder
 
 
 def test_a_killed_rename_is_all_or_nothing(
