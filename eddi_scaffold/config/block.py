@@ -17,6 +17,7 @@ from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error, 
 from eddi_scaffold.source import Source
 
 KEPT_ENTRY = "M026"
+LOST_COMMENT = "M028"
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
@@ -186,7 +187,7 @@ def _notes(
         lines = ", ".join(str(line) for line in document.comments)
         message = f"comments inside SimulatorOutputs are not kept (line {lines})"
         place = Place(document.name, document.comments[0], 1)
-        problems.append(warning("M028", message, place))
+        problems.append(warning(LOST_COMMENT, message, place))
     return problems
 
 

@@ -16,6 +16,7 @@ from eddi_scaffold.config.file import KEY, ConfigFile, about_file
 from eddi_scaffold.config.message_types import MessageFields, used
 from eddi_scaffold.config.options import unknown_options
 from eddi_scaffold.config.schema import Config, Entry
+from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.config.violations import violations
 from eddi_scaffold.positioned_yaml.nodes import (
     Items,
@@ -80,10 +81,14 @@ def read_config(
     if robot is not None:
         data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
     problems += unknown_options(data.get("Model"), places, source.name)
+    open_ = undecided(document)
+    problems += open_
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
-        return None, in_order([*problems, *violations(failed, places, source.name)])
+        at = {problem.place for problem in open_}
+        wrong = [one for one in violations(failed, places, source.name) if one.place not in at]
+        return None, in_order([*problems, *wrong])
     text = source.data.decode("utf-8-sig", "replace")
     types = robot.types if robot is not None else {}
     file = with_types(ConfigFile(config, source.name, places, text=text), types)

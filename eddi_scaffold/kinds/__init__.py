@@ -30,6 +30,8 @@ JsonValue: TypeAlias = (
 """What ``json`` reads and writes."""
 JsonObject: TypeAlias = Mapping[str, JsonValue]
 """A document such as ``config/model.json``, or a part of it."""
+TODO = "TODO"
+"""In a configuration, without quotes: what a person has still to decide."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class ModelInput:
         attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
             made of the id.
         sample: a value that it has while all is in order, for the example of a package.
+        is_demand: what other systems have to fulfil.
         uses: how its value can bring a claim of the monitor nearer; by default any value that is
             known may.
     """
@@ -68,6 +71,7 @@ class ModelInput:
     every_message: bool = False
     attribute: str | None = None
     sample: JsonValue = None
+    is_demand: bool = False
     uses: tuple[Use, ...] = (Use(),)
 
 
@@ -182,6 +186,21 @@ class Options:
     parts: tuple[str | None, ...] = ()
     place: Callable[..., Place] = _nowhere
     read: Callable[[str], Source] = _no_files
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """What a configuration says of a model before a person has decided.
+
+    Attributes:
+        inputs: what the monitor will read, as far as that is decided.
+        options: further keys of ``Model:``; those that are there already are left out.
+        notes: key path of an option -> what there is to decide, in one line.
+    """
+
+    inputs: Sequence[ModelInput]
+    options: Mapping[str, JsonValue] = field(default_factory=dict)
+    notes: Mapping[tuple[str, ...], str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -337,6 +356,8 @@ class Functions(Generic[M]):
         support: of ``config/model.json``: claim -> inputs that it rests on.
         unfulfilled: why an output of a model does not fulfil an input of another one of this
             kind, ``None`` where it does, or where nothing is asked of that input.
+        skeleton: what a configuration with these options has still to say, for kinds whose inputs
+            are not all in the model; an option may still be ``TODO``.
     """
 
     read_file: Callable[[Source, Sequence[str]], Reading]
@@ -364,6 +385,7 @@ class Functions(Generic[M]):
     lag: Callable[[JsonObject, float], float] = _no_lag
     support: Callable[[JsonObject], Mapping[str, frozenset[str]]] = _nothing
     unfulfilled: Callable[[M, str, M, str], str | None] | None = None
+    skeleton: Callable[[M, Options], Skeleton] | None = None
 
 
 @dataclass(frozen=True)
@@ -379,6 +401,7 @@ class Kind(Generic[M]):
             for a kind of which an EDDI has none.
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
         output_message: name of the message that the monitor publishes.
+        topic: last part of the topic that a drafted configuration publishes it on.
         options: keys of ``Model:`` in a configuration that this kind understands.
         inputs_of_model: the inputs are in the model, not in the configuration.
         without_input: what becomes of an output while an input that it needs is not known.
@@ -395,6 +418,7 @@ class Kind(Generic[M]):
     messages: Mapping[str, str]
     output_message: str
     load: Callable[[], Functions[M]]
+    topic: str = "result"
     in_eddi: str = ""
     options: tuple[str, ...] = ()
     inputs_of_model: bool = True

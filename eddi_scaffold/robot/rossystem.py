@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import tempfile
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -26,6 +26,7 @@ from eddi_scaffold.mros.ids import Existing
 from eddi_scaffold.mros.interface_definitions import Models, SystemFile
 from eddi_scaffold.mros.outputs import Include, Outputs, simulator_outputs
 from eddi_scaffold.mros.subsystems import flattened
+from eddi_scaffold.mros.topics import Topic
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -180,9 +181,35 @@ def parse(
     Raises:
         EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
     """
-    filters = filters or Filters()
     is_there = config.exists() or config.is_symlink()
     document = read_block(read_source(config)) if is_there else new_document(str(config))
+    parsed = with_topics(robot, document, include=include, filters=filters, names=names)
+    return parsed if is_there else replace(parsed, before=None)
+
+
+def with_topics(
+    robot: Robot,
+    document: ConfigText,
+    *,
+    include: Collection[Include] = (),
+    filters: Filters | None = None,
+    names: Literal["label", "model"] = "label",
+    wants: Callable[[Topic], bool] = lambda _: True,
+) -> Parsed:
+    """Do the same with a text.
+
+    Args:
+        robot: the system with its models.
+        document: the configuration.
+        include: topics in addition to the published ones.
+        filters: what a person chooses.
+        names: whose names the topics get.
+        wants: whether a topic is written.
+
+    Raises:
+        EddiError: the filters leave nothing.
+    """
+    filters = filters or Filters()
     outputs = simulator_outputs(
         robot.system,
         robot.models,
@@ -195,11 +222,11 @@ def parse(
     _refuse_filters(filters, robot, outputs, document)
     after, notes = document.text, list[Problem]()
     if outputs.topics or not has_errors(found):
-        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in outputs.topics]
+        wanted = [topic for topic in outputs.topics if wants(topic)]
+        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in wanted]
         after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
     problems = in_order(_quoted([*found, *notes], document))
-    before = document.text if is_there else None
-    return Parsed(robot, outputs, tuple(problems), before, after)
+    return Parsed(robot, outputs, tuple(problems), document.text, after)
 
 
 def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: ConfigText) -> None:

@@ -26,6 +26,7 @@ COMMANDS = [
         "check",
         "show",
         "parse-rossystem",
+        "connect",
         "run",
         "generate",
         "upgrade",

@@ -55,6 +55,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="BayesianNetworkOutput",
     load=_functions,
+    topic="posteriors",
     in_eddi=IN_EDDI,
     options=_KEYS,
     inputs_of_model=False,

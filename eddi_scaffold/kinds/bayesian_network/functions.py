@@ -29,6 +29,7 @@ from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, configure, settings_of
 from eddi_scaffold.kinds.bayesian_network.picture import diagram
+from eddi_scaffold.kinds.bayesian_network.skeleton import skeleton
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
@@ -257,5 +258,6 @@ FUNCTIONS = Functions(
     accepted=accepted,
     lag=lag,
     support=support,
+    skeleton=skeleton,
     meanings=lambda _document, _part: MEANINGS,
 )

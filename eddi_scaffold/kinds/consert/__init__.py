@@ -38,6 +38,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="ConSertOutput",
     load=_functions,
+    topic="guarantees",
     in_eddi=".",  # its reader says what is misspelt, too
     options=KEYS,
     without_input="no guarantee that needs it becomes active",

@@ -34,6 +34,7 @@ def inputs(consert: ConSert) -> Sequence[ModelInput]:
             description=demand.description,
             covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
             is_good=_is_true,
+            is_demand=True,
             uses=(Use(_is_true),),
         )
         for demand in consert.demands

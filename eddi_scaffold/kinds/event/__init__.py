@@ -30,5 +30,6 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="EventOutput",
     load=_functions,
+    topic="events",
 )
 """What the generator knows of events."""

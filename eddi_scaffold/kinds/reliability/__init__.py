@@ -56,6 +56,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="ReliabilityOutput",
     load=_functions,
+    topic="reliability",
     in_eddi=IN_EDDI,
     options=_KEYS,
     without_input="p_fail is the worst case of it, and not valid",

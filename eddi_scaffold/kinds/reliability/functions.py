@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Reading
+from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Reading, Skeleton
 from eddi_scaffold.kinds.reliability import from_eddi, report
 from eddi_scaffold.kinds.reliability.check import check_system
 from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
@@ -16,6 +16,7 @@ from eddi_scaffold.kinds.reliability.inputs import inputs_of
 from eddi_scaffold.kinds.reliability.model import NAME, ReliabilityModel, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.picture import picture
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.kinds.reliability.skeleton import decided, drafted
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
@@ -172,6 +173,12 @@ def inputs(model: ReliabilityModel) -> Sequence[ModelInput]:
     return inputs_of(used(model.data))
 
 
+def skeleton(model: ReliabilityModel, options: Options) -> Skeleton:
+    """Return what a configuration with these options has still to say."""
+    configured, _ = configure(model, replace(options, values=decided(options.values)))
+    return drafted(model, configured)
+
+
 def outputs(model: ReliabilityModel) -> Sequence[ModelOutput]:
     """Return the topics of thresholds that have one."""
     return [
@@ -232,6 +239,7 @@ FUNCTIONS = Functions(
     diagram=diagram,
     ids=ids,
     support=support,
+    skeleton=skeleton,
     meanings=lambda _document, _part: MEANINGS,
 )
 """What is done with systems of chains and trees."""

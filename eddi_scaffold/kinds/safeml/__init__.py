@@ -40,6 +40,7 @@ KIND = Kind(
     messages=MESSAGES,
     output_message="SafeMLOutput",
     load=_functions,
+    topic="safeml",
     requirements=("numpy",),
     named_by_config=True,
 )

@@ -7,7 +7,15 @@ from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.kinds import DeclaredInput, Functions, ModelInput, Options, Reading, with_status
+from eddi_scaffold.kinds import (
+    DeclaredInput,
+    Functions,
+    ModelInput,
+    Options,
+    Reading,
+    Skeleton,
+    with_status,
+)
 from eddi_scaffold.kinds.safeml import report, runtime_model
 from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
 from eddi_scaffold.kinds.safeml.model import Plan, Planned, SafeMLFile, SafeMLModel, SafeMLOptions
@@ -90,11 +98,20 @@ def _is_single(inputs: Sequence[DeclaredInput]) -> bool:
 
 def inputs(model: SafeMLModel) -> Sequence[ModelInput]:
     """Return the one input, which takes every message."""
-    features = model.data.reference.rows.shape[1]
     connection = model.options
+    return _input(model, connection.input_id if connection is not None else DEFAULT_INPUT)
+
+
+def skeleton(model: SafeMLModel, options: Options) -> Skeleton:
+    """Return the one input, by the name that it has already."""
+    return Skeleton(_input(model, options.inputs[0].id if options.inputs else DEFAULT_INPUT))
+
+
+def _input(model: SafeMLModel, name: str) -> Sequence[ModelInput]:
+    features = model.data.reference.rows.shape[1]
     return (
         ModelInput(
-            connection.input_id if connection is not None else DEFAULT_INPUT,
+            name,
             "float[]",
             safety=False,  # the monitor itself empties a window that is too old
             description=f"Samples of {features} numbers, or rows of as many; each counts once",
@@ -176,6 +193,7 @@ FUNCTIONS = Functions(
     diagram=diagram,
     limits=limits,
     support=support,
+    skeleton=skeleton,
     meanings=lambda _document, _part: MEANINGS,
 )
 """What is done with SafeML monitors."""

@@ -1,0 +1,82 @@
+"""``eddi-scaffold connect``: the draft of a configuration, and what is still to be decided."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, in_a_folder
+
+if TYPE_CHECKING:
+    from eddi_scaffold.connect.connecting import Connected
+
+
+def connect(
+    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    system: Annotated[
+        Path | None, typer.Option("--system", help="A .rossystem: the topics of the robot.")
+    ] = None,
+    models: NodeModels = None,
+    others: Annotated[
+        list[Path] | None,
+        typer.Option("--with", help="eddi_config.yml of another monitor; repeatable."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            callback=in_a_folder,
+            help="The configuration to write or to complete; else it is printed.",
+        ),
+    ] = None,
+    name: Name = None,
+    default_guarantee: DefaultGuarantees = None,
+    dry_run: DryRun = False,
+    as_json: Json = False,
+) -> None:
+    """Draft the configuration of a model: inputs with the topics of a robot that fit them.
+
+    What is not clear says TODO, with candidates and reasons as comments; `check` lists it. In a
+    configuration that is there, only what says TODO changes, and what is missing is added.
+
+    Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
+    """
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.connect.connecting import Around, connect
+    from eddi_scaffold.problems import has_errors
+    from eddi_scaffold.robot.rossystem import save
+
+    around = Around(system, models, others or (), default_guarantee or ())
+    found = connect(model, name, output, around)
+    if as_json:
+        console.json(found.as_json())
+    elif dry_run and output is not None:
+        console.data(found.diff().rstrip("\n"))
+    elif output is None:
+        console.data(found.after.rstrip("\n"))
+    elif found.is_changed:
+        save(output, found.after, found.before)
+    console.problems(found.problems, summary=False)
+    console.say(_what(found, writes=output is not None and not dry_run and not as_json))
+    if has_errors(found.problems):
+        raise typer.Exit(exit_status.NO)
+
+
+def _what(found: Connected, *, writes: bool) -> str:
+    """Return the last line: how far the draft is decided."""
+    states = [one.state for one in found.decisions]
+    inputs = "1 input" if len(states) == 1 else f"{len(states)} inputs"
+    counts = f"{inputs}: {states.count('taken')} with one topic that fits"
+    if states.count("listed"):
+        counts += f", {states.count('listed')} with candidates"
+    if states.count("none"):
+        counts += f", {states.count('none')} without"
+    todo = f"{found.todo} value{'s' if found.todo != 1 else ''} to be decided"
+    done = ""
+    if writes:
+        done = f"; {found.name} is {'written' if found.is_changed else 'up to date'}"
+    return f"{counts}; {todo}{done}"

@@ -1,0 +1,184 @@
+"""Decisions as lines of a configuration, with their reasons as comments.
+
+Texts of models become YAML scalars by ``quoted`` and comments by ``one_line``, nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from eddi_scaffold.connect.access import Access
+from eddi_scaffold.connect.matching import Decision
+from eddi_scaffold.connect.scoring import Candidate
+from eddi_scaffold.escaping import one_line
+from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.kinds import TODO, JsonValue
+from eddi_scaffold.positioned_yaml.nodes import dump_plain, quoted
+
+MARK = "# connect:"
+"""What the comments of this command begin with; a person's do not."""
+_EXPRESSIBLE = ("bool", "float", "int")
+_PERIODS = 2.5
+_SPARE = 1.2
+
+
+@dataclass(frozen=True)
+class Age:
+    """When the messages of a topic are too old.
+
+    Attributes:
+        seconds: the limit.
+        why: where it is from.
+    """
+
+    seconds: float
+    why: str
+
+
+@dataclass(frozen=True)
+class EntryDraft:
+    """One entry of ``EDDIInputs``.
+
+    Attributes:
+        why: its comments.
+        source: the lines that say where the value comes from.
+        taken: keys and texts of these where nothing is open.
+        age: line of the age limit, ``None`` where the input needs none.
+    """
+
+    id: str
+    why: tuple[str, ...]
+    source: tuple[str, ...]
+    taken: Mapping[str, str]
+    age: str | None
+
+    def lines(self) -> list[str]:
+        """Return the whole entry, without indentation."""
+        more = (*self.why, *self.source, *((self.age,) if self.age else ()))
+        return [f"- id: {quoted(self.id)}", *(f"  {line}" for line in more)]
+
+
+def age_of(median: float, longest: float, why: str) -> Age:
+    """Return the limit for messages that come so often: seconds between two of them."""
+    wanted = max(_PERIODS * median, _SPARE * longest)
+    digit = 10.0 ** (math.floor(math.log10(wanted)) - 1)
+    return Age(float(f"{math.ceil(round(wanted / digit, 6)) * digit:.2g}"), why)
+
+
+def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
+    """Return the entry of an input.
+
+    Args:
+        decision: which topic it is, as far as that is clear.
+        ages: topic -> when its messages are too old, where that is known.
+    """
+    need = decision.need
+    if decision.state == "taken":
+        best = decision.candidates[0]
+        taken = _keys(best)
+        source = [_key_line(key, value) for key, value in taken.items()]
+        why = [_comment(f"taken, {_why(best)}{_ahead(decision)}")]
+        topic = best.topic.topic
+    else:
+        taken, topic = {}, ""
+        keys = ("expression",) if need.type in _EXPRESSIBLE else ("requires", "field")
+        note = "one of the above, or another" if decision.candidates else "no topic is known"
+        source = [_todo(key, note) for key in keys]
+        why = _choice(decision)
+    age = _age_line(topic, ages) if need.needs_age else None
+    return EntryDraft(need.id, tuple(why), tuple(source), taken, age)
+
+
+def option_lines(
+    options: Mapping[str, JsonValue],
+    notes: Mapping[tuple[str, ...], str],
+    path: tuple[str, ...] = (),
+) -> list[str]:
+    """Return options as block YAML; what is open has a comment."""
+    lines: list[str] = []
+    for key, value in options.items():
+        inner = (*path, key)
+        if isinstance(value, Mapping) and value:
+            below = option_lines(value, notes, inner)
+            lines += [f"{quoted(key)}:", *(f"  {line}" for line in below)]
+        elif value == TODO:
+            lines.append(_todo(quoted(key), notes.get(inner, key)))
+        else:
+            lines += dump_plain({key: value}).splitlines()
+    return lines
+
+
+def _keys(candidate: Candidate) -> dict[str, str]:
+    taken = candidate.access
+    given: dict[str, str] = {taken.key: taken.text}
+    if taken.key == "field":
+        given = {"requires": candidate.topic.id, **given}
+    return {**given, "unit": taken.unit} if taken.unit is not None else given
+
+
+def _key_line(key: str, value: str) -> str:
+    return f"{key}: [{quoted(value)}]" if key == "requires" else f"{key}: {quoted(value)}"
+
+
+def _todo(key: str, note: str) -> str:
+    return f"{key}: {TODO}  # {TODO} {one_line(note)}"
+
+
+def _comment(text: str) -> str:
+    return f"{MARK} {one_line(text)}"
+
+
+def _choice(decision: Decision) -> list[str]:
+    """Return the comments of an input that a person decides."""
+    found, missed = decision.candidates, decision.missed
+    if decision.need.is_demand:
+        head = "a guarantee of another monitor; --with its configuration finds it"
+    elif found:
+        head = "1 candidate, not sure" if len(found) == 1 else f"{len(found)} candidates, take one"
+    elif missed is not None:
+        head = f"no topic fits; nearest {missed.leaf.text} of {missed.topic.topic}: {missed.why}"
+    else:
+        head = "no topic fits"
+    return [_comment(head), *(_comment(f"  {_line(one, decision)}") for one in found)]
+
+
+def _line(candidate: Candidate, decision: Decision) -> str:
+    """Return a candidate as it can be written in place of TODO."""
+    taken, name = candidate.access, attribute(candidate.topic.id)
+    if decision.need.type not in _EXPRESSIBLE:
+        text = f"requires: [{quoted(candidate.topic.id)}], field: {quoted(taken.text)}"
+    else:
+        text = f"expression: {quoted(_as_expression(taken, name))}"
+    unit = f" with unit: {quoted(taken.unit)}" if taken.unit is not None else ""
+    return f"{text}{unit}   {_why(candidate)}"
+
+
+def _as_expression(taken: Access, name: str) -> str:
+    return taken.text if taken.key == "expression" else f"{name}.{taken.text}"
+
+
+def _why(candidate: Candidate) -> str:
+    reasons = "".join(f"; {one}" for one in candidate.reasons)
+    return f"{candidate.score} points: {candidate.topic.type} on {candidate.topic.topic}{reasons}"
+
+
+def _ahead(decision: Decision) -> str:
+    return (
+        "; no other candidate" if decision.lead is None else f"; the next has {decision.lead} less"
+    )
+
+
+def _age_line(topic: str, ages: Mapping[str, Age]) -> str:
+    age = ages.get(topic)
+    if age is not None:
+        return f"max_age: {age.seconds:g}  # {one_line(age.why)}"
+    return _todo("max_age", f"seconds: no rate of {topic} is known" if topic else "seconds")
+
+
+def outputs(package: str, topic: str, parts: Sequence[str]) -> list[dict[str, JsonValue]]:
+    """Return the entries of ``EDDIOutputs``: one, or one for each part of the result."""
+    if len(parts) < 2:
+        return [{"id": package, "topic": f"{package}/{topic}"}]
+    return [{"id": one, "topic": f"{package}/{one}", "event": one} for one in parts]

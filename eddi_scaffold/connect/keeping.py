@@ -1,0 +1,256 @@
+"""Drafts put into the text of a configuration: what a person wrote stays, to the byte."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold.config.block import ConfigText
+from eddi_scaffold.connect.draft import MARK, EntryDraft, option_lines
+from eddi_scaffold.kinds import TODO, JsonValue
+from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, Scalar, dump_plain, read_map
+from eddi_scaffold.positioned_yaml.spans import Span, spans
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.source import Source
+
+_OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
+_SOURCES = ("requires", "field", "expression", "expression_file", "event", "states")
+_MARKED = re.compile(rf"[ \t]*{MARK}")
+_HEAD = (
+    f"{MARK} drafted; lines that begin like this one are rewritten by the next run, all others",
+    f"{MARK} are yours. What says TODO is to be decided: eddi-scaffold check lists it.",
+)
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What a configuration should say.
+
+    Attributes:
+        model: keys of ``Model:`` of a new configuration.
+        options: keys of ``Model:`` that are added where they are missing.
+        notes: key path of an option -> what there is to decide.
+        entries: of ``EDDIInputs``.
+        outputs: of ``EDDIOutputs``.
+    """
+
+    model: Mapping[str, JsonValue]
+    options: Mapping[str, JsonValue]
+    notes: Mapping[tuple[str, ...], str]
+    entries: Sequence[EntryDraft]
+    outputs: Sequence[Mapping[str, JsonValue]]
+
+
+def with_draft(document: ConfigText, draft: Draft) -> str:
+    """Return the text of a configuration with what it does not say yet.
+
+    Raises:
+        EddiError: it is written so that nothing can be added (K037).
+    """
+    text = document.text
+    if text and not text.endswith("\n"):
+        text += document.line_end
+    root = spans(text, document.name)
+    editor = _Editor(text, document.name, document.line_end)
+    if root is None or not root.children:
+        editor.insert(len(text), [*_HEAD, *_model(draft)])
+        root = None
+    elif root.get("Model") is None:
+        head = [] if text[: root.start].strip() else _HEAD
+        editor.insert(root.start, [*head, *_model(draft)])
+    else:
+        editor.add_options(root, draft)
+    editor.add_entries(root, draft.entries)
+    if root is None or all(root.get(name) is None for name in _OUTPUTS):
+        lines = dump_plain({"EDDIOutputs": list(draft.outputs)}).splitlines()
+        editor.insert(len(text), lines)
+    after = editor.result()
+    _refuse_loss(document, text, after)
+    return after
+
+
+def _model(draft: Draft) -> list[str]:
+    lines = option_lines({**draft.model, **draft.options}, draft.notes)
+    return ["Model:", *(f"  {line}" for line in lines)]
+
+
+@dataclass
+class _Editor:
+    """Changes of a text, each between two offsets of it."""
+
+    text: str
+    name: str
+    line_end: str
+    edits: list[tuple[int, int, int, str]] = field(default_factory=list)
+
+    def insert(self, at: int, lines: Sequence[str], column: int = 0) -> None:
+        self.replace(at, at, lines, column)
+
+    def replace(self, start: int, end: int, lines: Sequence[str], column: int = 0) -> None:
+        new = "".join(f"{' ' * column}{line}{self.line_end}" for line in lines)
+        if self.text[start:end] != new:
+            self.edits.append((start, len(self.edits), end, new))
+
+    def result(self) -> str:
+        """Return the text with all changes; those at one offset in the order they came."""
+        parts, done = [], 0
+        for start, _, end, new in sorted(self.edits):
+            parts += [self.text[done:start], new]
+            done = max(done, end)
+        return "".join([*parts, self.text[done:]])
+
+    def add_options(self, root: Span, draft: Draft) -> None:
+        model = root.get("Model")
+        assert model is not None
+        self._add_below(model, draft.options, draft.notes, ())
+
+    def _add_below(
+        self,
+        into: Span,
+        options: Mapping[str, JsonValue],
+        notes: Mapping[tuple[str, ...], str],
+        path: tuple[str, ...],
+    ) -> None:
+        """Add the keys that a map lacks, at its end."""
+        if not into.is_map or into.is_flow or not into.children:
+            return  # a person wrote something else there, or all of it in braces
+        column = into.children[0].start - self._line_start(into.children[0].start)
+        missing = {key: value for key, value in options.items() if into.get(key) is None}
+        for key, value in options.items():
+            below = into.get(key)
+            if below is not None and isinstance(value, Mapping):
+                self._add_below(below, value, notes, (*path, key))
+        lines = option_lines(missing, notes, path)
+        self.insert(self._line_end(into.end), lines, column)
+
+    def add_entries(self, root: Span | None, entries: Sequence[EntryDraft]) -> None:
+        """Rewrite what is open in the entries that there are, and add the others behind them."""
+        key, section = _section(root, "EDDIInputs")
+        if key is None or section is None:
+            new = [line for one in entries for line in one.lines()]
+            body = ["EDDIInputs:", *(f"  {line}" for line in new)] if new else ["EDDIInputs: []"]
+            before = next((k for k in _keys_of(root) if k.text in _OUTPUTS), None)
+            self.insert(len(self.text) if before is None else before.start, body)
+            return
+        items = section.children if not section.is_map else []
+        there = {one.id: one for one in entries}
+        known = set()
+        for item in items:
+            id_ = item.get("id") if item.is_map else None
+            if id_ is not None and id_.text is not None:
+                known.add(id_.text)
+                if id_.text in there and not item.is_flow:
+                    self._refresh(item, there[id_.text])
+        new = [line for one in entries if one.id not in known for line in one.lines()]
+        if new and items and section.is_flow:
+            place = Place(self.name, section.line, 1)
+            message = "EDDIInputs is a list in brackets, to which no entry can be added"
+            raise EddiError(error("K037", message, place, "write each entry on lines of its own"))
+        if new and items:
+            dash = self.text.rfind("-", 0, items[0].start)
+            self.insert(self._line_end(section.end), new, dash - self._line_start(dash))
+        elif new:  # nothing yet, or []
+            end = self._line_end(max(key.end, section.end))
+            self.replace(key.start, end, ["EDDIInputs:", *(f"  {line}" for line in new)])
+
+    def _refresh(self, item: Span, draft: EntryDraft) -> None:
+        """Decide anew what is TODO in an entry, and rewrite its comments."""
+        pairs = {key.text: (key, value) for key, value in item.entries() if key.text}
+        column = item.start - self._line_start(item.start)
+        open_ = [key for key, (_, value) in pairs.items() if self._is_open(value)]
+        sources = [key for key in pairs if key in _SOURCES]
+        is_free = all(key in open_ for key in sources)
+        is_ours = is_free or self._takes(pairs, draft)
+        has_reasons = is_ours or any(key in open_ for key in sources)
+        self._comment(item, draft.why if has_reasons else (), column)
+        if is_free and sources:
+            for number, key in enumerate(sources):
+                self._replace_line(pairs[key], draft.source if number == 0 else (), column)
+        elif is_free:
+            self.insert(self._line_end(item.end), draft.source, column)
+        if "max_age" in open_ and draft.age is not None and is_ours:
+            self._replace_line(pairs["max_age"], (draft.age,), column)
+
+    def _takes(self, pairs: Mapping[str, tuple[Span, Span]], draft: EntryDraft) -> bool:
+        """Return whether an entry says what would be drafted."""
+        said = {
+            key: value.text or "".join(one.text or "" for one in value.children)
+            for key, (_, value) in pairs.items()
+            if key in (*_SOURCES, "unit")
+        }
+        return bool(said) and said == dict(draft.taken)
+
+    def _comment(self, item: Span, why: Sequence[str], column: int) -> None:
+        """Replace the comments of this command in an entry by others, behind its first line."""
+        start, end = self._line_start(item.start), self._line_end(item.end)
+        first = self._line_end(item.children[1].end)
+        if item.children[1].children or first > end:
+            return  # the first value takes several lines
+        old = [
+            (start + found.start(), start + found.end())
+            for found in re.finditer(r"[^\n]*\n", self.text[start:end])
+            if _MARKED.match(found[0])
+        ]
+        new = [f"{' ' * column}{line}{self.line_end}" for line in why]
+        if [self.text[a:b] for a, b in old] == new:
+            return
+        for a, b in old:
+            self.replace(a, b, ())
+        self.insert(first, why, column)
+
+    def _replace_line(self, pair: tuple[Span, Span], lines: Sequence[str], column: int) -> None:
+        """Replace the line of a key whose value is TODO."""
+        key, value = pair
+        start = self._line_start(key.start)
+        if self.text[start : key.start].strip():  # the first one, behind the dash
+            return
+        self.replace(start, self._line_end(value.end), lines, column)
+
+    def _is_open(self, value: Span) -> bool:
+        return self.text[value.start : value.end] == TODO
+
+    def _line_start(self, offset: int) -> int:
+        return self.text.rfind("\n", 0, offset) + 1
+
+    def _line_end(self, offset: int) -> int:
+        return self.text.find("\n", offset) + 1 or len(self.text)
+
+
+def _keys_of(root: Span | None) -> Iterator[Span]:
+    return (key for key, _ in root.entries()) if root is not None else iter(())
+
+
+def _section(root: Span | None, name: str) -> tuple[Span | None, Span | None]:
+    pairs = root.entries() if root is not None else iter(())
+    return next(((key, value) for key, value in pairs if key.text == name), (None, None))
+
+
+def _refuse_loss(document: ConfigText, before: str, after: str) -> None:
+    """Refuse a text in which something that a person wrote would be gone or elsewhere.
+
+    Raises:
+        EddiError: it is written in a way that was not foreseen (K037).
+    """
+    old, _ = read_map(Source(document.name, before.encode()), "K001")
+    new, problems = read_map(Source(document.name, after.encode()), "K001")
+    lost = _lost(old, new) if old is not None and new is not None else None
+    if problems or new is None or lost is not None:
+        place = lost.place if lost is not None else Place(document.name)
+        message = "this is written so that nothing can be added without changing it"
+        raise EddiError(error("K037", message, place, "write each entry on lines of its own"))
+
+
+def _lost(old: Node, new: Node | None) -> Node | None:
+    """Return what is not in the new document, of all that is decided in the old one."""
+    if isinstance(old, Scalar):
+        is_open = old.plain and old.text in (TODO, "", "null", "~")
+        return None if is_open or old == new else old
+    if isinstance(old, Map):
+        there = new if isinstance(new, Map) else None
+        inner = ((value, there.get(key.text) if there else None) for key, value in old.entries)
+    else:
+        items: tuple[Node | None, ...] = new.items if isinstance(new, Items) else ()
+        filled = (*items, *([None] * len(old.items)))
+        inner = ((one, filled[k]) for k, one in enumerate(old.items))
+    return next((lost for a, b in inner if (lost := _lost(a, b)) is not None), None)

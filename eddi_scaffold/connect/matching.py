@@ -1,0 +1,144 @@
+"""Which topic fills an input: taken where it is clear, else listed for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+from eddi_scaffold.connect.access import Access
+from eddi_scaffold.connect.filters import objection
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.scoring import Candidate, scored, weights
+from eddi_scaffold.connect.topics import FieldsOf, Leaf, RobotTopic, leaves
+
+_SURE = ((50, 8), (32, 15))
+"""Score and distance to the next candidate from which a topic is taken."""
+_LEAST_NAME = 15
+_LEAST = 25
+_MOST = 5
+_COMPOSED = 100
+
+
+@dataclass(frozen=True)
+class NearMiss:
+    """A topic that a rule keeps out, though its name fits."""
+
+    topic: RobotTopic
+    leaf: Leaf
+    why: str
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What is known of the topic of an input.
+
+    Attributes:
+        state: ``taken``, the first candidate is written; ``listed``, a person decides; ``none``.
+        candidates: the best one of each topic, best first.
+        lead: points between the taken one and the next of any topic, ``None`` without a next one.
+        missed: where there are none.
+    """
+
+    need: Need
+    state: Literal["taken", "listed", "none"]
+    candidates: tuple[Candidate, ...] = ()
+    lead: int | None = None
+    missed: NearMiss | None = None
+
+
+@dataclass(frozen=True)
+class Offer:
+    """An output of another monitor that fulfils an input.
+
+    Attributes:
+        field: path of the output in the message.
+        why: for a comment.
+    """
+
+    topic: RobotTopic
+    field: str
+    why: str
+
+
+def decide(
+    needs: Sequence[Need],
+    topics: Sequence[RobotTopic],
+    fields_of: FieldsOf,
+    offers: Mapping[str, Sequence[Offer]] | None = None,
+) -> list[Decision]:
+    """Decide for each input; the same inputs give the same decisions.
+
+    Args:
+        needs: the inputs.
+        topics: of the robot.
+        fields_of: message type -> fields, ``None`` where they are not known.
+        offers: input -> outputs of other monitors that fulfil it.
+    """
+    known = cache(lambda message: tuple(leaves(message, fields_of)))
+    given = offers or {}
+    return [
+        _offered(need, given[need.id]) if given.get(need.id) else _decide(need, topics, known)
+        for need in needs
+    ]
+
+
+def _offered(need: Need, offers: Sequence[Offer]) -> Decision:
+    """Return the decision for what is a matter of composition, not of names."""
+    found = tuple(
+        Candidate(
+            one.topic,
+            Leaf((one.field,), "bool", None),
+            Access("field", one.field),
+            {"composition": _COMPOSED},
+            (one.why,),
+        )
+        for one in offers
+    )
+    return Decision(need, "taken" if len(found) == 1 else "listed", found)
+
+
+def _decide(
+    need: Need, topics: Sequence[RobotTopic], known: Callable[[str], tuple[Leaf, ...]]
+) -> Decision:
+    values = [(topic, leaf) for topic in topics for leaf in known(topic.type)]
+    fitting = [(topic, leaf) for topic, leaf in values if objection(need, topic, leaf) is None]
+    left = list(dict.fromkeys(topic for topic, _ in fitting))
+    weight = weights(need, left)
+    every = sorted(
+        (scored(need, topic, leaf, weight) for topic, leaf in fitting),
+        key=lambda one: (-one.score, one.topic.id, one.leaf.path),
+    )
+    first: dict[RobotTopic, Candidate] = {}
+    for one in every:
+        first.setdefault(one.topic, one)
+    least = 0 if need.is_demand or need.type.endswith("[]") else _LEAST  # few topics can be that
+    listed = tuple(one for one in first.values() if one.score >= least)[:_MOST]
+    if need.is_demand:
+        return Decision(need, "listed" if listed else "none", listed)
+    if not listed:
+        return Decision(need, "none", missed=_missed(need, topics, values))
+    best = every[0]
+    lead = best.score - every[1].score if len(every) > 1 else None
+    far = _SURE[-1][1] if lead is None else lead
+    sure = any(best.score >= score and far >= distance for score, distance in _SURE)
+    if sure and best.parts["name"] >= _LEAST_NAME and best.access.is_complete:
+        return Decision(need, "taken", listed, lead)
+    return Decision(need, "listed", listed)
+
+
+def _missed(
+    need: Need,
+    topics: Sequence[RobotTopic],
+    values: Sequence[tuple[RobotTopic, Leaf]],
+) -> NearMiss | None:
+    """Return the value that would fit best by its name, with the rule that keeps it out."""
+    weight = weights(need, topics)
+    misses: Mapping[tuple[int, str, tuple[str, ...]], NearMiss] = {
+        (-one.parts["name"], topic.id, leaf.path): NearMiss(topic, leaf, why)
+        for topic, leaf in values
+        if (why := objection(need, topic, leaf)) is not None
+        and (one := scored(need, topic, leaf, weight)).parts["name"] >= _LEAST_NAME
+    }
+    return misses[min(misses)] if misses else None

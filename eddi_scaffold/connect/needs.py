@@ -1,0 +1,54 @@
+"""Inputs of a model as far as a topic for them is sought."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from eddi_scaffold.connect.words import telling, words
+from eddi_scaffold.kinds import InputType, ModelInput
+
+
+@dataclass(frozen=True)
+class Need:
+    """What an input needs.
+
+    Attributes:
+        unit: of the model; ``""`` for a ratio, ``None`` where it has none or is not known.
+        description: of the model, for people.
+        is_demand: only the output of another monitor can fulfil it.
+        needs_age: a value that is too old would be dangerous.
+    """
+
+    id: str
+    type: InputType
+    unit: str | None = None
+    description: str = ""
+    is_demand: bool = False
+    needs_age: bool = True
+
+    @cached_property
+    def words(self) -> Sequence[str]:
+        """What the id tells."""
+        return telling(self.id)
+
+    @cached_property
+    def described(self) -> Sequence[str]:
+        """What the description tells."""
+        return telling(self.description)
+
+    @cached_property
+    def every_word(self) -> frozenset[str]:
+        """All words of id and description."""
+        return frozenset(words(f"{self.id} {self.description}"))
+
+    @classmethod
+    def of(cls, item: ModelInput) -> Need:
+        """Return what an input of a model needs."""
+        text = item.description or ""
+        return cls(item.id, item.type, item.unit, text, item.is_demand, item.safety)
+
+    def says(self, *some: str) -> bool:
+        """Return whether id or description has one of some words."""
+        return not self.every_word.isdisjoint(some)

@@ -1,0 +1,70 @@
+"""What a configuration says that may be half decided, without its schema."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.config.block import ConfigText
+from eddi_scaffold.config.message_types import Fields, declared
+from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, Scalar, read_map, value_11
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.source import Source
+
+
+def content(document: ConfigText) -> Map:
+    """Return the content of a configuration, empty where it says nothing.
+
+    Raises:
+        EddiError: it is no YAML map (K001).
+    """
+    lines = (line.strip() for line in document.text.splitlines())
+    if all(not line or line.startswith("#") for line in lines):
+        return Map(())
+    node, problems = read_map(Source(document.name, document.text.encode()), "K001")
+    if node is None or problems:
+        raise EddiError(*problems)
+    return node
+
+
+def section_of(root: Map) -> Mapping[str, Any]:
+    """Return the values of ``Model:``."""
+    section = root.get("Model")
+    return value_11(section) if isinstance(section, Map) else {}
+
+
+def items(node: Node | None) -> Sequence[Node]:
+    """Return the items of a list, none of anything else."""
+    return node.items if isinstance(node, Items) else ()
+
+
+def text_of(node: Node, key: str) -> str | None:
+    """Return the text of a key, ``None`` where there is none."""
+    value = node.get(key) if isinstance(node, Map) else None
+    return value.text if isinstance(value, Scalar) else None
+
+
+def topics_of(root: Map) -> list[RobotTopic]:
+    """Return the topics of a configuration, the first of each id."""
+    section = root.get("SimulatorOutputs") or root.get("SimulatorOutput")
+    found: dict[str, RobotTopic] = {}
+    for one in items(section):
+        id_, type_, topic = (text_of(one, key) for key in ("id", "type", "topic"))
+        if id_ and type_ and topic:
+            name = type_.replace("/msg/", "/").replace(".", "/")
+            found.setdefault(id_, RobotTopic(id_, name, topic))
+    return list(found.values())
+
+
+def declared_types(root: Map) -> dict[str, Fields]:
+    """Return the message types that a configuration declares itself."""
+    given = root.get("MessageTypes")
+    return {
+        name.text: declared(
+            ((text_of(fields, one) or "", one) for one in fields.keys()),  # noqa: SIM118 - no dict
+            name.text.partition("/")[0],
+        )
+        for name, fields in (given.entries if isinstance(given, Map) else ())
+        if isinstance(fields, Map)
+    }

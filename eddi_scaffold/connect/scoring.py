@@ -1,0 +1,197 @@
+"""How well a value of a topic fits an input, in points with their reasons."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold import units
+from eddi_scaffold.connect.access import Access, access, units_of
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.priors import TELLING, prior
+from eddi_scaffold.connect.topics import Leaf, RobotTopic
+from eddi_scaffold.connect.words import MEANS_THE_SAME, best, match, words
+
+_NAME = 50
+_COMMANDS = frozenset(("cmd", "command", "setpoint", "goal", "target", "desired", "reference"))
+_COMMANDED = frozenset([
+    "Twist", "TwistStamped", "PoseStamped", "Float32", "Float64", "Float64MultiArray",
+    "AckermannDriveStamped",
+])  # fmt: skip
+_SIDES = tuple(
+    frozenset(group.split())
+    for group in ("front rear left right", "base torso head arm", "up down")
+)
+_BAD_WHEN_TRUE = frozenset([
+    "lost", "fault", "error", "fail", "failed", "failure", "loss", "missing", "invalid",
+    "standby", "stop",
+])  # fmt: skip
+_AXES: Mapping[str, Sequence[tuple[str, frozenset[str]]]] = {
+    "linear": (
+        ("z", frozenset(("climb", "vertical", "descent", "sink"))),
+        ("y", frozenset(("lateral", "sideways"))),
+    ),
+    "angular": (("x", frozenset(("roll",))), ("y", frozenset(("pitch",)))),
+}
+_USUAL_AXIS = {"linear": "x", "angular": "z"}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A value of a topic that might fill an input.
+
+    Attributes:
+        parts: what the score is made of: name, unit, prior, type, and what counts against it.
+        reasons: the same in words, for a comment.
+    """
+
+    topic: RobotTopic
+    leaf: Leaf
+    access: Access
+    parts: Mapping[str, int]
+    reasons: Sequence[str] = field(default=())
+
+    @property
+    def score(self) -> int:
+        """All points together."""
+        return sum(self.parts.values())
+
+
+def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float]:
+    """Return how much a word of an input tells among some topics: less, where many match it."""
+    count = len(topics)
+    names = [[*words(one.topic), *words(one.id)] for one in topics]
+
+    def weight(word: str) -> float:
+        if count <= 1:
+            return 1.0
+        matching = sum(1 for name in names if best(word, name) >= MEANS_THE_SAME)
+        return 0.3 + math.log((count + 1) / (matching + 1)) / math.log(count + 1)
+
+    found = {word: weight(word) for word in (*need.words, *need.described)}
+    return found.__getitem__
+
+
+def scored(need: Need, topic: RobotTopic, leaf: Leaf, weight: Callable[[str], float]) -> Candidate:
+    """Return a value of a topic as a candidate."""
+    usual, explained = prior(need, topic, leaf)
+    given = [*words(topic.topic), *words(topic.id)]
+    name, matched = _name(need, topic, leaf, explained if usual >= TELLING else (), weight)
+    taken = access(need, topic, leaf)
+    unit, in_unit = _unit(need, leaf)
+    form, of_type = _type(need, leaf, taken)
+    against = _against(need, topic, leaf, given)
+    parts = {"name": round(name), "unit": unit, "prior": usual, "type": form, **against}
+    reasons = [
+        *([f"{' and '.join(matched)} in the name"] if matched else []),
+        *([f"usual for {topic.message}"] if usual >= TELLING else []),
+        in_unit,
+        of_type,
+        *(word for word in against if word != "rest"),
+    ]
+    return Candidate(topic, leaf, taken, parts, [one for one in reasons if one])
+
+
+def _name(
+    need: Need,
+    topic: RobotTopic,
+    leaf: Leaf,
+    explained: Collection[str],
+    weight: Callable[[str], float],
+) -> tuple[float, list[str]]:
+    """Return the points of the names, and the words that match."""
+    near = [*words(topic.topic), *words(topic.id)]
+    inside, message = words(leaf.text), words(topic.message)
+
+    def fit(word: str) -> float:
+        return max(
+            best(word, near),
+            0.9 * best(word, inside),
+            0.7 * best(word, message),
+            0.6 if word in explained else 0.0,
+        )
+
+    def mean(some: Sequence[str]) -> float:
+        whole = sum(weight(word) for word in some)
+        return sum(weight(word) * fit(word) for word in some) / whole if whole else 0.0
+
+    own = mean(need.words)
+    both = max(own, 0.6 * own + 0.4 * mean(need.described)) if need.described else own
+    return _NAME * both, [word for word in need.words if best(word, near) > 0]
+
+
+def _unit(need: Need, leaf: Leaf) -> tuple[int, str]:
+    given = units_of(leaf)
+    if need.type not in ("float", "int") or not need.unit or not given:
+        return 8, ""
+    if len(given) > 1:
+        return 14, f"{' or '.join(given)}, {need.unit} in the model"
+    if units.factor(given[0], need.unit) == 1:
+        return 20, f"{need.unit} as in the model"
+    return 18, f"{given[0]}, converted to {need.unit}"
+
+
+def _type(need: Need, leaf: Leaf, taken: Access) -> tuple[int, str]:
+    if not leaf.path:
+        return 0, "the fields of the message are not known"
+    if need.type == "bool" and leaf.type != "bool":
+        return 3, "a number, to be compared"
+    if leaf.lists and not need.type.endswith("[]"):
+        return 6, "the least of a list" if taken.is_complete else "an element of a list"
+    if leaf.is_only:
+        return 10, "the only field of its message"
+    return (10, "") if leaf.type == "bool" else (8, "")
+
+
+def _against(need: Need, topic: RobotTopic, leaf: Leaf, given: Sequence[str]) -> dict[str, int]:
+    """Return what counts against a candidate, by its name."""
+    told = set(given)
+    asked = {*need.words, *need.described}
+    found: dict[str, int] = {}
+    if topic.message in _COMMANDED and told & _COMMANDS and not need.every_word & _COMMANDS:
+        found["a command"] = -25
+    if not _is_axis(need, leaf):
+        found["another axis"] = -12
+    sides = sum(1 for group in _SIDES if _apart(asked & group, told & group))
+    if sides:
+        found["another side"] = -30 * sides
+    if _numbers_differ(need, given):
+        found["another number"] = -30
+    if need.type == "bool" and told & _BAD_WHEN_TRUE and not need.every_word & _BAD_WHEN_TRUE:
+        found["true may be bad"] = -15
+    if "raw" in told and not need.says("raw"):
+        found["raw"] = -2
+    if {"desired", "error"} & set(leaf.path[:-1]):
+        found["planned"] = -12
+    if topic.message.startswith("Joint") and not need.says("joint", "joints", "torque", "effort"):
+        found["of joints"] = -20
+    unexplained = [
+        one for one in dict.fromkeys(words(topic.topic)) if all(not match(w, one) for w in asked)
+    ]
+    if unexplained:
+        found["rest"] = -min(5, len(unexplained))
+    return found
+
+
+def _apart(first: set[str], second: set[str]) -> bool:
+    return bool(first and second and not first & second)
+
+
+def _is_axis(need: Need, leaf: Leaf) -> bool:
+    """Return whether a component of a velocity is the one that is meant."""
+    vector, axis = (leaf.path[-2], leaf.path[-1]) if len(leaf.path) > 1 else ("", "")
+    if vector not in _AXES:
+        return True
+    wanted = next(
+        (one for one, some in _AXES[vector] if need.every_word & some), _USUAL_AXIS[vector]
+    )
+    return axis == wanted
+
+
+def _numbers_differ(need: Need, given: Sequence[str]) -> bool:
+    """Return whether both have words with digits, and none begins with another one."""
+    asked = [word for word in need.words if any(map(str.isdigit, word))]
+    told = [word for word in given if any(map(str.isdigit, word))]
+    alike = any(a.startswith(b) or b.startswith(a) for a in asked for b in told)
+    return bool(asked and told and not alike)

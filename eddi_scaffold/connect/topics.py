@@ -1,0 +1,107 @@
+"""Topics of a robot, and the values that their messages hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
+from eddi_scaffold.config.message_types.documented import Documented, documented
+from eddi_scaffold.identifiers import is_identifier
+
+FieldsOf = Callable[[str], Fields | None]
+_DEPTH = 6
+_MOST = 500
+_MATRIX = re.compile(r"float(?:32|64)\[(9|36)\]")
+
+
+@dataclass(frozen=True)
+class RobotTopic:
+    """A topic of the robot.
+
+    Attributes:
+        id: of its entry in ``SimulatorOutputs``.
+        type: ``package/Type``.
+        topic: its name.
+    """
+
+    id: str
+    type: str
+    topic: str
+
+    @property
+    def message(self) -> str:
+        """The name of the type without its package."""
+        return self.type.rpartition("/")[2]
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One value of a message, or one element of a list of values.
+
+    Attributes:
+        path: names of fields, with ``[]`` behind a list and ``[7]`` behind one element of a matrix;
+            empty where the fields of the message are not known.
+        type: ``bool``, ``int``, ``float`` or ``str``; empty where it is not known.
+        units: in which it may be; none when it has none, ``None`` when that is not known.
+        is_only: the message holds nothing else.
+    """
+
+    path: tuple[str, ...]
+    type: str
+    units: tuple[str, ...] | None
+    is_only: bool = False
+
+    @property
+    def text(self) -> str:
+        """The path as text."""
+        return ".".join(self.path)
+
+    @property
+    def lists(self) -> int:
+        """How many lists are on the way."""
+        return sum(1 for name in self.path if name.endswith("[]"))
+
+    @property
+    def is_variance(self) -> bool:
+        """Whether it says how uncertain another value is."""
+        return "variance" in self.path[-1] if self.path else False  # of covariance as well
+
+
+def leaves(message: str, fields_of: FieldsOf) -> list[Leaf]:
+    """Return the values of a message, at most some hundred: models of a robot are any text."""
+    if fields_of(message) is None:
+        return [Leaf((), "", None)]
+    ends = list(islice(_ends(message, (), fields_of, (message,)), _MOST))
+    return [
+        Leaf(path, python_type(of), _units(documented(message, path, fields_of)), len(ends) == 1)
+        for path, of in ends
+    ]
+
+
+def _units(known: Documented | None) -> tuple[str, ...] | None:
+    return None if known is None else known.units
+
+
+def _ends(
+    of: str, path: tuple[str, ...], fields_of: FieldsOf, above: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Yield path and type of each value below a message; a message inside of itself ends there."""
+    for name, inner in (fields_of(of) or {}).items():
+        if not is_identifier(name):
+            continue
+        matrix = _MATRIX.fullmatch(inner)
+        if matrix and "covariance" in name:
+            size = {"9": 3, "36": 6}[matrix[1]]
+            for k in range(size):
+                yield (*path, f"{name}[{k * (size + 1)}]"), "float64"
+            continue
+        single = element(inner)
+        step = (*path, name if single is None else f"{name}[]")
+        end = single or inner
+        if is_primitive(end):
+            yield step, end
+        elif end not in above and len(above) < _DEPTH and name != "header":
+            yield from _ends(end, step, fields_of, (*above, end))

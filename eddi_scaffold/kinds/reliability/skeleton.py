@@ -1,0 +1,55 @@
+"""What a configuration has to say of chains and trees: the horizon, and what is observed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from eddi_scaffold.kinds import TODO, JsonValue, Skeleton
+from eddi_scaffold.kinds.reliability.inputs import inputs_of
+from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilityModel
+from eddi_scaffold.kinds.reliability.runtime_model import used
+from eddi_scaffold.readers.eddi import sniff
+
+_NAMES = 12
+
+
+def drafted(model: ReliabilityModel, configured: ReliabilityModel | None) -> Skeleton:
+    """Return what a model of an EDDI leaves open; a reliability_config.yml says it itself.
+
+    Args:
+        model: as in its file.
+        configured: with what is decided already, ``None`` where that does not fit.
+    """
+    inputs = inputs_of(used(configured.data)) if configured is not None else []
+    if not sniff(model.source):
+        return Skeleton(inputs)
+    models: dict[str, JsonValue] = {}
+    notes: dict[tuple[str, ...], str] = {("horizon",): "how far ahead, for instance 30 min"}
+    for name, key, note in _open(model):
+        models[name] = {key: TODO}
+        notes["models", name, key] = note
+    return Skeleton(inputs, {"horizon": TODO, **({"models": models} if models else {})}, notes)
+
+
+def _open(model: ReliabilityModel) -> Iterator[tuple[str, str, str]]:
+    """Yield the models that something can be observed of: name, key, what there is to say."""
+    for name, component in used(model.data).components.items():
+        content = component.content
+        if isinstance(content, Chain) and not content.observe:
+            states = ", ".join(f"{state}: INPUT" for state in content.states[:_NAMES])
+            yield name, "observe", f"{{{states}}}, or `not INPUT`: false excludes the state"
+        elif isinstance(content, FaultTree):
+            events = content.events.items()
+            free = [key for key, event in events if not event.law or not event.law.model]
+            if free and not any(event.observed for _, event in events):
+                names = ", ".join(free[:_NAMES])
+                yield name, "events", f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
+
+
+def decided(value: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
+    """Return options without what is still to be decided."""
+    return {
+        key: decided(one) if isinstance(one, Mapping) else one
+        for key, one in value.items()
+        if one != TODO
+    }

@@ -1,0 +1,242 @@
+"""Drafts: what is written for each kind of model, and what stays when a person has edited it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.config.block import ConfigText, read_block
+from eddi_scaffold.connect.draft import Age, age_of, entry
+from eddi_scaffold.connect.keeping import Draft, with_draft
+from eddi_scaffold.connect.matching import decide
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.topics import Leaf, RobotTopic, leaves
+from eddi_scaffold.positioned_yaml.nodes import Map, read_map
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.source import Source
+from tests.cli.command import ROOT, Result, run
+
+TYPES = {
+    "std_msgs/Bool": {"data": "bool"},
+    "rover_msgs/Charge": {"level": "float32"},
+    "rover_msgs/Loop": {"again": "rover_msgs/Loop", "also": "rover_msgs/Loop[]", "end": "bool"},
+}
+CLEAR = RobotTopic("clear", "std_msgs/Bool", "/front/clear")
+CHARGE = RobotTopic("charge", "rover_msgs/Charge", "/power/charge")
+WAY = Need("WayIsClear", "bool")
+POWER = Need("Charge", "float")
+
+
+def draft(needs: list[Need], topics: list[RobotTopic], ages: dict[str, Age] | None = None) -> Draft:
+    """Return what is drafted for some inputs."""
+    entries = [entry(one, ages or {}) for one in decide(needs, topics, TYPES.get)]
+    model = {"id": "Rover", "type": "ConSert"}
+    return Draft(model, {}, {}, entries, [{"id": "rover", "topic": "rover/guarantees"}])
+
+
+def written(text: str, wanted: Draft) -> str:
+    """Return the text with the draft, for which a second time changes nothing."""
+    after = with_draft(document(text), wanted)
+    assert with_draft(document(after), wanted) == after
+    return after
+
+
+def document(text: str) -> ConfigText:
+    return read_block(Source("c.yml", text.encode()))
+
+
+def content(text: str) -> Map:
+    node, problems = read_map(Source("c.yml", text.encode()), "K001")
+    assert node is not None
+    assert not problems
+    return node
+
+
+def test_an_empty_file_becomes_a_whole_configuration() -> None:
+    text = written("", draft([WAY], [CLEAR]))
+    assert text.splitlines()[2:] == [
+        "Model:",
+        "  id: Rover",
+        "  type: ConSert",
+        "EDDIInputs:",
+        "  - id: WayIsClear",
+        (
+            "    # connect: taken, 42 points: std_msgs/Bool on /front/clear; clear in the name;"
+            " the only field of its message; no other candidate"
+        ),
+        "    requires: [clear]",
+        "    field: data",
+        "    max_age: TODO  # TODO seconds: no rate of /front/clear is known",
+        "EDDIOutputs:",
+        "  - id: rover",
+        "    topic: rover/guarantees",
+    ]
+
+
+def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
+    mine = (
+        "# mine\r\nModel: {id: Rover, type: ConSert}   # also mine\r\n"
+        "EDDIInputs:\r\n"
+        "- id: WayIsClear\r\n"
+        "  # connect: 2 candidates, take one\r\n"
+        "  # my reason\r\n"
+        "  expression: NOT blocked.data  # mine\r\n"
+        "  max_age: TODO  # TODO seconds\r\n"
+        "\r\n"
+        "- id: Charge\r\n"
+        "  expression: TODO\r\n"
+        "  max_age: 5   # measured\r\n"
+        "EDDIOutputs: [{id: out, topic: my/topic}]\r\n"
+    )
+    after = written(mine, draft([WAY, POWER, Need("Speed", "float")], [CLEAR, CHARGE]))
+    kept = [line for line in mine.splitlines(keepends=True) if "# connect:" not in line]
+    now = after.splitlines(keepends=True)
+    assert [one for one in kept if one not in now] == ["  expression: TODO\r\n"]
+    assert "  requires: [charge]\r\n  field: level\r\n  max_age: 5   # measured\r\n" in after
+    assert "- id: Speed\r\n  # connect: no topic fits\r\n  expression: TODO  # TODO" in after
+    assert after.count("\n") == after.count("\r\n")
+    assert "WayIsClear\r\n  # my reason" in after  # the reasons for what was not taken are gone
+
+
+def test_an_age_that_becomes_known_is_written() -> None:
+    before = written("", draft([WAY], [CLEAR]))
+    after = written(before, draft([WAY], [CLEAR], {"/front/clear": age_of(0.1, 0.3, "a bag")}))
+    assert "    max_age: 0.36  # a bag\n" in after
+    assert before.replace(
+        "max_age: TODO  # TODO seconds: no rate of /front/clear is known", ""
+    ) == (after.replace("max_age: 0.36  # a bag", ""))
+
+
+@pytest.mark.parametrize(
+    ("median", "longest", "seconds"), [(0.1, 0.1, 0.25), (0.02, 0.2, 0.24), (0.0333, 0.04, 0.084)]
+)
+def test_an_age_is_rounded_up_to_two_digits(median: float, longest: float, seconds: float) -> None:
+    assert age_of(median, longest, "").seconds == seconds
+
+
+def test_a_list_in_brackets_is_refused_only_where_it_would_grow() -> None:
+    whole = "Model: {id: Rover, type: ConSert}\nEDDIInputs: [{id: WayIsClear, requires: [x]}]\n"
+    assert written(whole, draft([WAY], [CLEAR])).startswith(whole)
+    with pytest.raises(EddiError) as refused:
+        with_draft(document(whole), draft([WAY, POWER], [CLEAR]))
+    assert [one.code for one in refused.value.problems] == ["K037"]
+
+
+def test_names_of_models_stay_data() -> None:
+    evil = 'x\n# connect: y\u2028EDDIOutputs: [] # "*&!'
+    topics = [RobotTopic("a", f"b/{evil}", evil), RobotTopic("c", "std_msgs/Bool", evil)]
+    text = written(
+        "", draft([Need(evil, "bool"), Need("Charge", "float", description=evil)], topics)
+    )
+    root = content(text)
+    assert root.keys() == ["Model", "EDDIInputs", "EDDIOutputs"]
+    entries = root.get("EDDIInputs")
+    assert entries is not None
+    ids = [one.get("id").text for one in entries.items]
+    assert ids == [evil, "Charge"]
+    assert all(line.lstrip().startswith("#") for line in text.splitlines() if "points" in line)
+
+
+def test_options_are_added_where_they_are_missing() -> None:
+    options = {"discretisation": {"Speed": {"bins": "TODO"}, "Near": {"bins": "TODO"}}}
+    wanted = Draft({}, options, {("discretisation", "Near", "bins"): "2 edges"}, [], [])
+    mine = "Model:\n  id: N\n  type: BN\n  discretisation:\n    Speed: {bins: [1]}  # mine\n"
+    assert written(mine, wanted).splitlines()[4:7] == [
+        "    Speed: {bins: [1]}  # mine", "    Near:", "      bins: TODO  # TODO 2 edges"
+    ]  # fmt: skip
+
+
+def test_messages_inside_of_themselves_end() -> None:
+    found = leaves("rover_msgs/Loop", TYPES.get)
+    assert [one.text for one in found] == ["end"]
+    assert leaves("gone_msgs/Gone", TYPES.get) == [Leaf((), "", None)]
+
+
+EXAMPLES = [
+    ("robot-models", "Rover.yml", "eddi_config.yml", [], 3),
+    ("pedestrian", "pedestrian.xml", "eddi_config.yml", [], 5),
+    ("drone", "drone.xml", "reliability_config.yml", ["--name", "MissionLoss"], 3),
+    ("safeml", "safeml_config.yml", "perception_config.yml", [], 2),
+    ("motor-watch", "motor_watch.events", "motor_config.yml", [], 2),
+]
+
+
+def laid(example: str, config: str, folder: Path) -> None:
+    """Put an example into a folder, with nothing but the topics in ``draft.yml``."""
+    shutil.copytree(ROOT / "examples" / example, folder, dirs_exist_ok=True)
+    lines = (folder / config).read_text("utf-8").split("SimulatorOutputs:\n")
+    topics = lines[1].partition("EDDIInputs:")[0] if len(lines) > 1 else ""
+    (folder / "draft.yml").write_text(f"SimulatorOutputs:\n{topics}" if topics else "", "utf-8")
+
+
+def connect(folder: Path, model: str, *words: str) -> Result:
+    system = ("--system", "rover.rossystem", "--models", "nodes") if model == "Rover.yml" else ()
+    return run("connect", model, "-o", "draft.yml", *system, *words, cwd=folder)
+
+
+@pytest.mark.parametrize(("example", "model", "config", "words", "count"), EXAMPLES)
+def test_every_kind_gets_a_draft_that_says_what_is_open(
+    example: str, model: str, config: str, words: list[str], count: int, tmp_path: Path
+) -> None:
+    laid(example, config, tmp_path)
+    assert connect(tmp_path, model, *words).status == 0
+    text = (tmp_path / "draft.yml").read_text("utf-8")
+    checked = run("check", "draft.yml", cwd=tmp_path)
+    assert (checked.status, checked.err.count(" error: ")) == (1, count)
+    assert checked.err.count("[K059]") == count == text.count(": TODO  # TODO ")
+    again = connect(tmp_path, model, *words)
+    assert again.err.endswith("draft.yml is up to date\n")
+    assert (tmp_path / "draft.yml").read_text("utf-8") == text
+
+
+def test_the_inputs_of_a_chain_follow_from_what_is_observed(tmp_path: Path) -> None:
+    laid("drone", "reliability_config.yml", tmp_path)
+    connect(tmp_path, "drone.xml", "--name", "MissionLoss")
+    path = tmp_path / "draft.yml"
+    text = path.read_text("utf-8")
+    for key, value in {
+        "horizon": "30 min",
+        "observe": "{Healthy: rotors_ok, Crashed: not rotors_ok}",
+        "events": "{}",
+    }.items():
+        head, _, rest = text.partition(f"{key}: TODO")
+        text = f"{head}{key}: {value}\n{rest.partition(chr(10))[2]}"
+    path.write_text(text, "utf-8")
+    assert connect(tmp_path, "drone.xml").status == 0
+    assert "  - id: rotors_ok\n    # connect: taken" in path.read_text("utf-8")
+
+
+def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
+    words = ("connect", "two_conserts.xml", "--name", "ConSertA")
+    alone = run(*words, cwd=tmp_path)
+    assert "  - id: RtE_A_D0\n    # connect: a guarantee of another monitor; --with" in alone.out
+    both = run(*words, "--with", "consert_b_config.yml", cwd=tmp_path)
+    assert both.status == 0
+    assert '    field: "guarantees[System_A_G0_c2].active"\n    max_age: 0.25  #' in both.out
+    assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (("gone.xml",), "F001"),
+        (("two_conserts.xml",), "G005"),
+        (("two_conserts.xml", "--name", "ConSertC"), "F005"),
+        (("two_conserts.xml", "--name", "ConSertA", "--system", "x.rossystem"), "G017"),
+        (("two_conserts.xml", "--name", "ConSertA", "--with", "draft.yml"), "K059"),
+        (("consert_a_config.yml",), "F008"),
+    ],
+)
+def test_bad_input_is_refused_and_nothing_is_written(
+    words: tuple[str, ...], code: str, tmp_path: Path
+) -> None:
+    shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
+    draft = tmp_path / "draft.yml"
+    draft.write_text("Model: {type: TODO}\n", "utf-8")
+    before = draft.read_bytes()
+    failed = run("connect", *words, "-o", "draft.yml", cwd=tmp_path)
+    assert (failed.status, f"[{code}]" in failed.err) == (2, True)
+    assert draft.read_bytes() == before

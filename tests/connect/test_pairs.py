@@ -1,0 +1,52 @@
+"""Pairs of inputs and robots whose right answers people decided by reading."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+import yaml
+
+from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.connect.matching import Decision, Offer, decide
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.topics import RobotTopic
+from tests.shared_data import ROOT, shared
+
+_FILE = ROOT / "connect" / "pairs.yml"
+_DATA: Mapping[str, Any] = yaml.safe_load(_FILE.read_text("utf-8")) if _FILE.exists() else {}
+
+
+def test_the_pairs_are_there() -> None:
+    shared("connect/pairs.yml")
+
+
+@pytest.mark.parametrize("pair", _DATA.get("pairs", ()), ids=lambda pair: pair["id"])
+def test_a_pair_is_taken_or_left_to_a_person(pair: Mapping[str, Any]) -> None:
+    decision, answer = decided(pair), pair["answer"]
+    listed = [one.topic.id for one in decision.candidates]
+    if "take" in answer:
+        assert (decision.state, listed[0]) == ("taken", answer["take"])
+        assert decision.candidates[0].leaf.text == answer["field"]
+    else:
+        assert decision.state != "taken"
+        assert set(answer.get("list", ())) <= set(listed)
+
+
+def decided(pair: Mapping[str, Any]) -> Decision:
+    robot, given = _DATA["robots"][pair["robot"]], dict(pair["input"])
+    provided = given.pop("provided_by", {})
+    types = {**known_messages(), **robot.get("types", {})}
+    need = Need(is_demand=given.pop("demand", False), **given)
+    topics = (
+        robot.get("topics")
+        or yaml.safe_load((_FILE.parent / robot["outputs"]).read_text("utf-8"))["SimulatorOutputs"]
+    )
+    found = [RobotTopic(one["id"], one["type"].replace(".", "/"), one["topic"]) for one in topics]
+    offers = [
+        Offer(next(one for one in found if one.id == id_), f"guarantees[{guarantee}].active", "")
+        for id_, guarantee in provided.items()
+    ]
+    (decision,) = decide([need], found, types.get, {need.id: offers})
+    return decision
