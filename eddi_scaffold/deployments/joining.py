@@ -106,7 +106,8 @@ def _check_names(
     taken = platform.taken_names(root)
     first: dict[str, BoundMonitor] = {}
     for monitor in monitors:
-        shown = monitor.config.config.Model.id if monitor.config else monitor.model.name
+        own = monitor.model.file_stem or monitor.model.name
+        shown = monitor.config.config.Model.id if monitor.config else own
         place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
         if not is_package_name(monitor.package):
             hint = "choose another Model id: a letter and one more letter or digit are needed"

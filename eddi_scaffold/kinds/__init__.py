@@ -111,6 +111,8 @@ class TypedModel(Generic[D_co, C_co]):
         place: its place in that file.
         options: what the kind made of the configuration, ``None`` before; only the kind looks
             inside.
+        file_stem: what the model's own file is called, empty where that has several, or is known
+            by the model's name: the package of a model without a configuration.
     """
 
     kind: str
@@ -119,6 +121,7 @@ class TypedModel(Generic[D_co, C_co]):
     source: Source
     place: Place
     options: C_co | None = None
+    file_stem: str = ""
 
 
 Model = TypedModel[object, object]
@@ -403,6 +406,7 @@ class Kind(Generic[M]):
         output_message: name of the message that the monitor publishes.
         topic: last part of the topic that a drafted configuration publishes it on.
         options: keys of ``Model:`` in a configuration that this kind understands.
+        respelt: of these keys: message -> its text, where they ask for another one.
         inputs_of_model: the inputs are in the model, not in the configuration.
         without_input: what becomes of an output while an input that it needs is not known.
         aliases: generated modules with the names of SESAME D7.2.
@@ -421,6 +425,7 @@ class Kind(Generic[M]):
     topic: str = "result"
     in_eddi: str = ""
     options: tuple[str, ...] = ()
+    respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = _nothing
     inputs_of_model: bool = True
     without_input: str = "nothing that needs it becomes known"
     aliases: tuple[Alias, ...] = ()

@@ -159,7 +159,8 @@ def monitor_of(
         text = model_document(model, kind, inputs, place)
     except EddiError as refused:
         return None, [*problems, *refused.problems]
-    package = package_name(config.config.Model.id if config is not None else model.name)
+    own = model.file_stem or model.name
+    package = package_name(config.config.Model.id if config is not None else own)
     monitor = BoundMonitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
     return monitor, problems
 

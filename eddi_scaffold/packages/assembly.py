@@ -330,6 +330,8 @@ def _rejoined(
     monitor, problems = monitor_of(model, kind, config, marks)
     if monitor is None:
         raise EddiError(*problems)
+    if config is None:
+        monitor = replace(monitor, package=folder)  # whatever the file is called today
     return monitor, problems
 
 

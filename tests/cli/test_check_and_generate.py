@@ -25,6 +25,7 @@ NOT_IN_THE_FILES = {
     "G015 a configuration without its model": "a warning without `--platform`",
     "G017 a system without the models of its nodes": "an option is missing",
     "G024 a monitor of an older release": "about a package that is there",
+    "G026 a monitor reads what another one wants spelt differently": "about a package there",
     "H010 a marker has gone": "about a package that is there",
     "H011 no Python any more": "about a package that is there",
     "H011 a slip outside the regions": "about a package that is there",

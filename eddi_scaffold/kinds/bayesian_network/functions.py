@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import PurePath
 
 from eddi_scaffold.escaping import markdown_code
@@ -58,7 +59,10 @@ def read_file(source: Source, _marks: Sequence[str]) -> Reading:
         network, problems = read_bif(source)
     else:
         network, problems = _read_xml(source, suffix)
-    return _reading([network] if network is not None else [], problems, source)
+    reading = _reading([network] if network is not None else [], problems, source)
+    # GeNIe calls every network the same, until somebody changes that
+    named = (replace(model, file_stem=source.stem) for model in reading.models)
+    return replace(reading, models=tuple(named))
 
 
 def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem]]:

@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.safeml.messages import MESSAGES
+from eddi_scaffold.kinds.safeml.messages import MESSAGES, VIOLATION_FIELD, respelt
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.safeml.model import SafeMLModel
@@ -39,6 +39,8 @@ KIND = Kind(
     sniff=_sniff,
     messages=MESSAGES,
     output_message="SafeMLOutput",
+    options=(VIOLATION_FIELD,),
+    respelt=respelt,
     load=_functions,
     topic="safeml",
     requirements=("numpy",),

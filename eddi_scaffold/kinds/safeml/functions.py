@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from eddi_scaffold.kinds import (
 )
 from eddi_scaffold.kinds.safeml import report, runtime_model
 from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
+from eddi_scaffold.kinds.safeml.messages import VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.model import Plan, Planned, SafeMLFile, SafeMLModel, SafeMLOptions
 from eddi_scaffold.kinds.safeml.picture import picture
 from eddi_scaffold.kinds.safeml.plan import plan
@@ -62,15 +63,7 @@ def check(model: SafeMLModel) -> Sequence[Problem]:
 def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None, list[Problem]]:
     """Find thresholds for the type of the messages; the configuration's id becomes the name."""
     settings = model.data.settings
-    problems = [
-        error(
-            "L014",
-            f"a SafeML monitor has one input, {item.id!r} is one more",
-            item.place,
-            "let the first one require several messages: their numbers are joined",
-        )
-        for item in options.inputs[1:]
-    ]
+    problems = [*_more_inputs(options), *_wrong_field(options)]
     single = settings.input_dtype == "float32" or (
         settings.input_dtype == "auto" and _is_single(options.inputs[:1])
     )
@@ -84,6 +77,19 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
     input_id = options.inputs[0].id if options.inputs else DEFAULT_INPUT
     connection = SafeMLOptions(planned.plan, input_id, max_age, options.frequency)
     return replace(model, name=options.id or model.name, options=connection), problems
+
+
+def _more_inputs(options: Options) -> Iterator[Problem]:
+    for item in options.inputs[1:]:
+        message = f"a SafeML monitor has one input, {item.id!r} is one more"
+        hint = "let the first one require several messages: their numbers are joined"
+        yield error("L014", message, item.place, hint)
+
+
+def _wrong_field(options: Options) -> Iterator[Problem]:
+    if options.values.get(VIOLATION_FIELD, VIOLATION_FIELDS[0]) not in VIOLATION_FIELDS:
+        message = f"Model.{VIOLATION_FIELD}: must be {' or '.join(VIOLATION_FIELDS)}"
+        yield error("K005", message, options.place(VIOLATION_FIELD))
 
 
 def _is_single(inputs: Sequence[DeclaredInput]) -> bool:

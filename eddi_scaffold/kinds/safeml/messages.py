@@ -2,10 +2,16 @@
 
 ``SafeMLOutput`` is frozen: packages made by the tools of SESAME D7.2 use it, and any change of a
 field changes the MD5 and cuts them off. Facts that D7.2 does not publish are in a message of
-their own.
+their own. D7.2 itself prints ``oddViolation``: for subscribers of that message there is an option.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+
+VIOLATION_FIELD = "violation_field"
+"""Key of ``Model:`` in a configuration."""
+VIOLATION_FIELDS = ("odd_violation", "oddViolation")
 
 SAFEML_OUTPUT = "bool omission\nbool odd_violation\nfloat32 significance_level\n"
 
@@ -38,3 +44,11 @@ string[] acceptances
 
 MESSAGES = {"SafeMLOutput": SAFEML_OUTPUT, "SafeMLStatus": SAFEML_STATUS}
 """ROS message name -> text of its ``.msg`` file."""
+
+
+def respelt(options: Mapping[str, object]) -> Mapping[str, str]:
+    """Return the output as D7.2 prints it, where the options ask for that."""
+    usual, printed = VIOLATION_FIELDS
+    if options.get(VIOLATION_FIELD) != printed:
+        return {}
+    return {"SafeMLOutput": SAFEML_OUTPUT.replace(usual, printed)}

@@ -78,7 +78,8 @@ def _unknown(root: Map) -> list[Problem]:
 def _problem(key: str, node: Node, expected: str) -> Problem:
     if key != "distance_metric":
         text = f"{key}: {expected} is expected, not {describe(node)}"
-        return error("L002", text, node.place)
+        hint = _INSTEAD.get((as_text(node) or "").lower()) if key == "array_backend" else None
+        return error("L002", text, node.place, hint)
     given = as_text(node)
     near = did_you_mean(given, METRICS) if given is not None else None
     text = f"{key}: {describe(node)} is not a metric"
@@ -183,6 +184,9 @@ _KEYS: Mapping[str, Callable[[Node], Any]] = {
     "input_dtype": _one_of("auto", "float32", "float64"),
     "array_backend": _one_of(*BACKENDS),
 }
+_INSTEAD = dict.fromkeys(
+    ("tensorflow", "tf"), "write `torch` for the same GPU, or `numpy`: the distances are the same"
+)
 _SHOWN = {
     "window_size": "100",
     "reference_sample_file": "reference_sample.csv",

@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
+from eddi_scaffold.problems import EddiError, Place, error
 
 
-def messages_of(monitors: Iterable[Mapping[str, JsonValue]]) -> dict[str, str]:
+def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, str]:
     """Return message name -> text.
 
     Args:
-        monitors: the answers of each monitor package.
+        monitors: package -> its answers.
+
+    Raises:
+        EddiError: a monitor listens to a message that another one wants spelt otherwise (G026).
     """
     texts = {name: text for kind in kinds().values() for name, text in kind.messages.items()}
     wanted: list[str] = []
-    for answers in monitors:
-        wanted += kinds()[str(answers["kind"])].messages
+    heard: dict[str, str] = {}
+    respelt: dict[str, str] = {}
+    for package, answers in monitors.items():
+        kind = kinds()[str(answers["kind"])]
+        wanted += kind.messages
         if answers["config_json"]:
             config = from_json(str(answers["config_json"]), "the configuration of a package").config
-            heard = (one.type.partition("/") for one in config.SimulatorOutputs)
-            wanted += [name for package, _, name in heard if package == MESSAGE_PACKAGE]
+            respelt |= kind.respelt(config.Model.model_extra or {})
+            types = (one.type.partition("/") for one in config.SimulatorOutputs)
+            heard |= {name: package for of, _, name in types if of == MESSAGE_PACKAGE}
+    for name in heard.keys() & respelt.keys():
+        message = f"it reads {name}, whose fields get other names for another monitor"
+        hint = "let it read the status message of that monitor, on `<topic>/status`"
+        raise EddiError(error("G026", message, Place(heard[name]), hint))
+    texts |= respelt
+    wanted += heard
     found: dict[str, str] = {}
     while wanted:
         name = wanted.pop()

@@ -71,7 +71,7 @@ def support_answers(
     monitors: Mapping[str, Mapping[str, JsonValue]], config: Config | None
 ) -> list[PackageAnswers]:
     """Return the answers of messages, launcher, metapackage, and of the runtime if one needs it."""
-    texts = messages_of(monitors.values())
+    texts = messages_of(monitors)
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
     where = [str(one.get(platforms.RUNTIME, platforms.VENDORED)) for one in monitors.values()]
     single = all(one.get(platforms.SINGLE_PROCESS) is True for one in monitors.values())

@@ -3,7 +3,7 @@
 import pytest
 from eddi_runtime.node.conversion import MessageError
 
-from runtime_lib.tests.node.message_package import EDDI_MESSAGES, STD_MSGS, converter
+from runtime_lib.tests.node.message_package import EDDI_MESSAGES, STD_MSGS, converter, package
 
 
 def status(**changed):
@@ -42,6 +42,14 @@ def test_a_value_of_another_type_is_refused_by_its_field(field, value):
 def test_nothing_is_taken_for_a_truth_value(value):
     with pytest.raises(MessageError, match=r"Guarantee.active: bool expected"):
         converter().message(("Guarantee", {"id": "G", "active": value}))
+
+
+def test_a_field_may_be_spelt_as_in_the_document():
+    text = "bool omission\nbool oddViolation\nfloat32 significance_level\n"
+    message = converter(package("eddi_messages", {"SafeMLOutput": text})).message(
+        ("SafeMLOutput", {"omission": False, "odd_violation": True, "significance_level": 0.5})
+    )
+    assert message.oddViolation is True
 
 
 def test_other_fields_than_the_message_has_are_refused():

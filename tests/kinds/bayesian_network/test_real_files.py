@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from eddi_scaffold.packages.assembly import monitors_of, rejoined
 from tests.kinds.bayesian_network.networks import read
 
 TWO = '<state id="y"/><state id="n"/>'
@@ -68,3 +71,19 @@ def test_variables_that_decide_are_one_problem() -> None:
         "the nodes 'D', 'E' are of type 'decision', which is not supported",
         "the node 'U' is of type 'utility', which is not supported",
     }
+
+
+@pytest.mark.parametrize("config", [False, True])
+def test_without_a_configuration_the_file_names_the_package(config: bool, tmp_path: Path) -> None:
+    """GeNIe calls every network the same, until somebody changes that."""
+    model = tmp_path / "Rover Risk.xdsl"
+    model.write_text(xdsl(cpt("A", "0.5 0.5")), "utf-8")
+    text = "Model: {id: N, type: BayesianNetwork}\nEDDIInputs: [{id: A, requires: []}]\n"
+    (tmp_path / "config.yml").write_text(text, "utf-8")
+    configs = [tmp_path / "config.yml"] if config else []
+    (monitor,), _ = monitors_of(model, configs)
+    assert (monitor.package, monitor.model.name) == ("n" if config else "rover_risk", "N")
+    if not config:
+        answers = {"kind": "bayesian_network"}
+        again, _ = rejoined({"n": answers}, {"n": monitor.model}, {})["n"]
+        assert again.package == "n"  # as an earlier release called it

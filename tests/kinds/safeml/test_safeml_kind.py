@@ -14,6 +14,7 @@ import pytest
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT, FUNCTIONS
 from eddi_scaffold.kinds.safeml.report import detectable_shift
+from eddi_scaffold.platforms.ros1.messages import messages_of
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.replay.parts import compiled
 from eddi_scaffold.source import Source, read_source
@@ -32,6 +33,22 @@ def model_of(folder: Path, **keys: object) -> dict[str, object]:
     monitor, _ = joined(folder, ROWS, **{**FIGURE, **keys})
     document: dict[str, dict[str, object]] = json.loads(monitor.model_json)
     return document["model"]
+
+
+def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Path) -> None:
+    asked = CONNECTED.replace("type: SafeML", "type: SafeML, violation_field: oddViolation")
+    texts = {}
+    for config in (CONNECTED, asked):
+        monitor, problems = joined(tmp_path, ROWS, config, **FIGURE)
+        assert problems == []
+        assert monitor.config is not None
+        answers = {"kind": "safeml", "config_json": monitor.config.as_json()}
+        texts[config] = messages_of({"scope": answers})["SafeMLOutput"]
+    assert "bool odd_violation\n" in texts[CONNECTED]
+    assert "bool oddViolation\n" in texts[asked]
+    wrong = asked.replace("oddViolation", "Violation")
+    with pytest.raises(EddiError, match="must be odd_violation or oddViolation"):
+        joined(tmp_path, ROWS, wrong, **FIGURE)
 
 
 def test_the_reference_travels_with_its_digest(tmp_path: Path) -> None:

@@ -67,6 +67,10 @@ class Converter:
             plan = self._plans[name] = self._plan(name)
         cls, kinds, header = plan
         if fields.keys() != kinds.keys():
+            # D7.2 prints `oddViolation`, where the packages that it describes have `odd_violation`
+            spelt = {_letters(field): field for field in kinds}
+            fields = {spelt.get(_letters(field), field): fields[field] for field in fields}
+        if fields.keys() != kinds.keys():
             raise MessageError(
                 f"{name}: fields {', '.join(sorted(fields))} given,"
                 f" the message has {', '.join(sorted(kinds))}; rebuild the message package"
@@ -124,6 +128,10 @@ class Converter:
         given = f"{type(value).__name__} {value!r}"
         shown = given if len(given) <= 80 else given[:77] + "..."
         raise MessageError(f"{message}.{field}: {expected} expected, got {shown}")
+
+
+def _letters(field: str) -> str:
+    return field.replace("_", "").lower()
 
 
 def _scalar(kind: str, value: object) -> Union[bool, int, float, str, None]:
