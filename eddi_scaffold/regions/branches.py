@@ -65,17 +65,17 @@ def join_manifests(base: str, ours: str, theirs: str) -> str | None:
     """
     try:
         old, own, new = ({} if not text else json.loads(text) for text in (base, ours, theirs))
-        digests = [dict(one.get("sha256", {})) for one in (old, own, new)]
+        record = {"rendering": _chosen(*(one.get("rendering") for one in (old, own, new)))}
+        for part in ("meaning", "sha256"):
+            before, mine, other = (dict(one.get(part, {})) for one in (old, own, new))
+            record[part] = {
+                name: digest
+                for name in {*mine, *other}
+                if (digest := _chosen(before.get(name), mine.get(name), other.get(name)))
+            }
     except (ValueError, TypeError, AttributeError, RecursionError):
         return None
-    before, mine, other = digests
-    both = {
-        name: digest
-        for name in sorted({*mine, *other})
-        if (digest := _chosen(before.get(name), mine.get(name), other.get(name))) is not None
-    }
-    whole = _chosen(*(one.get("rendering") for one in (old, own, new)))
-    return json.dumps({"rendering": whole, "sha256": both}, indent=1, sort_keys=True) + "\n"
+    return json.dumps(record, indent=1, sort_keys=True) + "\n"
 
 
 def _chosen(base: object, ours: object, theirs: object) -> object:

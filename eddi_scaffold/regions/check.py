@@ -13,7 +13,14 @@ from .bodies import same_body
 from .conflicts import CONFLICT, conflict_lines, separator_lines
 from .files import entries, read_regular, stays
 from .fitting import made_of, missing_parts
-from .generated import ANSWERS, recorded_rendering, rendering_digest
+from .generated import (
+    ANSWERS,
+    GENERATED,
+    listed_generated,
+    recorded_generated,
+    recorded_rendering,
+    rendering_digest,
+)
 from .git import former_texts
 from .lost import lost_markers
 from .marked_file import Fault, MarkedFile, Region, parse
@@ -70,7 +77,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     if linked:
         return tuple(_broken(refusal) for refusal in linked)
     found: list[RegionStatus] = []
-    if _has_lost_renderings(root / EDDI):
+    if _has_lost_renderings(root):
         note = "without this folder hand edits and generated text look the same; generate again"
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
     found += _regions(root)
@@ -122,10 +129,10 @@ def _conflict_lines(root: Path, name: str) -> Sequence[int]:
     return alone if alone and check_text(name, text) is not None else lines
 
 
-def _has_lost_renderings(records: Path) -> bool:
+def _has_lost_renderings(root: Path) -> bool:
     """Return whether renderings of editable files are gone; some templates have no such file."""
-    has_none = (records / "generated").is_dir() and not files_below(records / "base")
-    return not has_none and not (records / "pristine").is_dir()
+    has_none = recorded_generated(root) and not files_below(root / EDDI / "base")
+    return not has_none and not (root / EDDI / "pristine").is_dir()
 
 
 def unfit_files(
@@ -141,6 +148,8 @@ def unfit_files(
     if not _is_of_one_rendering(root):
         note = "answers and renderings are not of one run, or of two branches; generate again"
         found.append(_unfit(ANSWERS, note))
+    if listed_generated(root):
+        found.append(_unfit(GENERATED, "these renderings are not in their places; generate again"))
     for name in files_below(root / EDDI / "pristine"):
         notes = _misfits(root, name, former)
         if notes:

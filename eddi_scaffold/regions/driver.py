@@ -53,8 +53,6 @@ def _join(path: str, base: str, ours: str, theirs: str) -> Joined:
         return join_branches(path, base, ours, theirs)
     if folder == "base":
         return Joined(join_renderings(file, base, ours, theirs), conflict=False)
-    if folder == "generated":  # one side's, as its digest in the manifest
-        return Joined(theirs if base == ours else ours, conflict=False)
     if folder == "pristine":
         return Joined(_rendered(file, base, ours, theirs), conflict=False)
     if record == MANIFEST:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import hashlib
 import io
 import tokenize
 from collections.abc import Sequence
@@ -32,24 +33,42 @@ def same_code(one: str, other: str) -> bool:
     return same_meaning(split_lines(one), split_lines(other))
 
 
-def same_text(name: str, one: bytes, other: bytes) -> bool:
-    """Return whether two texts of a file differ at most in line ends and, of Python, in layout."""
-    one, other = one.replace(b"\r\n", b"\n"), other.replace(b"\r\n", b"\n")
-    if one == other or not name.endswith(".py"):
-        return one == other
+def meaning_digest(data: bytes) -> str | None:
+    """Return the SHA-256 of what a Python file says, in any layout; comments count.
+
+    The same on every version of Python; ``None`` where the file does not parse.
+    """
     try:
-        return same_code(one.decode(), other.decode())
-    except UnicodeDecodeError:
-        return False
+        text = data.decode()
+        meaning = _as_text(parse_shallow(text)), *_comments(text)
+    except (UnicodeDecodeError, SyntaxError, tokenize.TokenError):
+        return None
+    return hashlib.sha256("\n".join(meaning).encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _as_text(part: object) -> str:
+    """Return a syntax tree as text, without what is empty: later versions of Python have more."""
+    if isinstance(part, list):
+        return f"[{','.join(map(_as_text, part))}]"
+    if not isinstance(part, ast.AST):
+        return ascii(part)
+    if isinstance(part, ast.JoinedStr):  # Python 3.12.1 adds empty text to a format
+        part.values = [one for one in part.values if getattr(one, "value", None) != ""]
+    fields = ((name, getattr(part, name, None)) for name in part._fields if name != "kind")
+    kept = (f"{name}={_as_text(value)}" for name, value in fields if value not in (None, []))
+    return f"{type(part).__name__}({','.join(kept)})"
 
 
 def _meaning(lines: Sequence[str]) -> tuple[str, list[str]] | None:
     text = framed(lines)
     try:
         tree = parse_shallow(text)
-        tokens = tokenize.generate_tokens(io.StringIO(text).readline)
-        comments = [t.string.lstrip("# \t") for t in tokens if t.type == tokenize.COMMENT]
         # The frame belongs to the dump: pieces of different depth are never compared.
-        return ast.dump(tree), comments
+        return ast.dump(tree), _comments(text)
     except (SyntaxError, tokenize.TokenError):
         return None
+
+
+def _comments(text: str) -> list[str]:
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    return [t.string.lstrip("# \t") for t in tokens if t.type == tokenize.COMMENT]

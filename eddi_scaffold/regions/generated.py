@@ -1,8 +1,8 @@
 """Files that must not be edited: each is put in its place after a look at what is there.
 
-Copier renders them below ``.eddi/generated`` only. So it has nothing of a person's to write over,
-to merge with or to remove, whatever its command; what lies in the place of such a file and was not
-written here is copied to ``.eddi/rejects`` first.
+Copier renders them below ``.eddi/generated`` only, which git ignores and ``sync`` empties. So it
+has nothing of a person's to write over, to merge with or to remove, whatever its command; what lies
+in the place of such a file and was not written here is copied to ``.eddi/rejects`` first.
 """
 
 from __future__ import annotations
@@ -10,12 +10,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable
+import shutil
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from .files import kind_of, read_regular
-from .formatting import same_text
+from .formatting import meaning_digest
 from .paths import inside
 from .result import Note
 from .store import (
@@ -29,7 +31,9 @@ from .store import (
 )
 
 GENERATED = f"{EDDI}/generated"
-"""Folder with the newest rendering of each file that must not be edited."""
+"""Folder into which Copier renders the files that must not be edited."""
+_PLACED = f"{EDDI}/placed"
+"""What it is called while it is removed: half of it must not pass for a rendering."""
 MANIFEST = "manifest.json"
 ANSWERS = ".copier-answers.yml"
 """File of a package in which Copier keeps the answers."""
@@ -38,8 +42,28 @@ _LOWER = bytes(range(256)).lower()
 """With these characters and upper case formatters do what they do, in every version of Python."""
 
 
+@dataclass(frozen=True)
+class Digests:
+    """What is recorded of a rendering: the SHA-256 of its bytes and, of Python, of its meaning."""
+
+    text: str
+    meaning: str | None = None
+
+    def fit(self, name: str, data: bytes) -> bool:
+        """Return whether a text is this rendering, but for line ends and the layout of Python."""
+        plain = data.replace(b"\r\n", b"\n")
+        return self.text in {_sha256(data), _sha256(plain)} or (
+            self.meaning is not None and self.meaning == _meaning(name, plain)
+        )
+
+
+def digests_of(name: str, data: bytes) -> Digests:
+    """Return what is recorded of a rendering."""
+    return Digests(_sha256(data), _meaning(name, data))
+
+
 def listed_generated(root: Path) -> list[str]:
-    """Return the generated-only files of the newest rendering."""
+    """Return the generated-only files that Copier has rendered and ``sync`` not yet placed."""
     return [name for name in files_below(root / GENERATED) if _is_place(root, name)]
 
 
@@ -49,12 +73,11 @@ def recorded_generated(root: Path) -> list[str]:
 
 
 def is_placed(root: Path) -> bool:
-    """Return whether the last rendering of the generated-only files is whole, and in place."""
+    """Return whether all generated-only files of the last rendering are in their places."""
     recorded = _recorded(root)
     return (
         bool(recorded)
-        and sorted(recorded) == listed_generated(root)
-        and all(_digest(root / GENERATED / name) == was for name, was in recorded.items())
+        and not listed_generated(root)
         and all(kind_of(root / name) is None and (root / name).exists() for name in recorded)
         and not changed_generated(root)
     )
@@ -62,44 +85,55 @@ def is_placed(root: Path) -> bool:
 
 def changed_generated(root: Path) -> list[str]:
     """Return the generated-only files that differ from the last rendering in more than layout."""
-    return [
-        name
-        for name, digest in sorted(_recorded(root).items())
-        if _digest(root / name) not in {digest, None} and not _is_reformatted(root, name)
-    ]
+    return [name for name, was in sorted(_recorded(root).items()) if _is_changed(root, name, was)]
 
 
-def place_generated(root: Path, committed: Callable[[str], str | None]) -> list[Note]:
+def place_generated(root: Path) -> list[Note]:
     """Bring the generated-only files to their renderings, and record what was written.
 
     Args:
         root: the package.
-        committed: text of a file before this rendering, if it is known.
 
     Returns:
         What was kept of a person's text, and what could not be written.
     """
+    shutil.rmtree(root / _PLACED, ignore_errors=True)
     names, before = listed_generated(root), _recorded(root)
     if not (root / GENERATED).is_dir() or not (names or before):
-        return []  # where the folder was lost, it tells nothing
-    written = {}
+        return []  # all was placed, or the folder was lost and tells nothing
+    written: dict[str, Digests] = {}
     notes: list[Note] = []
+    whole = True
     gone = sorted(name for name in before.keys() - names if _is_place(root, name))
     for name in [*names, *gone]:
         new = read_regular(root / GENERATED / name) if name in names else None
+        was = before.get(name)
         if new is not None:
-            written[name] = hashlib.sha256(new).hexdigest()
+            written[name] = _same(was, new) or digests_of(name, new)
         try:
-            notes += _place(root, name, new, before.get(name), committed)
+            ours = [one for one in (was, written.get(name)) if one is not None]
+            notes += _place(root, name, new, ours, known=was is not None)
         except OSError as problem:
             if new is None:
                 continue
+            whole = False
             text = f"it is left alone, and should be as generated: {problem.strerror or problem}"
             notes.append(Note(name, None, text))
-    record = {"rendering": rendering_digest(root), "sha256": written}
+    _write_manifest(root, written)
+    if whole:
+        (root / GENERATED).rename(root / _PLACED)
+        shutil.rmtree(root / _PLACED)
+    return notes
+
+
+def _write_manifest(root: Path, written: Mapping[str, Digests]) -> None:
+    record = {
+        "meaning": {name: one.meaning for name, one in written.items() if one.meaning is not None},
+        "rendering": rendering_digest(root),
+        "sha256": {name: one.text for name, one in written.items()},
+    }
     text = json.dumps(record, indent=1, sort_keys=True) + "\n"
     write_file(root, f"{EDDI}/{MANIFEST}", text.encode())
-    return notes
 
 
 def rendering_digest(root: Path) -> str:
@@ -131,23 +165,19 @@ def keep_edits_of_old_layout(root: Path) -> None:
     Up to version 0.1 Copier itself rendered them in their places, so the first update to this
     layout removes them all.
     """
-    if not (root / GENERATED).is_dir():
+    if "meaning" not in _manifest(root):
         for name in changed_generated(root):
             save_reject(root, name, read_regular(root / name), ".edited")
 
 
 def _place(
-    root: Path,
-    name: str,
-    new: bytes | None,
-    recorded: str | None,
-    committed: Callable[[str], str | None],
+    root: Path, name: str, new: bytes | None, ours: Sequence[Digests], known: bool
 ) -> list[Note]:
     path, data = root / name, _present(root / name)
     notes = []
-    if data is not None and data != new and not _is_ours(name, data, new, recorded, committed):
+    if data is not None and data != new and not any(one.fit(name, data) for one in ours):
         copy = save_reject(root, name, data, ".edited").relative_to(root)
-        why = "was" if recorded is not None else "it lies where one of the generator's belongs"
+        why = "was" if known else "it lies where one of the generator's belongs"
         notes = [Note(name, None, f"must not be edited, but {why}: your text is kept in {copy}")]
 
     def unchanged() -> None:
@@ -180,26 +210,24 @@ def _present(path: Path) -> bytes | None:
         return None
 
 
-def _is_ours(
-    name: str,
-    data: bytes,
-    new: bytes | None,
-    recorded: str | None,
-    committed: Callable[[str], str | None],
-) -> bool:
-    if hashlib.sha256(data).hexdigest() == recorded:
-        return True
-    old = committed(f"{GENERATED}/{name}")
-    renderings = (new, old.encode() if old is not None else None)
-    return any(one is not None and same_text(name, data, one) for one in renderings)
-
-
-def _is_reformatted(root: Path, name: str) -> bool:
+def _is_changed(root: Path, name: str, was: Digests) -> bool:
     try:
-        mine, ours = (read_regular(path) for path in (root / name, root / GENERATED / name))
+        return not was.fit(name, read_regular(root / name))
     except OSError:
         return False
-    return same_text(name, mine, ours)
+
+
+def _same(was: Digests | None, new: bytes) -> Digests | None:
+    """Return the digests of before where they are of the same text: those of Python take time."""
+    return was if was is not None and was.meaning and was.text == _sha256(new) else None
+
+
+def _meaning(name: str, data: bytes) -> str | None:
+    return meaning_digest(data) if name.endswith(".py") else None
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
 
 
 def _is_place(root: Path, name: str) -> bool:
@@ -209,10 +237,16 @@ def _is_place(root: Path, name: str) -> bool:
     return not os.path.exists(root / EDDI / "pristine" / name)  # noqa: PTH110 - false for any name
 
 
-def _recorded(root: Path) -> dict[str, str]:
-    found = _manifest(root).get("sha256")
-    names = found if isinstance(found, dict) else {}
-    return {name: str(digest) for name, digest in names.items() if inside(root, name)}
+def _recorded(root: Path) -> dict[str, Digests]:
+    record = _manifest(root)
+    texts, meanings = (
+        part if isinstance(part := record.get(key), dict) else {} for key in ("sha256", "meaning")
+    )
+    return {
+        name: Digests(str(digest), str(meanings[name]) if name in meanings else None)
+        for name, digest in texts.items()
+        if inside(root, name)
+    }
 
 
 def _manifest(root: Path) -> dict[str, object]:
@@ -222,10 +256,3 @@ def _manifest(root: Path) -> dict[str, object]:
     except (ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
-
-
-def _digest(path: Path) -> str | None:
-    try:
-        return hashlib.sha256(read_regular(path)).hexdigest()
-    except OSError:
-        return None

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from .conflicts import other_side
 from .files import read_regular, stays
-from .generated import GENERATED, listed_generated, place_generated
+from .generated import listed_generated, place_generated, recorded_generated
 from .interrupted import end_update
 from .marked_file import Fault, parse
 from .merge import may_return, merge, retire
@@ -122,7 +122,7 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
         else:
             refused.clear()
             _sync(root, committed, refused, touched, notes)
-        notes.extend(place_generated(root, committed))
+        notes.extend(place_generated(root))
         end_update(root)
     except OSError as problem:
         reason = f"{problem.strerror or problem}; nothing is lost; remove the reason, {AGAIN}"
@@ -143,7 +143,7 @@ def _sync(
         ChangedMeanwhileError: a person saved a file in between; it is merged again from there.
     """
     names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
-    clean_temporaries(root, [*names, *listed_generated(root)])
+    clean_temporaries(root, [*names, *listed_generated(root), *recorded_generated(root)])
     _settle_renderings(root)
     _finish_interrupted(root)
     found = [_read(root, name, committed, refused, notes) for name in names]
@@ -156,11 +156,11 @@ def _sync(
 
 def _settle_renderings(root: Path) -> None:
     """Take the newest side where Copier or git merged renderings, for instance formatted ones."""
-    for folder in (f"{EDDI}/pristine", GENERATED):
-        for name in files_below(root / folder):
-            data = read_regular(root / folder / name)
-            if (settled := other_side(data)) != data:
-                write_file(root, f"{folder}/{name}", settled)
+    folder = f"{EDDI}/pristine"
+    for name in files_below(root / folder):
+        data = read_regular(root / folder / name)
+        if (settled := other_side(data)) != data:
+            write_file(root, f"{folder}/{name}", settled)
 
 
 def linked_folders(root: Path) -> tuple[Refusal, ...]:

@@ -5,15 +5,30 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
+from eddi_scaffold.regions.check import list_regions
+from eddi_scaffold.regions.formatting import meaning_digest
 from eddi_scaffold.regions.generated import changed_generated, is_placed, recorded_generated
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 from tests.regions.rendering import snapshot
 
 FIRST = "def f():\n    return [1, 2]  # one\n"
 SECOND = "def f():\n    return [1, 2, 3]  # two\n"
+
+
+EVERYTHING = """\
+class A(B, metaclass=C):  # one
+    x: int = 0x1F + 1e5j - -3.0
+
+    async def f(self, /, *a: "x", b=u"\u00e9\U0001f916", **c) -> None:
+        match a:
+            case {"k": [1, *_]} | None:
+                return f"{a!r:>{b}} {c=}" "d", b"e"[0:1, ..., 2]
+        return (lambda: (yield {**c, 1: None})) if not a else [i async for i in a if i]
+"""
 
 
 def render(root: Path, **files: str) -> None:
@@ -51,6 +66,26 @@ def test_they_follow_the_rendering(tmp_path: Path) -> None:
     assert (tmp_path / "a.py").read_text() == SECOND
     assert not (tmp_path / "test").exists(), "nothing is in it any more"
     assert recorded_generated(tmp_path) == ["a.py"]
+
+
+def test_a_rendering_is_on_its_way_to_its_place(tmp_path: Path) -> None:
+    render(tmp_path, a=FIRST)
+    assert any(one.file == ".eddi/generated" for one in list_regions(tmp_path))
+    sync(tmp_path)
+    assert not (tmp_path / ".eddi/generated").exists()
+    assert not any(one.file == ".eddi/generated" for one in list_regions(tmp_path))
+
+
+def test_half_of_a_removed_rendering_is_no_rendering(tmp_path: Path) -> None:
+    render(tmp_path, a=FIRST, b=FIRST)
+    with (  # killed while it removes them
+        patch("eddi_scaffold.regions.generated.shutil.rmtree", side_effect=KeyboardInterrupt),
+        pytest.raises(KeyboardInterrupt),
+    ):
+        sync_package(tmp_path)
+    sync(tmp_path)
+    assert (tmp_path / "b.py").read_text() == FIRST
+    assert sorted(path.name for path in (tmp_path / ".eddi").iterdir()) == ["manifest.json"]
 
 
 def test_an_edit_is_kept_aside(tmp_path: Path) -> None:
@@ -104,9 +139,15 @@ def test_another_layout_is_no_edit(tmp_path: Path, layout: str) -> None:
     (tmp_path / "a.py").write_bytes(layout.encode())
     assert changed_generated(tmp_path) == []
     render(tmp_path, a=SECOND)
-    assert not sync_package(tmp_path, {".eddi/generated/a.py": FIRST}.get).notes
+    assert not sync_package(tmp_path).notes
     assert (tmp_path / "a.py").read_text() == SECOND
     assert not kept(tmp_path)
+
+
+def test_a_meaning_is_the_same_on_every_python() -> None:
+    recorded = "ed664cca514b14f7abd0e520ca59409be85aec95c3e0d4d851c6861d99931c5b"
+    assert meaning_digest(EVERYTHING.encode()) == recorded
+    assert meaning_digest(EVERYTHING.replace("1e5j", "1e6j").encode()) != recorded
 
 
 def test_a_comment_is_an_edit(tmp_path: Path) -> None:
@@ -142,6 +183,8 @@ def test_programs_stay_programs(tmp_path: Path) -> None:
     sync(tmp_path)
     assert (tmp_path / "a.py").stat().st_mode & 0o777 == 0o755
     (tmp_path / "a.py").chmod(0o640)
+    render(tmp_path, a=FIRST)
+    (tmp_path / ".eddi/generated/a.py").chmod(0o755)
     sync(tmp_path)
     assert (tmp_path / "a.py").stat().st_mode & 0o777 == 0o750
 
