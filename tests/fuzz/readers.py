@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import itertools
 import json
@@ -440,7 +441,7 @@ def _nothing_lost(sample: Sample, before: dict[str, bytes], after: dict[str, byt
         line.strip() for n in before if n != sample.name for line in before[n].split(b"\n")
     }
     there = b"\n".join(after.values())
-    for line in sample.data.split(b"\n"):
+    for line in sample.data.removeprefix(codecs.BOM_UTF8).split(b"\n"):  # the mark stays in front
         words = line.strip()
         if not words or isinstance(read_marker(line.decode("utf-8", "replace"), 1), Marker):
             continue
