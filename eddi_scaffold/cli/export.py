@@ -22,7 +22,7 @@ def export(
     config: ConfigFiles = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
-    """Write each model as a file of its own: ConSerts as YAML, networks as XDSL and XMLBIF.
+    """Write each model as a file of its own: YAML; networks as XDSL and XMLBIF, trees as Open-PSA.
 
     With configurations, the models that these are about, with what they add.
 

@@ -168,7 +168,7 @@ def _networks(suffix: str) -> Callable[[Path], Made]:
     return make
 
 
-def _text_networks(name: str, text: bytes) -> Callable[[Path], Made]:
+def _texts(name: str, text: bytes) -> Callable[[Path], Made]:
     def make(folder: Path) -> Made:
         _, attempt = _models()(folder)
         return [Sample(name, text)], attempt
@@ -197,6 +197,29 @@ potential (B | A) {
   data = ((0.5 0.25 0.25)    % A=y
           (0.125 0 0.875));  % A=n
 }
+"""
+
+_MEF = b"""\
+<opsa-mef>
+<define-fault-tree name="Tank">
+  <define-gate name="top"><or><gate name="c.both"/><nand><event name="a"/><event name="h"/></nand>
+    <atleast min="2"><basic-event name="a"/><basic-event name="b"/><gate name="c.both"/></atleast>
+    <constant value="false"/></or></define-gate>
+  <define-component name="c" role="private">
+    <define-gate name="both"><and><basic-event name="a"/><basic-event name="b"/></and></define-gate>
+  </define-component>
+  <define-house-event name="h"><constant value="true"/></define-house-event>
+</define-fault-tree>
+<model-data>
+  <define-basic-event name="a"><label>A</label><float value="1e-3"/></define-basic-event>
+  <define-basic-event name="b">
+    <exponential><parameter name="rate"/><system-mission-time/></exponential>
+  </define-basic-event>
+  <define-parameter name="rate" unit="hours-1">
+    <mul><float value="2"/><normal-deviate><float value="1e-4"/><float value="1"/></normal-deviate>
+    </mul></define-parameter>
+</model-data>
+</opsa-mef>
 """
 
 
@@ -492,10 +515,11 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     ),
     "XDSL": _networks(".xdsl"),
     "XMLBIF": _networks(".xmlbif"),
-    "BIF": _text_networks("n.bif", _BIF),
-    "Hugin": _text_networks("n.net", _HUGIN),
+    "BIF": _texts("n.bif", _BIF),
+    "Hugin": _texts("n.net", _HUGIN),
     "configuration": _config,
     "reliability YAML": _reliability,
+    "Open-PSA": _texts("t.xml", _MEF),
     "SafeML": _safeml,
     "events": _events,
     "robot models": _robots,

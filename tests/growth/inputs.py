@@ -363,6 +363,51 @@ _RELIABILITY = {
     ),
 }  # fmt: skip
 
+
+def _mef(text: str) -> str:
+    return f'<opsa-mef>\n<define-fault-tree name="Tank">\n{text}</define-fault-tree></opsa-mef>\n'
+
+
+def _mef_or(n: int) -> str:
+    events = _each('<event name="e#"/>', n)
+    return f'<define-gate name="G"><or>{events}</or></define-gate>\n'
+
+
+_MEF_EVENT = '<define-basic-event name="{}"><float value="1e-6"/></define-basic-event>\n'
+_MEF = {
+    "events": lambda n: _mef(
+        _mef_or(n)
+        + _each(_MEF_EVENT.format("e#"), n)
+    ),
+    "gates": lambda n: _mef(
+        _each('<define-gate name="g#"><or><event name="g%"/><event name="a"/></or>'
+              "</define-gate>\n", n)
+        + _MEF_EVENT.format(f"g{n}") + _MEF_EVENT.format("a")
+    ),
+    "misspelt events": lambda n: _mef(
+        _each('<define-gate name="gate#"><event name="evnt#"/></define-gate>\n', n)
+        + _each(_MEF_EVENT.format("event#"), n)
+    ),
+    "parameters": lambda n: _mef(
+        _each('<define-parameter name="p#"><parameter name="p%"/></define-parameter>\n', n)
+    ),
+    "uses of a parameter": lambda n: _mef(
+        '<define-parameter name="p"><add>' + '<float value="0.001"/>' * n
+        + "</add></define-parameter>\n"
+        + _each('<define-basic-event name="e#"><parameter name="p"/></define-basic-event>\n', n)
+        + _mef_or(n)
+    ),
+    "components": lambda n: _mef(
+        _each('<define-component name="c#"><define-gate name="g"><event name="a"/></define-gate>'
+              "</define-component>\n", n) + _MEF_EVENT.format("a")
+    ),
+    "deep formulas": lambda n: _mef(
+        f'<define-gate name="G">{"<not>" * n}<event name="a"/>{"</not>" * n}</define-gate>\n'
+        + _MEF_EVENT.format("a")
+    ),
+    "what is not read": lambda n: _mef(_each('<define-rule name="r#"/>\n', n)),
+}  # fmt: skip
+
 # events
 
 _EVENTS = {
@@ -524,6 +569,7 @@ _FAMILIES: list[tuple[str, str, dict[str, Callable[[int], str]]]] = [
     ("configuration", "two-conserts/damaged_consert_a_config.yml", _CONFIG),
     ("configuration", "motor-watch/damaged_motor_config.yml", _CONFIG_EVENT),
     ("reliability YAML", "r.yml", _RELIABILITY),
+    ("Open-PSA", "t.xml", _MEF),
     ("events", "m.events", _EVENTS),
     ("recordings", "r.csv", _RECORDINGS),
     ("sync", INPUT, _SYNC),

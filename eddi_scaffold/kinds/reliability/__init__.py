@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from eddi_scaffold.source import Source
 
 _SUFFIXES = (".yml", ".yaml")
+MEF_SUFFIXES = (".xml", ".opsa", ".mef")
+_MEF = re.compile(rb"<opsa-mef[\s>/]")
+_HEAD = 65536
 _OWN_KEY = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:horizon|mission_time|models|thresholds|on_unknown|max_gap)"""
     rb"""["']?\s*:"""
@@ -35,7 +38,10 @@ IN_EDDI = (
 
 
 def _sniff(source: Source) -> bool:
-    if not source.name.lower().endswith(_SUFFIXES):
+    name = source.name.lower()
+    if name.endswith(MEF_SUFFIXES):
+        return _MEF.search(source.data[:_HEAD]) is not None
+    if not name.endswith(_SUFFIXES):
         return False
     data = source.data
     is_own = _OWN_KEY.search(data) is not None or _TYPE.search(data) is not None

@@ -8,15 +8,17 @@ from typing import Any
 
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Reading, Skeleton
-from eddi_scaffold.kinds.reliability import from_eddi, report
+from eddi_scaffold.kinds.reliability import MEF_SUFFIXES, from_eddi, report
 from eddi_scaffold.kinds.reliability.check import check_system
 from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
+from eddi_scaffold.kinds.reliability.from_mef import read_mef
 from eddi_scaffold.kinds.reliability.from_values import KEYS, read_system, with_rate
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
 from eddi_scaffold.kinds.reliability.model import NAME, ReliabilityModel, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.picture import picture
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
 from eddi_scaffold.kinds.reliability.skeleton import decided, drafted
+from eddi_scaffold.kinds.reliability.to_mef import to_mef
 from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
@@ -31,6 +33,7 @@ from eddi_scaffold.problems import (
 )
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.xmi import load
 from eddi_scaffold.source import Source, beside, read_source
 
 
@@ -44,7 +47,9 @@ def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> Readi
 
 
 def read_file(source: Source, _: Sequence[str]) -> Reading:
-    """Read ``reliability_config.yml`` and the EDDI that it may name."""
+    """Read ``reliability_config.yml`` and the EDDI that it may name, or an Open-PSA file."""
+    if source.name.lower().endswith(MEF_SUFFIXES):
+        return _read_mef(source)
     root, problems = read_map(source, "R001")
     if root is None or has_errors(problems):
         return Reading((), tuple(in_order(problems)))
@@ -55,6 +60,16 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
         return Reading((), tuple(in_order(problems)))
     model = ReliabilityModel(NAME, source.stem, system, source, root.place)
     return Reading((model,), tuple(in_order(problems)))
+
+
+def _read_mef(source: Source) -> Reading:
+    with source.open() as stream:
+        tree, problems = load(stream, source.name)
+    if tree is None:
+        return Reading((), tuple(problems))
+    systems, found = read_mef(tree.document, source.name, source.stem)
+    models = tuple(ReliabilityModel(NAME, one.top, one, source, one.place) for one in systems)
+    return Reading(models, tuple(in_order([*problems, *found])))
 
 
 def _finder(root: Node) -> Callable[..., Place]:
@@ -199,9 +214,11 @@ def model_part(model: ReliabilityModel) -> dict[str, Any]:
 
 
 def export(model: ReliabilityModel) -> Mapping[str, str]:
-    """Return the whole system as one readable file."""
+    """Return the whole system as one readable file, and its tree as Open-PSA where that can be."""
     name = "".join(c if c.isalnum() or c in "._-" else "_" for c in model.name)
-    return {f"{name}.yml": to_yaml(model.data)}
+    tree = to_mef(model.data)
+    opsa = {f"{name}.opsa.xml": tree} if tree is not None else {}
+    return {f"{name}.yml": to_yaml(model.data), **opsa}
 
 
 def counts(model: ReliabilityModel) -> Mapping[str, int]:
