@@ -26,8 +26,8 @@ from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates, git
-from tests.updates.test_sequences import CHANGES, OPERATIONS, WORDS, Life
-from tests.updates.world import DONE, Result, World, killed_at, long_profile
+from tests.updates.test_sequences import CHANGES, WORDS, Life
+from tests.updates.world import DONE, OPERATIONS, Result, World, killed_at, long_profile
 
 pytestmark = pytest.mark.slow
 

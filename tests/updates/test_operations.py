@@ -14,11 +14,19 @@ from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates
-from tests.updates.world import DAMAGES, EDITABLE, Result, World, long_profile, snapshot
+from tests.updates.world import (
+    DAMAGES,
+    EDITABLE,
+    OPERATIONS,
+    Result,
+    World,
+    long_profile,
+    operations_of,
+    snapshot,
+)
 
 pytestmark = pytest.mark.slow
 
-OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 START = (*elements("alpha", "beta"), Element("gamma", "float"), Element("delta", "pair"))
 ALPHA, BETA, GAMMA, DELTA = START
 OUTSIDE = (
@@ -124,15 +132,15 @@ def _copied(old: World, folder: Path) -> World:
     return new
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
 @pytest.mark.parametrize(
-    ("case", "platform"),
+    ("case", "platform", "operation"),
     # `generate` for ROS renders six packages: in the quick profile only where most can be lost
     [
-        (c, p)
-        for c in CASES
+        (c, p, operation)
+        for number, c in enumerate(CASES)
         for p in EDITABLE
         if long_profile() or (p == "ros1") == CASES[c].outside
+        for operation in operations_of(number)
     ],
 )
 def test_edits_survive(

@@ -10,11 +10,10 @@ import pytest
 
 from tests.updates.inputs import elements
 from tests.updates.templates import ADDED, ADDED_TEXT, Templates, git
-from tests.updates.world import Result, World
+from tests.updates.world import OPERATIONS, Result, World, operations_of
 
 pytestmark = pytest.mark.slow
 
-OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 OWN = "calibration = 1.5\n"
 MONITOR = "EDDIMonitor.py"
 LATIN_1 = "# M\xf6we\n".encode("latin-1")
@@ -47,8 +46,9 @@ def kept(world: World, path: str) -> bytes:
     return (world.package / f".eddi/rejects/{path}.edited").read_bytes()
 
 
-@each
-@pytest.mark.parametrize("ignored", [False, True], ids=["in git", "ignored"])
+@pytest.mark.parametrize(
+    ("ignored", "operation"), [(k == 1, one) for k in (0, 1) for one in operations_of(k)]
+)
 def test_own_file_whose_name_the_template_takes(
     world: World, operation: str, ignored: bool, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from eddi_scaffold.regions.branches import join_branches
 from tests.updates.inputs import TYPES, Element, elements
 from tests.updates.templates import ADDED, VERSIONS, Templates, git
-from tests.updates.world import DONE, World, long_profile, saved_at, snapshot
+from tests.updates.world import DONE, OPERATIONS, World, long_profile, saved_at, snapshot
 
 pytestmark = pytest.mark.slow
 
@@ -23,7 +23,6 @@ PLACES = (
     "import", "helper", "docstring", "behind", "init", "default", "comment", "last",
     "manifest", "cmake", "launch",
 )  # fmt: skip
-OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 CHANGES = (
     "add", "remove", "rename", "permute", "move_up", "retype", "reorder", "rename_silently",
     "template",

@@ -10,11 +10,9 @@ import pytest
 
 from tests.hostile.special import a_socket
 from tests.updates.templates import Templates
-from tests.updates.world import CHANGED, World, edited_world
+from tests.updates.world import CHANGED, OPERATIONS, World, edited_world, operations_of
 
 pytestmark = pytest.mark.slow
-
-OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 
 
 @pytest.fixture
@@ -58,8 +56,10 @@ def test_what_lies_about_stops_nothing(world: World, operation: str) -> None:
     world.check()
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
-@pytest.mark.parametrize("mode", [0o600, 0o664, 0o755])
+@pytest.mark.parametrize(
+    ("mode", "operation"),
+    [(m, one) for k, m in enumerate((0o600, 0o664, 0o755)) for one in operations_of(k)],
+)
 def test_modes_stay(world: World, operation: str, mode: int) -> None:
     world.change_mode(mode)
     names = ("EDDIMonitor.py", "README.md")

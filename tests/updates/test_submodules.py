@@ -12,11 +12,10 @@ from eddi_scaffold.regions.git import committed_text
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.templates import Templates, git
-from tests.updates.world import CHANGED, World, edited_world, snapshot
+from tests.updates.world import CHANGED, World, edited_world, operations_of, snapshot
 
 pytestmark = pytest.mark.slow
 
-OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 OWN = {
     ".clang-format": "BasedOnStyle: Google\n",
     ".vscode/settings.json": "{}\n",
@@ -70,8 +69,9 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "operation"), [(k, one) for n, k in enumerate(KINDS) for one in operations_of(n)]
+)
 def test_git_and_dot_files_stay(world: World, kind: str, operation: str) -> None:
     KINDS[kind](world)
     entry = (world.workspace if kind == "worktree" else world.package) / ".git"

@@ -49,6 +49,7 @@ DAMAGES = 7
 DONE: Counter[str] = Counter()  # what was run, for the summary
 _WORD = re.compile(r"hand_\d+_line")
 
+OPERATIONS = ("copy", "recopy", "update", "generate", "upgrade")
 START = elements("alpha", "beta", "gamma")
 CHANGED = (Element("new"), Element("bravo", was="beta"), Element("alpha", "pair"))
 
@@ -88,6 +89,12 @@ class Result:
 
     status: int
     words: str
+
+
+def operations_of(number: int) -> tuple[str, ...]:
+    """Return the operations for a case: all in the long profile, else one of each pair in turn."""
+    pairs = (("copy", "recopy"), ("generate", "upgrade"))
+    return OPERATIONS if long_profile() else ("update", *(pair[number % 2] for pair in pairs))
 
 
 class World:
