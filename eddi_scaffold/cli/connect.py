@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,13 @@ from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, Nod
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import Connected
+
+_STATES = {
+    "kept": "decided before",
+    "taken": "with one topic that fits",
+    "listed": "with candidates",
+    "none": "without a topic",
+}
 
 
 def connect(
@@ -68,15 +76,12 @@ def connect(
 
 def _what(found: Connected, *, writes: bool) -> str:
     """Return the last line: how far the draft is decided."""
-    states = [one.state for one in found.decisions]
-    inputs = "1 input" if len(states) == 1 else f"{len(states)} inputs"
-    counts = f"{inputs}: {states.count('taken')} with one topic that fits"
-    if states.count("listed"):
-        counts += f", {states.count('listed')} with candidates"
-    if states.count("none"):
-        counts += f", {states.count('none')} without"
+    states = Counter(map(found.state, found.decisions))
+    total = sum(states.values())
+    counts = ", ".join(f"{states[one]} {text}" for one, text in _STATES.items() if states[one])
+    inputs = f"{total} input{'s' if total != 1 else ''}{': ' if counts else ''}{counts}"
     todo = f"{found.todo} value{'s' if found.todo != 1 else ''} to be decided"
     done = ""
     if writes:
         done = f"; {found.name} is {'written' if found.is_changed else 'up to date'}"
-    return f"{counts}; {todo}{done}"
+    return f"{inputs}; {todo}{done}"

@@ -17,7 +17,6 @@ from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error, 
 from eddi_scaffold.source import Source
 
 KEPT_ENTRY = "M026"
-LOST_COMMENT = "M028"
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
@@ -169,6 +168,20 @@ def rewritten(
     return before + block + after, problems
 
 
+def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
+    """Return the text with more entries, behind those that there are."""
+    if not entries:
+        return document.text
+    dash = re.search(r"(?m)^([ ]*)-", document.text[document.start : document.end])
+    if dash is None or not document.old:  # no block yet, or one in brackets
+        return rewritten(document, entries, lambda _: Absence(stays=True))[0]
+    lines = [line.removeprefix("  ") for one in entries for line in _lines(one, None)]
+    new = "".join(f"{dash[1]}{line}{document.line_end}" for line in lines)
+    before = document.text[: document.end]
+    before += "" if before.endswith("\n") else document.line_end
+    return before + new + document.text[document.end :]
+
+
 def _notes(
     document: ConfigText, foreign: Sequence[tuple[OldEntry, Absence]], kept: Sequence[OldEntry]
 ) -> list[Problem]:
@@ -187,7 +200,7 @@ def _notes(
         lines = ", ".join(str(line) for line in document.comments)
         message = f"comments inside SimulatorOutputs are not kept (line {lines})"
         place = Place(document.name, document.comments[0], 1)
-        problems.append(warning(LOST_COMMENT, message, place))
+        problems.append(warning("M028", message, place))
     return problems
 
 

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.config.block import (
-    LOST_COMMENT,
-    Absence,
     ConfigText,
     TopicEntry,
+    extended,
     new_document,
     read_block,
-    rewritten,
 )
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
@@ -25,11 +23,12 @@ from eddi_scaffold.connect.draft import Age
 from eddi_scaffold.connect.keeping import Draft, with_draft
 from eddi_scaffold.connect.matching import Decision, decide
 from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.offers import Offers, offers
+from eddi_scaffold.connect.offers import offers
 from eddi_scaffold.connect.reading import (
     content,
     declared_types,
     items,
+    model_id,
     section_of,
     text_of,
     topics_of,
@@ -95,6 +94,7 @@ class Connected:
         before: its text, ``None`` when there is no file.
         after: its new text.
         decisions: one for each input of the model.
+        kept: inputs that were decided before.
         problems: of the robot, and of the configuration.
         todo: how many values are still to be decided.
     """
@@ -103,6 +103,7 @@ class Connected:
     before: str | None
     after: str
     decisions: Sequence[Decision]
+    kept: frozenset[str]
     problems: Sequence[Problem]
     todo: int
 
@@ -110,6 +111,10 @@ class Connected:
     def is_changed(self) -> bool:
         """Whether there is something to write."""
         return self.after != self.before
+
+    def state(self, decision: Decision) -> str:
+        """Return ``taken``, ``listed`` or ``none``, or ``kept`` where a person has decided."""
+        return "kept" if decision.need.id in self.kept else decision.state
 
     def diff(self) -> str:
         """Return the change as a unified diff."""
@@ -125,7 +130,7 @@ class Connected:
             "inputs": [
                 {
                     "id": one.need.id,
-                    "state": one.state,
+                    "state": self.state(one),
                     "candidates": [
                         {
                             "output": found.topic.id,
@@ -161,6 +166,7 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     root = content(document)
     chosen = _chosen(models, name, root)
     kind = kinds()[chosen.kind]
+    package = package_name(model_id(root) or chosen.name)
     robot, node_models = _robot(around)
     problems: list[Problem] = []
     if robot is not None:
@@ -169,8 +175,10 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
         document = read_block(Source(document.name, parsed.after.encode()))
     skeleton = _skeleton(chosen, kind, root)
     topics = topics_of(content(document))
-    offered = offers(_monitors(models, around), chosen, skeleton.inputs, topics)
-    document, lost = _with_offered(document, offered)
+    others = [one for one in _monitors(models, around) if one.package != package]
+    offered = offers(others, chosen, skeleton.inputs, topics)
+    new = [TopicEntry(one.id, one.type.replace("/", "."), one.topic) for one in offered.topics]
+    document = read_block(Source(document.name, extended(document, new).encode()))
     given = message_types(node_models) if node_models is not None else {}
     types = {**known_messages(), **given, **declared_types(root)}
     decisions = decide(
@@ -182,12 +190,15 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
         skeleton.options,
         skeleton.notes,
         [drafts.entry(one, ages) for one in decisions],
-        drafts.outputs(package_name(chosen.name), kind.topic, kind.functions.parts(chosen)),
+        drafts.outputs(package, kind.topic, kind.functions.parts(chosen)),
     )
     after = with_draft(document, draft)
-    problems += [*lost, *with_excerpts(_unknown_inputs(root, skeleton), before or "")]
+    problems += with_excerpts(_unknown_inputs(root, skeleton), before or "")
     left = undecided(content(ConfigText(document.name, after, 0, 0)))
-    return Connected(document.name, before, after, decisions, in_order(problems), len(left))
+    kept = frozenset(
+        text_of(one, "id") or "" for one in items(root.get("EDDIInputs")) if not undecided(one)
+    )
+    return Connected(document.name, before, after, decisions, kept, in_order(problems), len(left))
 
 
 def _document(config: Path | None) -> tuple[ConfigText, str | None]:
@@ -204,10 +215,10 @@ def _chosen(models: Sequence[Model], name: str | None, root: Map) -> Model:
     Raises:
         EddiError: there is none of that name (F005), or several (G005).
     """
-    id_ = section_of(root).get("id")
+    id_ = model_id(root)
     if name is not None:
         models = select(models, name)
-    elif isinstance(id_, str):
+    elif id_ is not None:
         models = [one for one in models if package_name(one.name) == package_name(id_)] or models
     if len(models) > 1:
         names = ", ".join(one.name for one in models)
@@ -266,16 +277,6 @@ def _monitors(models: Sequence[Model], around: Around) -> list[BoundMonitor]:
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors
-
-
-def _with_offered(document: ConfigText, offered: Offers) -> tuple[ConfigText, list[Problem]]:
-    """Add the topics of other monitors to ``SimulatorOutputs``; report comments that it loses."""
-    new = [TopicEntry(one.id, one.type.replace("/", "."), one.topic) for one in offered.topics]
-    if not new:
-        return document, []
-    text, notes = rewritten(document, new, lambda _: Absence(stays=True))
-    lost = [one for one in notes if one.code == LOST_COMMENT]
-    return read_block(Source(document.name, text.encode())), lost
 
 
 def _model(

@@ -163,7 +163,7 @@ class _Editor:
         is_free = all(key in open_ for key in sources)
         is_ours = is_free or self._takes(pairs, draft)
         has_reasons = is_ours or any(key in open_ for key in sources)
-        self._comment(item, draft.why if has_reasons else (), column)
+        self._comment(item, draft.why if has_reasons else (), column, is_new=bool(open_))
         if is_free and sources:
             for number, key in enumerate(sources):
                 self._replace_line(pairs[key], draft.source if number == 0 else (), column)
@@ -181,7 +181,7 @@ class _Editor:
         }
         return bool(said) and said == dict(draft.taken)
 
-    def _comment(self, item: Span, why: Sequence[str], column: int) -> None:
+    def _comment(self, item: Span, why: Sequence[str], column: int, *, is_new: bool) -> None:
         """Replace the comments of this command in an entry by others, behind its first line."""
         start, end = self._line_start(item.start), self._line_end(item.end)
         first = self._line_end(item.children[1].end)
@@ -193,7 +193,7 @@ class _Editor:
             if _MARKED.match(found[0])
         ]
         new = [f"{' ' * column}{line}{self.line_end}" for line in why]
-        if [self.text[a:b] for a, b in old] == new:
+        if [self.text[a:b] for a, b in old] == new or not (old or is_new):
             return
         for a, b in old:
             self.replace(a, b, ())

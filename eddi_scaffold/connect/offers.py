@@ -10,7 +10,7 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.draft import Age, age_of
 from eddi_scaffold.connect.matching import Offer
 from eddi_scaffold.connect.topics import RobotTopic
-from eddi_scaffold.identifiers import attribute, free_name, key_text, package_name
+from eddi_scaffold.identifiers import attribute, free_name, key_text
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 
@@ -52,7 +52,7 @@ def offers(
     found = Offers({}, (), {})
     for monitor in monitors:
         config = monitor.config
-        if config is None or monitor.package == package_name(model.name):
+        if config is None:
             continue
         for id_, type_, topic, path, key in _claims(monitor, config):
             fulfilled = [one for one in inputs if _fulfils(monitor, key, model, one)]

@@ -8,6 +8,7 @@ from typing import Any
 from eddi_scaffold.config.block import ConfigText
 from eddi_scaffold.config.message_types import Fields, declared
 from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.kinds import TODO
 from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, Scalar, read_map, value_11
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.source import Source
@@ -32,6 +33,13 @@ def section_of(root: Map) -> Mapping[str, Any]:
     """Return the values of ``Model:``."""
     section = root.get("Model")
     return value_11(section) if isinstance(section, Map) else {}
+
+
+def model_id(root: Map) -> str | None:
+    """Return the id of the model that a configuration is of, ``None`` while that is open."""
+    section = root.get("Model")
+    name = text_of(section, "id") if section is not None else None
+    return name if name and name != TODO else None
 
 
 def items(node: Node | None) -> Sequence[Node]:

@@ -13,7 +13,8 @@ from eddi_scaffold.identifiers import is_identifier
 
 FieldsOf = Callable[[str], Fields | None]
 _DEPTH = 6
-_MOST = 500
+_MOST = 1000
+"""Fields of a message that are looked at, with those inside of its fields."""
 _MATRIX = re.compile(r"float(?:32|64)\[(9|36)\]")
 
 
@@ -71,10 +72,11 @@ class Leaf:
 
 
 def leaves(message: str, fields_of: FieldsOf) -> list[Leaf]:
-    """Return the values of a message, at most some hundred: models of a robot are any text."""
+    """Return the values of a message; of a monstrous one the first, models are any text."""
     if fields_of(message) is None:
         return [Leaf((), "", None)]
-    ends = list(islice(_ends(message, (), fields_of, (message,)), _MOST))
+    visited = islice(_fields(message, (), fields_of, (message,)), _MOST)
+    ends = [one for one in visited if one is not None]
     return [
         Leaf(path, python_type(of), _units(documented(message, path, fields_of)), len(ends) == 1)
         for path, of in ends
@@ -85,11 +87,15 @@ def _units(known: Documented | None) -> tuple[str, ...] | None:
     return None if known is None else known.units
 
 
-def _ends(
+def _fields(
     of: str, path: tuple[str, ...], fields_of: FieldsOf, above: tuple[str, ...]
-) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Yield path and type of each value below a message; a message inside of itself ends there."""
+) -> Iterator[tuple[tuple[str, ...], str] | None]:
+    """Yield path and type of each value below a message, and nothing for any other field.
+
+    A message inside of itself ends there.
+    """
     for name, inner in (fields_of(of) or {}).items():
+        yield None
         if not is_identifier(name):
             continue
         matrix = _MATRIX.fullmatch(inner)
@@ -104,4 +110,4 @@ def _ends(
         if is_primitive(end):
             yield step, end
         elif end not in above and len(above) < _DEPTH and name != "header":
-            yield from _ends(end, step, fields_of, (*above, end))
+            yield from _fields(end, step, fields_of, (*above, end))

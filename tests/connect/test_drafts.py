@@ -191,6 +191,17 @@ def test_every_kind_gets_a_draft_that_says_what_is_open(
     assert (tmp_path / "draft.yml").read_text("utf-8") == text
 
 
+@pytest.mark.parametrize(("example", "model", "config", "words", "count"), EXAMPLES[1:])
+def test_a_decided_configuration_stays_as_it_is(
+    example: str, model: str, config: str, words: list[str], count: int, tmp_path: Path
+) -> None:
+    shutil.copytree(ROOT / "examples" / example, tmp_path, dirs_exist_ok=True)
+    before = (tmp_path / config).read_bytes()
+    done = run("connect", model, "-o", config, *words, cwd=tmp_path)
+    assert (done.status, "decided before; 0 values" in done.err) == (0, True)
+    assert (tmp_path / config).read_bytes() == before
+
+
 def test_the_inputs_of_a_chain_follow_from_what_is_observed(tmp_path: Path) -> None:
     laid("drone", "reliability_config.yml", tmp_path)
     connect(tmp_path, "drone.xml", "--name", "MissionLoss")
@@ -217,6 +228,17 @@ def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
     assert both.status == 0
     assert '    field: "guarantees[System_A_G0_c2].active"\n    max_age: 0.25  #' in both.out
     assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
+
+
+def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
+    mine = "SimulatorOutputs:   # mine\n- {id: RtE_E0, type: std_msgs/Bool, topic: /rte/e0a}\n"
+    (tmp_path / "a.yml").write_text(mine, "utf-8")
+    words = ("connect", "two_conserts.xml", "--name", "ConSertA", "--with", "consert_b_config.yml")
+    assert run(*words, "-o", "a.yml", cwd=tmp_path).status == 0
+    text = (tmp_path / "a.yml").read_text("utf-8")
+    assert f"{mine}- id: consertb\n  type: eddi_messages.ConSertOutput\n" in text
+    assert run(*words, "-o", "a.yml", cwd=tmp_path).err.endswith("a.yml is up to date\n")
 
 
 @pytest.mark.parametrize(
