@@ -13,6 +13,7 @@ from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, Nod
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import Connected
+    from eddi_scaffold.connect.draft import Age
 
 _STATES = {
     "kept": "decided before",
@@ -31,6 +32,10 @@ def connect(
     others: Annotated[
         list[Path] | None,
         typer.Option("--with", help="eddi_config.yml of another monitor; repeatable."),
+    ] = None,
+    bag: Annotated[
+        Path | None,
+        typer.Option("--bag", help="ROS 1 bag of the robot: its rates give max_age."),
     ] = None,
     output: Annotated[
         Path | None,
@@ -58,7 +63,8 @@ def connect(
     from eddi_scaffold.problems import has_errors
     from eddi_scaffold.robot.rossystem import save
 
-    around = Around(system, models, others or (), default_guarantee or ())
+    ages = _ages(bag) if bag is not None else {}
+    around = Around(system, models, others or (), default_guarantee or (), ages)
     found = connect(model, name, output, around)
     if as_json:
         console.json(found.as_json())
@@ -72,6 +78,15 @@ def connect(
     console.say(_what(found, writes=output is not None and not dry_run and not as_json))
     if has_errors(found.problems):
         raise typer.Exit(exit_status.NO)
+
+
+def _ages(bag: Path) -> dict[str, Age]:
+    """Return when the messages of recorded topics are too old."""
+    from eddi_scaffold.connect.draft import recorded_age
+    from eddi_scaffold.replay.bags import read_times
+
+    found = {topic: recorded_age(times, bag.name) for topic, times in read_times(bag).items()}
+    return {topic: age for topic, age in found.items() if age is not None}
 
 
 def _what(found: Connected, *, writes: bool) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from eddi_scaffold.config.block import (
@@ -34,7 +34,7 @@ from eddi_scaffold.connect.reading import (
     topics_of,
 )
 from eddi_scaffold.deployments.joining import join
-from eddi_scaffold.identifiers import is_ros_name, package_name
+from eddi_scaffold.identifiers import full_topic, is_ros_name, package_name
 from eddi_scaffold.kinds import (
     DeclaredInput,
     JsonValue,
@@ -75,14 +75,14 @@ class Around:
         models: the directory of its node models.
         configs: of other monitors.
         marks: default guarantees.
-        ages: topic -> when its messages are too old.
+        ages: full name of a topic -> when its messages are too old.
     """
 
     system: Path | None = None
     models: Path | None = None
     configs: Sequence[Path] = ()
     marks: Sequence[str] = ()
-    ages: Mapping[str, Age] | None = None
+    ages: Mapping[str, Age] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -184,13 +184,16 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     decisions = decide(
         [Need.of(one) for one in skeleton.inputs], topics, types.get, offered.by_input
     )
-    ages = {**offered.ages, **(around.ages or {})}
+    recorded = {one.topic: full_topic(one.topic, "", package) for one in topics}
+    ages = {topic: around.ages[full] for topic, full in recorded.items() if full in around.ages}
+    ages = {**ages, **offered.ages}
     draft = Draft(
         _model(chosen, kind, model, config),
         skeleton.options,
         skeleton.notes,
         [drafts.entry(one, ages) for one in decisions],
         drafts.outputs(package, kind.topic, kind.functions.parts(chosen)),
+        {one.id: drafts.known_age(ages.get(one.topic)) for one in topics},
     )
     after = with_draft(document, draft)
     problems += with_excerpts(_unknown_inputs(root, skeleton), before or "")

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
 
 from eddi_scaffold.connect.access import Access
 from eddi_scaffold.connect.matching import Decision
@@ -22,6 +24,8 @@ MARK = "# connect:"
 _EXPRESSIBLE = ("bool", "float", "int")
 _PERIODS = 2.5
 _SPARE = 1.2
+_FEW = 3
+"""Periods from which a recording says how often a topic is published."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +64,22 @@ class EntryDraft:
         return [f"- id: {quoted(self.id)}", *(f"  {line}" for line in more)]
 
 
-def age_of(median: float, longest: float, why: str) -> Age:
-    """Return the limit for messages that come so often: seconds between two of them."""
-    wanted = max(_PERIODS * median, _SPARE * longest)
+def recorded_age(times: Sequence[int], where: str) -> Age | None:
+    """Return the limit for a topic that was recorded, ``None`` where that says nothing.
+
+    Args:
+        times: of its messages, nanoseconds, ascending.
+        where: name of the recording.
+    """
+    gaps = [(later - earlier) / 1e9 for earlier, later in pairwise(times)]
+    if len(gaps) < _FEW or max(gaps) <= 0:
+        return None
+    return age_of(median(gaps), max(gaps), f"{len(times)} messages of {where}")
+
+
+def age_of(period: float, longest: float, why: str) -> Age:
+    """Return the limit for messages that come so often: usual and longest seconds between two."""
+    wanted = max(_PERIODS * period, _SPARE * longest)
     digit = 10.0 ** (math.floor(math.log10(wanted)) - 1)
     return Age(float(f"{math.ceil(round(wanted / digit, 6)) * digit:.2g}"), why)
 
@@ -171,10 +188,13 @@ def _ahead(decision: Decision) -> str:
 
 
 def _age_line(topic: str, ages: Mapping[str, Age]) -> str:
-    age = ages.get(topic)
-    if age is not None:
-        return f"max_age: {age.seconds:g}  # {one_line(age.why)}"
-    return _todo("max_age", f"seconds: no rate of {topic} is known" if topic else "seconds")
+    note = f"seconds: no rate of {topic} is known" if topic else "seconds"
+    return known_age(ages.get(topic)) or _todo("max_age", note)
+
+
+def known_age(age: Age | None) -> str | None:
+    """Return the line of an age limit, ``None`` for none."""
+    return None if age is None else f"max_age: {age.seconds:g}  # {one_line(age.why)}"
 
 
 def outputs(package: str, topic: str, parts: Sequence[str]) -> list[dict[str, JsonValue]]:

@@ -33,6 +33,7 @@ class Draft:
         notes: key path of an option -> what there is to decide.
         entries: of ``EDDIInputs``.
         outputs: of ``EDDIOutputs``.
+        ages: id of a simulator output -> line of the age limit, ``None`` where it is not known.
     """
 
     model: Mapping[str, JsonValue]
@@ -40,6 +41,7 @@ class Draft:
     notes: Mapping[tuple[str, ...], str]
     entries: Sequence[EntryDraft]
     outputs: Sequence[Mapping[str, JsonValue]]
+    ages: Mapping[str, str | None] = field(default_factory=dict)
 
 
 def with_draft(document: ConfigText, draft: Draft) -> str:
@@ -61,7 +63,7 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
         editor.insert(root.start, [*head, *_model(draft)])
     else:
         editor.add_options(root, draft)
-    editor.add_entries(root, draft.entries)
+    editor.add_entries(root, draft)
     if root is None or all(root.get(name) is None for name in _OUTPUTS):
         lines = dump_plain({"EDDIOutputs": list(draft.outputs)}).splitlines()
         editor.insert(len(text), lines)
@@ -124,8 +126,9 @@ class _Editor:
         lines = option_lines(missing, notes, path)
         self.insert(self._line_end(into.end), lines, column)
 
-    def add_entries(self, root: Span | None, entries: Sequence[EntryDraft]) -> None:
+    def add_entries(self, root: Span | None, draft: Draft) -> None:
         """Rewrite what is open in the entries that there are, and add the others behind them."""
+        entries = draft.entries
         key, section = _section(root, "EDDIInputs")
         if key is None or section is None:
             new = [line for one in entries for line in one.lines()]
@@ -141,7 +144,7 @@ class _Editor:
             if id_ is not None and id_.text is not None:
                 known.add(id_.text)
                 if id_.text in there and not item.is_flow:
-                    self._refresh(item, there[id_.text])
+                    self._refresh(item, there[id_.text], draft.ages)
         new = [line for one in entries if one.id not in known for line in one.lines()]
         if new and items and section.is_flow:
             place = Place(self.name, section.line, 1)
@@ -154,7 +157,7 @@ class _Editor:
             end = self._line_end(max(key.end, section.end))
             self.replace(key.start, end, ["EDDIInputs:", *(f"  {line}" for line in new)])
 
-    def _refresh(self, item: Span, draft: EntryDraft) -> None:
+    def _refresh(self, item: Span, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
         """Decide anew what is TODO in an entry, and rewrite its comments."""
         pairs = {key.text: (key, value) for key, value in item.entries() if key.text}
         column = item.start - self._line_start(item.start)
@@ -169,8 +172,22 @@ class _Editor:
                 self._replace_line(pairs[key], draft.source if number == 0 else (), column)
         elif is_free:
             self.insert(self._line_end(item.end), draft.source, column)
-        if "max_age" in open_ and draft.age is not None and is_ours:
-            self._replace_line(pairs["max_age"], (draft.age,), column)
+        age = draft.age if is_ours else self._age(pairs, ages)
+        if "max_age" in open_ and age is not None:
+            self._replace_line(pairs["max_age"], (age,), column)
+
+    def _age(
+        self, pairs: Mapping[str, tuple[Span, Span]], ages: Mapping[str, str | None]
+    ) -> str | None:
+        """Return the age limit of the output that an entry is made of, if it is only one."""
+        values = [pairs[key][1] for key in ("requires", "expression") if key in pairs]
+        words = {
+            word
+            for value in values
+            for word in re.findall(r"\w+", self.text[value.start : value.end])
+        }
+        used = [line for name, line in ages.items() if name in words]
+        return used[0] if len(used) == 1 else None
 
     def _takes(self, pairs: Mapping[str, tuple[Span, Span]], draft: EntryDraft) -> bool:
         """Return whether an entry says what would be drafted."""

@@ -6,6 +6,7 @@ Needs the extra ``bags`` (rosbags), and no ROS.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
@@ -61,6 +62,51 @@ def read_bag(
             with another type than in a configuration (I012), or messages without a field that
             an input needs (I017).
     """
+    place = Place(str(path))
+    wanted = _wanted(monitors)
+    outside = {topic: of for topic, of in wanted.items() if topic not in own}
+    with _opened(path) as reader:
+        found = [one for one in reader.connections if _absolute(one.topic) in outside]
+        _refuse(_wrong_types(found, outside))
+        known = tables(reader.typestore.fielddefs)
+        there = {_absolute(one.topic) for one in found}
+        _refuse(p for one in monitors for p in check_fields(one, known, there))
+        _name_times_as_rospy(reader.typestore.types)
+        start = reader.start_time
+        samples = tuple(
+            Sample(
+                t - start,
+                _absolute(connection.topic),
+                reader.deserialize(data, connection.msgtype),
+            )
+            for connection, t, data in reader.messages(found)
+        )
+        twice = {_absolute(one.topic) for one in reader.connections} & (wanted.keys() - outside)
+        end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
+        tape = Tape(0, end, samples)
+        return tape, [*_absent(place, tape, outside), *_computed(place, twice)]
+
+
+def read_times(path: Path) -> Mapping[str, Sequence[int]]:
+    """Return full name of a topic -> when its messages were recorded, in nanoseconds, ascending.
+
+    Raises:
+        EddiError: rosbags is not installed (I010), or the bag cannot be read (I011).
+    """
+    found: dict[str, list[int]] = {}
+    with _opened(path) as reader:
+        for connection, t, _ in reader.messages():
+            found.setdefault(_absolute(connection.topic), []).append(t)
+    return {topic: sorted(times) for topic, times in found.items()}
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """Open a bag; whatever is wrong with it while it is read is a problem.
+
+    Raises:
+        EddiError: rosbags is not installed (I010), or the bag cannot be read (I011).
+    """
     try:
         from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
         from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
@@ -69,30 +115,9 @@ def read_bag(
         raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
     place = Place(str(path))
     _refuse_special(path, place)
-    wanted = _wanted(monitors)
-    outside = {topic: of for topic, of in wanted.items() if topic not in own}
     try:
-        store = get_typestore(Stores.ROS1_NOETIC)
-        with AnyReader([path], default_typestore=store) as reader:
-            found = [one for one in reader.connections if _absolute(one.topic) in outside]
-            _refuse(_wrong_types(found, outside))
-            known = tables(reader.typestore.fielddefs)
-            there = {_absolute(one.topic) for one in found}
-            _refuse(p for one in monitors for p in check_fields(one, known, there))
-            _name_times_as_rospy(reader.typestore.types)
-            start = reader.start_time
-            samples = tuple(
-                Sample(
-                    t - start,
-                    _absolute(connection.topic),
-                    reader.deserialize(data, connection.msgtype),
-                )
-                for connection, t, data in reader.messages(found)
-            )
-            twice = {_absolute(one.topic) for one in reader.connections} & (wanted.keys() - outside)
-            end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
-            tape = Tape(0, end, samples)
-            return tape, [*_absent(place, tape, outside), *_computed(place, twice)]
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS1_NOETIC)) as reader:
+            yield reader
     except EddiError:
         raise
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything

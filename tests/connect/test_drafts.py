@@ -154,6 +154,13 @@ def test_messages_inside_of_themselves_end() -> None:
     assert leaves("gone_msgs/Gone", TYPES.get) == [Leaf((), "", None)]
 
 
+def test_messages_that_grow_without_end_are_read_in_part() -> None:
+    def fields_of(name: str) -> dict[str, str]:
+        return {f"f{k}": f"{name}x" for k in range(100)}
+
+    assert leaves("big_msgs/Big", fields_of) == []
+
+
 EXAMPLES = [
     ("robot-models", "Rover.yml", "eddi_config.yml", [], 3),
     ("pedestrian", "pedestrian.xml", "eddi_config.yml", [], 5),

@@ -350,3 +350,17 @@ def test_an_event_on_the_motor_is_the_evidence_of_a_consert(tmp_path: Path) -> N
     assert full == fit
     assert fit[5.0]
     assert not fit[6.5]  # the motor is silent
+
+
+def test_a_bag_gives_the_age_limits_of_a_draft(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(t, True) for t in (0.0, 0.1, 0.2, 0.5)] + [demand(0, True)])
+    words = ("connect", "two_conserts.xml", "--name", "ConSertA", "-o", "consert_a_config.yml")
+    config = folder / "consert_a_config.yml"
+    text = config.read_text("utf-8")
+    config.write_text(text.replace("max_age: 2.0 ", "max_age: TODO "), "utf-8")
+    assert run(*words, "--bag", "a.bag", cwd=folder).status == 0
+    assert "    max_age: 0.36  # 4 messages of a.bag\n" in config.read_text("utf-8")
+    before = config.read_bytes()
+    (folder / "a.bag").write_bytes(b"#ROSBAG V2.0\nno bag")
+    assert run(*words, "--bag", "a.bag", cwd=folder).status == 2
+    assert config.read_bytes() == before
