@@ -7,7 +7,7 @@ import re
 from eddi_scaffold import units
 from eddi_scaffold.connect.access import units_of
 from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.topics import Leaf, RobotTopic
+from eddi_scaffold.connect.topics import Leaf
 
 _NO_MEASUREMENTS = (
     *("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs", "rosgraph_msgs"),
@@ -24,14 +24,14 @@ _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
 _TIMES = ("secs", "nsecs")
 
 
-def objection(need: Need, topic: RobotTopic, leaf: Leaf) -> str | None:
-    """Return why a value cannot fill an input, ``None`` where it might."""
+def objection(need: Need, message: str, leaf: Leaf) -> str | None:
+    """Return why a value of a message type cannot fill an input, ``None`` where it might."""
     names = [name.partition("[")[0] for name in leaf.path] or [""]
-    if topic.type.partition("/")[0] in _NO_MEASUREMENTS:
+    if message.partition("/")[0] in _NO_MEASUREMENTS:
         return "it is not a measurement"
-    if need.is_demand != (topic.type == _FOR_DEMANDS[0]):
+    if need.is_demand != (message == _FOR_DEMANDS[0]):
         return "a demand needs the guarantee of another ConSert"
-    if topic.type == _FOR_DEMANDS[1]:
+    if message == _FOR_DEMANDS[1]:
         return "posteriors are not evidence"
     if names[0] in _NEVER or names[-1] in _TIMES:
         return "it is about the message"
@@ -39,16 +39,16 @@ def objection(need: Need, topic: RobotTopic, leaf: Leaf) -> str | None:
         return "it is a setting of the sensor"
     if leaf.path and leaf.is_variance != need.says(*_ABOUT_UNCERTAINTY):
         return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"
-    return _type(need, topic, leaf) or _unit(need, leaf)
+    return _type(need, message, leaf) or _unit(need, leaf)
 
 
-def _type(need: Need, topic: RobotTopic, leaf: Leaf) -> str | None:
+def _type(need: Need, message: str, leaf: Leaf) -> str | None:
     if not leaf.path:
         return None
     is_number = leaf.type in ("int", "float")
     is_coded = leaf.units == () and leaf.type == "int"  # an enumeration, bits
     if need.type == "bool":
-        fits = leaf.type == "bool" or (is_number and topic.type.startswith(_COMPARED))
+        fits = leaf.type == "bool" or (is_number and message.startswith(_COMPARED))
     elif need.type in ("float", "int"):
         fits = is_number and not (is_coded and need.type == "float")
     elif need.type == "float[]":

@@ -12,6 +12,7 @@ from eddi_scaffold.connect.filters import objection
 from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.scoring import Candidate, scored, weights
 from eddi_scaffold.connect.topics import FieldsOf, Leaf, RobotTopic, leaves
+from eddi_scaffold.connect.words import best
 
 _SURE = ((50, 8), (32, 15))
 """Score and distance to the next candidate from which a topic is taken."""
@@ -102,8 +103,11 @@ def _offered(need: Need, offers: Sequence[Offer]) -> Decision:
 def _decide(
     need: Need, topics: Sequence[RobotTopic], known: Callable[[str], tuple[Leaf, ...]]
 ) -> Decision:
-    values = [(topic, leaf) for topic in topics for leaf in known(topic.type)]
-    fitting = [(topic, leaf) for topic, leaf in values if objection(need, topic, leaf) is None]
+    fitting_of = {
+        type_: [leaf for leaf in known(type_) if objection(need, type_, leaf) is None]
+        for type_ in {topic.type for topic in topics}
+    }
+    fitting = [(topic, leaf) for topic in topics for leaf in fitting_of[topic.type]]
     left = list(dict.fromkeys(topic for topic, _ in fitting))
     weight = weights(need, left)
     every = sorted(
@@ -118,27 +122,31 @@ def _decide(
     if need.is_demand:
         return Decision(need, "listed" if listed else "none", listed)
     if not listed:
-        return Decision(need, "none", missed=_missed(need, topics, values))
-    best = every[0]
-    lead = best.score - every[1].score if len(every) > 1 else None
+        return Decision(need, "none", missed=_missed(need, topics, known))
+    top = every[0]
+    lead = top.score - every[1].score if len(every) > 1 else None
     far = _SURE[-1][1] if lead is None else lead
-    sure = any(best.score >= score and far >= distance for score, distance in _SURE)
-    if sure and best.parts["name"] >= _LEAST_NAME and best.access.is_complete:
+    sure = any(top.score >= score and far >= distance for score, distance in _SURE)
+    if sure and top.parts["name"] >= _LEAST_NAME and top.access.is_complete:
         return Decision(need, "taken", listed, lead)
     return Decision(need, "listed", listed)
 
 
 def _missed(
-    need: Need,
-    topics: Sequence[RobotTopic],
-    values: Sequence[tuple[RobotTopic, Leaf]],
+    need: Need, topics: Sequence[RobotTopic], known: Callable[[str], tuple[Leaf, ...]]
 ) -> NearMiss | None:
     """Return the value that would fit best by its name, with the rule that keeps it out."""
     weight = weights(need, topics)
-    misses: Mapping[tuple[int, str, tuple[str, ...]], NearMiss] = {
-        (-one.parts["name"], topic.id, leaf.path): NearMiss(topic, leaf, why)
-        for topic, leaf in values
-        if (why := objection(need, topic, leaf)) is not None
-        and (one := scored(need, topic, leaf, weight)).parts["name"] >= _LEAST_NAME
+
+    def near(topic: RobotTopic) -> float:
+        return sum(weight(word) * best(word, topic.words) for word in need.words)
+
+    topic = min(topics, key=lambda one: (-near(one), one.id), default=None)
+    if topic is None or not near(topic):
+        return None
+    misses = {
+        (-scored(need, topic, leaf, weight).parts["name"], leaf.path): NearMiss(topic, leaf, why)
+        for leaf in known(topic.type)
+        if (why := objection(need, topic.type, leaf)) is not None
     }
     return misses[min(misses)] if misses else None

@@ -61,12 +61,11 @@ class Candidate:
 def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float]:
     """Return how much a word of an input tells among some topics: less, where many match it."""
     count = len(topics)
-    names = [[*words(one.topic), *words(one.id)] for one in topics]
 
     def weight(word: str) -> float:
         if count <= 1:
             return 1.0
-        matching = sum(1 for name in names if best(word, name) >= MEANS_THE_SAME)
+        matching = sum(1 for one in topics if best(word, one.words) >= MEANS_THE_SAME)
         return 0.3 + math.log((count + 1) / (matching + 1)) / math.log(count + 1)
 
     found = {word: weight(word) for word in (*need.words, *need.described)}
@@ -76,12 +75,11 @@ def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float
 def scored(need: Need, topic: RobotTopic, leaf: Leaf, weight: Callable[[str], float]) -> Candidate:
     """Return a value of a topic as a candidate."""
     usual, explained = prior(need, topic, leaf)
-    given = [*words(topic.topic), *words(topic.id)]
     name, matched = _name(need, topic, leaf, explained if usual >= TELLING else (), weight)
     taken = access(need, topic, leaf)
     unit, in_unit = _unit(need, leaf)
     form, of_type = _type(need, leaf, taken)
-    against = _against(need, topic, leaf, given)
+    against = _against(need, topic, leaf)
     parts = {"name": round(name), "unit": unit, "prior": usual, "type": form, **against}
     reasons = [
         *([f"{' and '.join(matched)} in the name"] if matched else []),
@@ -101,8 +99,7 @@ def _name(
     weight: Callable[[str], float],
 ) -> tuple[float, list[str]]:
     """Return the points of the names, and the words that match."""
-    near = [*words(topic.topic), *words(topic.id)]
-    inside, message = words(leaf.text), words(topic.message)
+    near, inside, message = topic.words, words(leaf.text), words(topic.message)
 
     def fit(word: str) -> float:
         return max(
@@ -144,9 +141,9 @@ def _type(need: Need, leaf: Leaf, taken: Access) -> tuple[int, str]:
     return (10, "") if leaf.type == "bool" else (8, "")
 
 
-def _against(need: Need, topic: RobotTopic, leaf: Leaf, given: Sequence[str]) -> dict[str, int]:
+def _against(need: Need, topic: RobotTopic, leaf: Leaf) -> dict[str, int]:
     """Return what counts against a candidate, by its name."""
-    told = set(given)
+    told = set(topic.words)
     asked = {*need.words, *need.described}
     found: dict[str, int] = {}
     if topic.message in _COMMANDED and told & _COMMANDS and not need.every_word & _COMMANDS:
@@ -156,7 +153,7 @@ def _against(need: Need, topic: RobotTopic, leaf: Leaf, given: Sequence[str]) ->
     sides = sum(1 for group in _SIDES if _apart(asked & group, told & group))
     if sides:
         found["another side"] = -30 * sides
-    if _numbers_differ(need, given):
+    if _numbers_differ(need, topic.words):
         found["another number"] = -30
     if need.type == "bool" and told & _BAD_WHEN_TRUE and not need.every_word & _BAD_WHEN_TRUE:
         found["true may be bad"] = -15

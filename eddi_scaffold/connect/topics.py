@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 
 from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
 from eddi_scaffold.config.message_types.documented import Documented, documented
+from eddi_scaffold.connect.words import words
 from eddi_scaffold.identifiers import is_identifier
 
 FieldsOf = Callable[[str], Fields | None]
@@ -32,10 +34,15 @@ class RobotTopic:
     type: str
     topic: str
 
-    @property
+    @cached_property
     def message(self) -> str:
         """The name of the type without its package."""
         return self.type.rpartition("/")[2]
+
+    @cached_property
+    def words(self) -> Sequence[str]:
+        """What topic and id tell."""
+        return (*words(self.topic), *words(self.id))
 
 
 @dataclass(frozen=True)
@@ -55,12 +62,12 @@ class Leaf:
     units: tuple[str, ...] | None
     is_only: bool = False
 
-    @property
+    @cached_property
     def text(self) -> str:
         """The path as text."""
         return ".".join(self.path)
 
-    @property
+    @cached_property
     def lists(self) -> int:
         """How many lists are on the way."""
         return sum(1 for name in self.path if name.endswith("[]"))

@@ -48,9 +48,10 @@ MEANS_THE_SAME = 0.7
 """From this match on, a word is taken for another one."""
 
 
-def words(text: str) -> list[str]:
+@cache
+def words(text: str) -> tuple[str, ...]:
     """Split a name or a sentence into words: lower case, one word for each direction."""
-    return [_SAME.get(word, word) for word in map(str.lower, _BREAK.split(text)) if word]
+    return tuple(_SAME.get(word, word) for word in map(str.lower, _BREAK.split(text)) if word)
 
 
 def telling(text: str) -> list[str]:
