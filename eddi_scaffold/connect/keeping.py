@@ -166,7 +166,9 @@ class _Editor:
         is_free = all(key in open_ for key in sources)
         is_ours = is_free or self._takes(pairs, draft)
         has_reasons = is_ours or any(key in open_ for key in sources)
-        self._comment(item, draft.why if has_reasons else (), column, is_new=bool(open_))
+        self._comment(
+            item, draft.why if has_reasons else (), column, is_new=bool(open_ or not sources)
+        )
         if is_free and sources:
             for number, key in enumerate(sources):
                 self._replace_line(pairs[key], draft.source if number == 0 else (), column)

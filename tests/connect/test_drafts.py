@@ -100,6 +100,13 @@ def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
     assert "WayIsClear\r\n  # my reason" in after  # the reasons for what was not taken are gone
 
 
+def test_an_entry_that_says_nothing_is_filled() -> None:
+    mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs:\n- id: WayIsClear\n- id: Charge\n"
+    after = written(mine, draft([WAY, POWER], [CLEAR, CHARGE]))
+    assert "- id: WayIsClear\n  # connect: taken" in after
+    assert "  requires: [clear]\n  field: data\n- id: Charge\n" in after
+
+
 def test_an_age_that_becomes_known_is_written() -> None:
     before = written("", draft([WAY], [CLEAR]))
     after = written(before, draft([WAY], [CLEAR], {"/front/clear": age_of(0.1, 0.3, "a bag")}))

@@ -14,10 +14,17 @@ from pathlib import Path
 from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.block import read_block, rewritten
+from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.connect.draft import entry
+from eddi_scaffold.connect.keeping import Draft, with_draft
+from eddi_scaffold.connect.matching import decide
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.reading import content, topics_of
+from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.diagrams import drawn
-from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds import TODO, kinds
 from eddi_scaffold.language.analysis import analyse
 from eddi_scaffold.language.report import as_json, as_text
 from eddi_scaffold.language.targets import generate
@@ -252,11 +259,22 @@ def _config(folder: Path) -> Made:
         source = Source(str(path), sample.data)
         read_config(source)
         with contextlib.suppress(EddiError):
-            rewritten(read_block(source), [])
+            block = read_block(source)
+            rewritten(block, [])
+            drafted = _drafted(topics_of(content(block)), sample.name)
+            with_draft(block, drafted)
         yield
         yield from _configured(model_of[sample.name], path)
 
     return samples, attempt
+
+
+def _drafted(topics: Sequence[RobotTopic], name: str) -> Draft:
+    """Return what `connect` would write for two inputs, one of which may be there."""
+    needs = [Need("RtE_A_E0", "bool"), Need(name, "float")]
+    entries = [entry(one, {}) for one in decide(needs, topics, known_messages().get)]
+    options = {"discretisation": {"A": {"bins": TODO}}}
+    return Draft({}, options, {}, entries, [{"id": "a", "topic": "a/b"}])
 
 
 def _shorten(path: Path, lines: int) -> None:
