@@ -29,7 +29,6 @@ _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECA
 """Names in the namespaces of all generations of the metamodel."""
 _LOOKS_LIKE = {
     "launch": "a launch file",
-    "opsa-mef": "an Open-PSA model",
     "package": "the package.xml of a ROS package",
     "pnml": "a Petri net",
     "robot": "a URDF",
