@@ -113,6 +113,35 @@ class LargeSource(Source):
             raise EddiError(_unreadable(self.name, problem)) from None
 
 
+class PartSource(Source):
+    """A file of which one part describes a model: its digest is that of the part.
+
+    The part may move within the file, and others may change, without a word.
+    """
+
+    _file: Source
+    _part: bytes
+
+    def __init__(self, file: Source, part: bytes) -> None:
+        object.__setattr__(self, "name", file.name)  # the dataclass is frozen
+        object.__setattr__(self, "_file", file)
+        object.__setattr__(self, "_part", part)
+
+    @property
+    def data(self) -> bytes:  # a field there, taken from the file here
+        """The bytes of the whole file."""
+        return self._file.data
+
+    @property
+    def sha256(self) -> str:  # of the whole file there
+        """Hex digest of the part."""
+        return hashlib.sha256(self._part).hexdigest()
+
+    def open(self) -> BinaryIO:
+        """Open the whole file."""
+        return self._file.open()
+
+
 def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
     """Read a file, and nothing that would wait or never end.
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.problems import Problem
     from eddi_scaffold.readers.document import EddiDocument
+    from eddi_scaffold.readers.links import Links
     from eddi_scaffold.source import Source
 
 InputType = Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"]
@@ -113,6 +114,7 @@ class TypedModel(Generic[D_co, C_co]):
             inside.
         file_stem: what the model's own file is called, empty where that has several, or is known
             by the model's name: the package of a model without a configuration.
+        links: path of an element -> what is linked with it in the EDDI.
     """
 
     kind: str
@@ -122,6 +124,7 @@ class TypedModel(Generic[D_co, C_co]):
     place: Place
     options: C_co | None = None
     file_stem: str = ""
+    links: Links = field(default_factory=dict)
 
 
 Model = TypedModel[object, object]

@@ -55,6 +55,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     if not found and (name := named_model(config)) is not None:
         named = Path(config.path(name)).resolve()
         found = [model for model in fitting if Path(model.source.name).resolve() == named]
+        found = found if len(found) == 1 else []  # an EDDI may hold several
     if not found and len(fitting) == 1 and len(models) == 1:
         found = (
             fitting  # one model, one configuration: the id of the configuration names the package

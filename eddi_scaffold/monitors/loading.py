@@ -13,6 +13,9 @@ from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.readers.extensions import check_maps
+from eddi_scaffold.readers.links import links_in, links_of
+from eddi_scaffold.readers.monitored_by import observed
 from eddi_scaffold.readers.unread import foreign, unread
 from eddi_scaffold.readers.xmi import select
 from eddi_scaffold.source import Source, read_source
@@ -79,6 +82,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
     document, problems = read_document(source)
     if document is None:
         return Reading((), tuple(problems))
+    problems += check_maps(document)
     models: list[Model] = []
     for kind in kinds().values():
         # to import the functions of a kind takes longer than to look for its models
@@ -87,6 +91,10 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
             reading = read(document, source, default_guarantees)
             models += reading.models
             problems = [*problems, *reading.problems]
+    seen = observed(document)
+    problems = [*problems, *seen.problems]
+    links = links_of(document, seen) if models else {}
+    models = [replace(model, links=links_in(document, model.place, links)) for model in models]
     found = foreign(document) if not models else None
     if found is not None:
         return Reading((), (found,))

@@ -43,6 +43,8 @@ def model_document(
         "model": kind.functions.runtime_model(model),
         "settings": kind.functions.settings(model),
     }
+    if model.links:
+        data["links"] = {path: one.as_json() for path, one in model.links.items()}
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:

@@ -8,15 +8,49 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions import markers
 
-COLUMNS = ("element", "id", "file", "line", "path", "code", "topics")
+COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
+
+
+@dataclass(frozen=True)
+class TraceLink:
+    """An element of the EDDI that nothing monitors by itself, and that is linked with a row.
+
+    Attributes:
+        class_name: its class as the file states it.
+        name: its name.
+        line: line of it in the model file.
+        path: EMF fragment path.
+        through: the element on which the row rests, and which has the link; empty for its own.
+    """
+
+    class_name: str
+    name: str
+    line: int | None
+    path: str
+    through: str = ""
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the JSON form of ``trace --json``."""
+        return {
+            "class": self.class_name,
+            "name": self.name,
+            "line": self.line,
+            "path": self.path,
+            "through": self.through or None,
+        }
+
+    def as_text(self, file: str) -> str:
+        """Return the link for people."""
+        through = f" through {self.through}" if self.through else ""
+        return f"{self.class_name} {self.name} ({file}:{self.line or '-'}){through}"
 
 
 @dataclass(frozen=True)
@@ -30,6 +64,7 @@ class TraceRow:
         path: EMF fragment path in an EDDI, ``""`` for other files.
         code: its place in the generated code (``EDDIInput.process_RtE_E0``), or ``""``.
         topics: what it is read from.
+        links: hazards, requirements, failure modes, claims and others that refer to it.
     """
 
     element: str
@@ -38,6 +73,7 @@ class TraceRow:
     path: str
     code: str = ""
     topics: tuple[str, ...] = ()
+    links: tuple[TraceLink, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -54,6 +90,7 @@ class Trace:
         outputs: topics it publishes.
         facts: lines about the whole, such as the result of a cross-check.
         rows: elements in the order of the model.
+        links: those of the model as a whole.
     """
 
     package: str
@@ -65,10 +102,17 @@ class Trace:
     outputs: tuple[str, ...]
     facts: tuple[str, ...]
     rows: tuple[TraceRow, ...]
+    links: tuple[TraceLink, ...] = ()
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
-        rows = [dict(zip(COLUMNS, self.cells(row), strict=True)) for row in self.rows]
+        rows: list[JsonValue] = [
+            {
+                **dict(zip(COLUMNS, self.cells(row), strict=True)),
+                "links": [one.as_json() for one in row.links],
+            }
+            for row in self.rows
+        ]
         return {
             "package": self.package,
             "kind": self.kind,
@@ -79,12 +123,14 @@ class Trace:
             "outputs": list(self.outputs),
             "facts": list(self.facts),
             "elements": rows,
+            "links": [one.as_json() for one in self.links],
         }
 
     def cells(self, row: TraceRow) -> tuple[JsonValue, ...]:
         """Return the values of one row in the order of ``COLUMNS``."""
         topics = " ".join(row.topics)
-        return (row.element, row.id, self.file, row.line, row.path, row.code, topics)
+        links = "; ".join(one.as_text(self.file) for one in row.links)
+        return (row.element, row.id, self.file, row.line, row.path, row.code, topics, links)
 
     def as_text(self) -> str:
         """Return the table for people."""
@@ -95,6 +141,7 @@ class Trace:
         ]
         head += [f"  publishes {topic}" for topic in self.outputs]
         head += [f"  {fact}" for fact in self.facts]
+        head += [f"  linked with {one.as_text(self.file)}" for one in self.links]
         shown = [
             (row.element, row.id, f"{self.file}:{row.line or '-'}", row.path, row.code, *row.topics)
             for row in self.rows
@@ -107,7 +154,11 @@ class Trace:
             ).rstrip()
             for line in shown
         ]
-        return "\n".join([*head, *(f"  {line}" for line in body)])
+        lines = []
+        for row, line in zip(self.rows, body, strict=True):
+            lines.append(f"  {line}")
+            lines += [f"      linked with {one.as_text(self.file)}" for one in row.links]
+        return "\n".join([*head, *lines])
 
 
 def trace_of(answers: Mapping[str, Any]) -> Trace:
@@ -132,6 +183,7 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     topics = {
         item["id"]: item.get("topic", "") for item in _config(answers).get("SimulatorOutputs", ())
     }
+    links = {path: _linked(one) for path, one in document.get("links", {}).items()}
     rows = []
     for element, item in _elements(document["model"]):
         given = inputs.get(item["id"], {})
@@ -144,8 +196,14 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
                 item.get("path") or "",
                 code.get(item["id"], ""),
                 heard,
+                tuple(one for at, of in links.items() if _is_in(at, item) for one in of),
             )
         )
+    known = [row.path for row in rows if row.path]
+    whole = document["source"]["path"]
+    for path, one in document.get("links", {}).items():
+        if path != whole and not any(f"{path}/".startswith(f"{at}/") for at in known):
+            rows.append(TraceRow(one["element"], one["id"], one["line"], path, links=links[path]))
     return Trace(
         package=answers["package"],
         kind=answers["kind"],
@@ -159,8 +217,32 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
             for line in answers.get("readme") or ()
             if line and "|" not in line and not line.startswith("#")
         ),
-        rows=tuple(rows),
+        rows=tuple(_with_support(row, rows, document) for row in rows),
+        links=links.get(whole, ()),
     )
+
+
+def _linked(one: Mapping[str, Any]) -> tuple[TraceLink, ...]:
+    return tuple(
+        TraceLink(link["class"], link["name"], link["line"], link["path"]) for link in one["links"]
+    )
+
+
+def _is_in(path: str, item: Mapping[str, Any]) -> bool:
+    at = item.get("path")
+    return bool(at) and f"{path}/".startswith(f"{at}/")
+
+
+def _with_support(row: TraceRow, rows: Sequence[TraceRow], document: Mapping[str, Any]) -> TraceRow:
+    """Return a claim with the links of what it rests on: they lead back to its hazards."""
+    if not any(one.links for one in rows):
+        return row
+    resting = kinds()[document["kind"]].functions.support(document).get(row.id, frozenset())
+    found = {link.path: link for link in row.links}
+    for one in rows:
+        for link in one.links if one.id in resting and one is not row else ():
+            found.setdefault(link.path, replace(link, through=one.id))
+    return replace(row, links=tuple(found.values()))
 
 
 def _config(answers: Mapping[str, Any]) -> Mapping[str, Any]:

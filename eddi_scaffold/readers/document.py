@@ -6,7 +6,12 @@ import re
 from collections.abc import Iterator
 
 from eddi_scaffold.problems import Place, Problem, error
-from eddi_scaffold.readers.references import References, ReferenceToken, parse_token
+from eddi_scaffold.readers.references import (
+    References,
+    ReferenceToken,
+    parse_fragment,
+    parse_token,
+)
 from eddi_scaffold.readers.spelling import (
     ClassName,
     Spelling,
@@ -65,6 +70,11 @@ class EddiDocument:
         """Return whether an element is a root object, or the ``xmi:XMI`` above the roots."""
         return element in self._documents
 
+    def at(self, path: str) -> Element | None:
+        """Return the element at a canonical path, ``None`` when there is none."""
+        fragment = parse_fragment(path)
+        return self.references.resolve(fragment) if fragment is not None else None
+
     def feature(self, element: Element) -> str:
         """Return the name of the feature that contains an element."""
         return feature_of(element)
@@ -81,7 +91,7 @@ class EddiDocument:
         while waiting:
             element = waiting.pop()
             yield element
-            waiting += reversed([c for c in element.iterchildren() if self._is_package(c)])
+            waiting += reversed([c for c in element.iterchildren() if self.is_package(c)])
 
     def children(self, parent: Element, spelling: Spelling) -> list[Element]:
         """Return the children in a feature, in document order."""
@@ -148,7 +158,8 @@ class EddiDocument:
             return error("X008", message, self.place(element))
         return target
 
-    def _is_package(self, element: Element) -> bool:
+    def is_package(self, element: Element) -> bool:
+        """Tell by feature and class whether an element, below a root, is a package."""
         if fold(feature_of(element)).endswith(("package", "packages")):
             return True
         printed = element.get(XSI_TYPE)

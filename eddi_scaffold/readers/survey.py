@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.readers.extensions import EVENTS, SAFEML, ExtensionMap, extension_maps
 from eddi_scaffold.readers.references import References, parse_fragment
 from eddi_scaffold.readers.spelling import Spelling, fold
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of, select
@@ -55,7 +56,7 @@ class Survey:
     """Everything in one file.
 
     Attributes:
-        models: in document order.
+        models: in document order, those of our own maps last.
         packages: the roots and the packages in them, in document order.
         elements: number of elements, with the document element.
         references: number of references, counted by their form in any attribute.
@@ -112,23 +113,32 @@ def survey(document: EddiDocument) -> Survey:
                 if fragment is not None:
                     total += 1
                     unresolved += references.resolve(fragment) is None
+    models += [_of_map(one) for one in extension_maps(document, EVENTS, SAFEML)]
     packages = tuple(_package(document, element) for element in document.packages())
     return Survey(tuple(models), packages, elements, total, unresolved)
 
 
 def _model(document: EddiDocument, element: Element, kind: str) -> FoundModel:
     place = document.place(element)
-    name = _name(document, element) or PurePath(document.name).stem
+    name = name_of(document, element) or PurePath(document.name).stem
     return FoundModel(kind, name, place.path or "/", place.line, _COUNTS[kind](document, element))
+
+
+def _of_map(one: ExtensionMap) -> FoundModel:
+    """Return the model that a map of ours describes."""
+    counts = {"events": len(one.of("EVENT")), "variables": len(one.of("VAR"))}
+    counts = counts if one.key == EVENTS else {"settings": len(one.values)}
+    name = one.key.removeprefix("eddi.").removesuffix("s")
+    return FoundModel(name, one.model or "", one.place.path or "/", one.place.line, counts)
 
 
 def _package(document: EddiDocument, element: Element) -> FoundPackage:
     place = document.place(element)
     stated = document.class_of(element).printed or feature_of(element)
-    return FoundPackage(stated, _name(document, element), place.path or "/", place.line)
+    return FoundPackage(stated, name_of(document, element), place.path or "/", place.line)
 
 
-def _name(document: EddiDocument, element: Element) -> str:
+def name_of(document: EddiDocument, element: Element) -> str:
     """Return the name; in SACM it is an object with a content, often of the part only."""
     stated = document.attribute(element, Spelling("name"))
     if stated is not None:

@@ -59,6 +59,7 @@ from tests.regions.rendering import FILES, Package, elements, render
 from tests.shared_data import ROOT as SHARED
 
 EXAMPLES = ROOT / "examples"
+MAPS = Path(__file__).parents[1] / "readers" / "models"
 SMALL = 20_000
 """Bytes of the largest sample: damage to a large file takes long and finds no more."""
 
@@ -527,6 +528,9 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "EDDI XML": _models(
         "two-conserts/two_conserts.xml", "drone/drone.xml", "pedestrian/pedestrian.xml",
         shared="bn/eddi_pedestrian_fig12.xml",
+    ),
+    "EDDI with maps": _models(
+        *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))
     ),
     "ConSert YAML": _models(
         "robot-models/Rover.yml", "rover-events/Rover.yml", "motor-watch/drive.yml"

@@ -41,6 +41,18 @@ def _consert(inner: str, name: str = "C") -> str:
     return f'{XML_HEAD}<conSerts name="{name}">\n{inner}</conSerts>{XML_TAIL}'
 
 
+def _map(key: str, values: str, model: str = "m") -> str:
+    named = f'<values tag="model" value="{model}"/>' if model else ""
+    return f'<keyValueMaps key="eddi.{key}">{named}{values}</keyValueMaps>\n'
+
+
+def _around(hazards: str, inner: str) -> str:
+    """Return a ConSert with a package of hazards behind it."""
+    package = f'<odeProductPackages xsi:type="consert_:HARAPackage">{hazards}</odeProductPackages>'
+    middle = "</odeProductPackages>"
+    return _consert(inner).replace(middle, f"{middle}{package}", 1)
+
+
 def _guarantees(n: int) -> str:
     own = "//@odeProductPackages.0/@conSerts.0/"
     edges = (
@@ -112,6 +124,23 @@ _XML = {
         f'<guarantees name="{"a-" * 10 * n}">{_DIMENSION}</guarantees>'
     ),
     "comments": lambda n: _consert("<!-- a -->\n" * n),
+    "events in a map": lambda n: _consert(
+        _map("events", _each('<values tag="EVENT" value="e# (HAZARD) := x# > 1"/>\n', n))
+    ),
+    "maps": lambda n: _consert(
+        _each(_map("events", '<values tag="EVENT" value="e (HAZARD) := x > 1"/>', "m#"), n)
+        + _each(_map("monitored_by", '<values tag="event" value="m#/e"/>', ""), n)
+    ),
+    "maps of the wrong names": lambda n: _consert(
+        _each(_map("monitored_by", '<values tag="event" value="m#/e"/>', ""), n)
+    ),
+    "hazards": lambda n: _around(
+        _each(
+            '<hazards name="H#" of="//@odeProductPackages.0/@conSerts.0/@guarantees.#"/>\n',
+            n,
+        ),
+        _each(f'<guarantees name="G#">{_DIMENSION}</guarantees>\n', n),
+    ),
 }
 
 # ConSert YAML

@@ -31,5 +31,6 @@ KIND = Kind(
     output_message="EventOutput",
     load=_functions,
     topic="events",
+    in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.events"]',
 )
 """What the generator knows of events."""

@@ -10,6 +10,7 @@ from eddi_scaffold.escaping import markdown_code, markdown_text
 from eddi_scaffold.kinds import InputType, ModelInput, Options, Reading, TypedModel
 from eddi_scaffold.kinds.event.claims import uses_of
 from eddi_scaffold.language.analysis import Analysis, analyse
+from eddi_scaffold.language.findings import Locate, line_and_column
 from eddi_scaffold.language.report import cost_line
 from eddi_scaffold.language.scope import Variable
 from eddi_scaffold.language.syntax import is_list_path
@@ -26,6 +27,40 @@ _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 
 @dataclass(frozen=True)
+class Placed:
+    """Where the lines of a text stand in an EDDI.
+
+    Attributes:
+        lines: tag and place of each line.
+        place: of them all.
+    """
+
+    lines: tuple[tuple[str, Place], ...]
+    place: Place
+
+    def locate(self, text: str) -> Locate:
+        """Return offset -> place of the value, with the column in its text."""
+        of = line_and_column(text)
+
+        def place(offset: int) -> Place:
+            line, column = of(offset)
+            if line > len(self.lines):
+                return self.place
+            tag, at = self.lines[line - 1]
+            return replace(at, col=max(1, column - len(tag) - 1))
+
+        return place
+
+    def told(self, problem: Problem) -> Problem:
+        """Return a problem as it is told: XML has no columns, so the text names the one."""
+        tag = next((tag for tag, at in self.lines if at.path == problem.place.path), None)
+        if tag is None or problem.place.col is None:
+            return problem
+        message = f"{tag}, column {problem.place.col}: {problem.message}"
+        return replace(problem, message=message, place=replace(problem.place, col=None))
+
+
+@dataclass(frozen=True)
 class Events:
     """A file of events.
 
@@ -33,11 +68,13 @@ class Events:
         text: of the file.
         analysis: of the text, at the rate if it is known already.
         rate: steps per second.
+        placed: where the lines stand, ``None`` in a file of events.
     """
 
     text: str
     analysis: Analysis
     rate: float
+    placed: Placed | None = None
 
 
 EventModel = TypedModel[Events, None]
@@ -50,25 +87,46 @@ def read_file(source: Source, _marks: Sequence[str] = ()) -> Reading:
         text = source.text("E001")
     except EddiError as refused:
         return Reading((), refused.problems)
-    analysis = analyse(text, any_rate=True, name=source.name)
-    problems = [*analysis.problems, *_numbers(analysis, source)]
-    if has_errors(problems):
+    data, problems = read_text(text, source.name)
+    if data is None:
         return Reading((), tuple(problems))
-    data = Events(text, analysis, DEFAULT_RATE)
     model = EventModel(NAME, source.stem, data, source, Place(source.name, 1, 1))
     return Reading((model,), tuple(problems))
+
+
+def read_text(
+    text: str, name: str, placed: Placed | None = None, rate: float | None = None
+) -> tuple[Events | None, list[Problem]]:
+    """Read a text of events.
+
+    Args:
+        text: the declarations.
+        name: of the file.
+        placed: where they stand in an EDDI.
+        rate: steps per second without a configuration.
+    """
+    locate = placed.locate(text) if placed is not None else None
+    analysis = analyse(text, any_rate=True, name=name, locate=locate)
+    place = placed.place if placed is not None else Place(name, 1, 1)
+    problems = [*analysis.problems, *_numbers(analysis, place)]
+    problems = [placed.told(one) for one in problems] if placed is not None else problems
+    events = Events(text, analysis, DEFAULT_RATE if rate is None else rate, placed)
+    return None if has_errors(problems) else events, problems
 
 
 def configure(model: EventModel, options: Options) -> tuple[EventModel | None, list[Problem]]:
     """Bring the events to the frequency of the configuration."""
     events = model.data
-    rate = DEFAULT_RATE if options.frequency is None else options.frequency
+    rate = events.rate if options.frequency is None else options.frequency
+    placed = events.placed
+    locate = placed.locate(events.text) if placed is not None else None
     try:
-        analysis = analyse(events.text, rate=rate, name=model.source.name)
+        analysis = analyse(events.text, rate=rate, name=model.source.name, locate=locate)
     except EddiError as failure:
         return None, list(failure.problems)
     if analysis.form is None:
-        return None, [problem for problem in analysis.problems if problem.level == "error"]
+        errors = [problem for problem in analysis.problems if problem.level == "error"]
+        return None, [placed.told(one) if placed is not None else one for one in errors]
     configured = replace(model, data=replace(events, analysis=analysis, rate=rate))
     return configured, [] if options.frequency is None else list(
         _one_topic(model, analysis, options.parts)
@@ -121,7 +179,7 @@ def outline(model: EventModel) -> Sequence[str]:
 
 def export(model: EventModel) -> Mapping[str, str]:
     """Return the file itself: it is the format of events."""
-    return {f"{model.source.stem}.events": model.data.text}
+    return {f"{model.name}.events": model.data.text}
 
 
 def readme(model: EventModel) -> Sequence[str]:
@@ -173,10 +231,10 @@ def _covered(limits: tuple[float, float] | None, unit: str | None) -> str | None
     return f"known in [{limits[0]:g}, {limits[1]:g}] {unit or ''}".rstrip()
 
 
-def _numbers(analysis: Analysis, source: Source) -> Sequence[Problem]:
+def _numbers(analysis: Analysis, place: Place) -> Sequence[Problem]:
     """Return an error for a bare numeric expression: it is not an event."""
     return [
-        error("E007", "an event is a boolean, this is a number", Place(source.name, 1, 1))
+        error("E007", "an event is a boolean, this is a number", place)
         for event in analysis.events
         if event.type != "bool"
     ]

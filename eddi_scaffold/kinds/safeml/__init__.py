@@ -43,6 +43,7 @@ KIND = Kind(
     respelt=respelt,
     load=_functions,
     topic="safeml",
+    in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.safeml"]',
     requirements=("numpy",),
     named_by_config=True,
 )

@@ -18,16 +18,23 @@ from eddi_scaffold.kinds import (
 )
 from eddi_scaffold.kinds.safeml import report, runtime_model
 from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
+from eddi_scaffold.kinds.safeml.from_eddi import read_eddi
 from eddi_scaffold.kinds.safeml.messages import VIOLATION_FIELD, VIOLATION_FIELDS
-from eddi_scaffold.kinds.safeml.model import Plan, Planned, SafeMLFile, SafeMLModel, SafeMLOptions
+from eddi_scaffold.kinds.safeml.model import (
+    NAME,
+    Plan,
+    Planned,
+    SafeMLFile,
+    SafeMLModel,
+    SafeMLOptions,
+)
 from eddi_scaffold.kinds.safeml.picture import picture
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.reference import MAX_BYTES, read_reference
+from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.settings import read_settings
-from eddi_scaffold.problems import EddiError, Problem, error, has_errors, in_order
-from eddi_scaffold.source import Source, beside, read_source
+from eddi_scaffold.problems import Problem, error, has_errors, in_order
+from eddi_scaffold.source import PartSource, Source
 
-NAME = "safeml"
 DEFAULT_INPUT = "sample"
 _PERIODS = 10
 """Steps without a sample after which a window is too old, unless ``max_age`` is given."""
@@ -40,15 +47,7 @@ def read_file(source: Source, _: Sequence[str]) -> Reading:
     settings, problems = read_settings(source)
     if settings is None:
         return Reading((), tuple(in_order(problems)))
-    where = settings.place("reference_sample_file")
-    try:
-        path = beside(source.name, settings.reference_sample_file)
-        reference, found = read_reference(read_source(path, MAX_BYTES))
-    except EddiError as failure:
-        reasons = "; ".join(problem.message for problem in failure.problems)
-        text = f"reference_sample_file {settings.reference_sample_file!r}: {reasons}"
-        hint = "it is looked for next to this file"
-        return Reading((), (error("L004", text, where, hint),))
+    reference, found = read_named(source.name, settings)
     if reference is None:
         return Reading((), tuple(in_order(found)))
     file = SafeMLFile(settings, reference)
@@ -143,6 +142,8 @@ def data_files(model: SafeMLModel) -> Mapping[str, bytes]:
 
 def export(model: SafeMLModel) -> Mapping[str, str]:
     """Return configuration and reference."""
+    if isinstance(model.source, PartSource):  # of several, each with a reference of its own
+        return runtime_model.export(model.data, f"{model.name}.safeml", f"{model.name}.csv")
     return runtime_model.export(model.data, model.source.stem)
 
 
@@ -184,6 +185,7 @@ def _planned(model: SafeMLModel, *, single: bool) -> Planned:
 
 
 FUNCTIONS = Functions(
+    read_eddi=read_eddi,
     read_file=read_file,
     check=check,
     counts=counts,

@@ -11,6 +11,7 @@ from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows
 from eddi_scaffold.problems import Place, Problem
 from eddi_scaffold.source import Source
 
+NAME = "safeml"
 Metric = Literal["ks", "cvm", "ad"]
 
 METRICS: Mapping[str, Metric] = {

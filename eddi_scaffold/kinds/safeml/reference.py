@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from eddi_scaffold.kinds.safeml.design import Rows
-from eddi_scaffold.kinds.safeml.model import ReferenceSample
+from eddi_scaffold.kinds.safeml.model import ReferenceSample, SafeMLSettings
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
-from eddi_scaffold.source import Source
+from eddi_scaffold.source import Source, beside, read_source
 
 MAX_BYTES = 512 * 1024 * 1024
 MAX_PROBLEMS = 20
@@ -27,6 +27,18 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[-+]?(nan|inf|infinity)", re.ASCII | re.IGNORECASE)
 _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
 _WRITTEN = 'numpy.savetxt(name, array, delimiter=",") writes such a file'
+
+
+def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | None, list[Problem]]:
+    """Read the reference that the settings in a file name, relative to it."""
+    name = settings.reference_sample_file
+    try:
+        return read_reference(read_source(beside(file, name), MAX_BYTES))
+    except EddiError as failure:
+        reasons = "; ".join(problem.message for problem in failure.problems)
+        text = f"reference_sample_file {name!r}: {reasons}"
+        hint = "it is looked for next to this file"
+        return None, [error("L004", text, settings.place("reference_sample_file"), hint)]
 
 
 def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem]]:

@@ -74,12 +74,12 @@ def data_files(plan: Plan) -> Mapping[str, bytes]:
     return {**_sample(plan).files, **(axes.files if axes is not None else {})}
 
 
-def export(file: SafeMLFile, name: str) -> Mapping[str, str]:
+def export(file: SafeMLFile, name: str, reference: str = REFERENCE_FILE) -> Mapping[str, str]:
     """Return configuration and reference, the first with every key written out."""
     settings = file.settings
     lines = [
         f"window_size: {settings.window_size}",
-        f"reference_sample_file: {REFERENCE_FILE}",
+        f"reference_sample_file: {reference}",
         f"significance_level: {settings.significance_level!r}",
         f"distance_metric: {METRIC_NAMES[settings.metric]}",
         f"n_components: {_yaml(settings.n_components)}",
@@ -96,7 +96,7 @@ def export(file: SafeMLFile, name: str) -> Mapping[str, str]:
     if settings.max_age is not None:
         lines.append(f"max_age: {settings.max_age!r}")
     text = file.reference.source.data.decode("utf-8-sig")
-    return {f"{name}.yml": "\n".join(lines) + "\n", REFERENCE_FILE: text}
+    return {f"{name}.yml": "\n".join(lines) + "\n", reference: text}
 
 
 def _yaml(value: float | None) -> str:

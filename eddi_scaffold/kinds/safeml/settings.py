@@ -50,9 +50,9 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
     ]
     values: dict[str, Any] = {}
     for key, node in root.entries:
-        if key.text in _KEYS:
+        if key.text in KEYS:
             try:
-                values[key.text] = _KEYS[key.text](node)
+                values[key.text] = KEYS[key.text](node)
             except _Wrong as wrong:
                 problems.append(_problem(key.text, node, str(wrong)))
     if problems:
@@ -68,10 +68,10 @@ def _unknown(root: Map) -> list[Problem]:
             "L001",
             f"unknown key {key.text!r}",
             key.place,
-            did_you_mean(key.text, _KEYS) or f"known keys: {', '.join(_KEYS)}",
+            did_you_mean(key.text, KEYS) or f"known keys: {', '.join(KEYS)}",
         )
         for key, _ in root.entries
-        if key.text not in _KEYS
+        if key.text not in KEYS
     ]
 
 
@@ -166,7 +166,7 @@ def _metric(node: Node) -> str:
 
 
 _FROM_1 = "a whole number from 1 on"
-_KEYS: Mapping[str, Callable[[Node], Any]] = {
+KEYS: Mapping[str, Callable[[Node], Any]] = {
     "window_size": _read_integer(
         1, MAX_WINDOW, f"a whole number of samples from 1 to {MAX_WINDOW}"
     ),
@@ -184,6 +184,7 @@ _KEYS: Mapping[str, Callable[[Node], Any]] = {
     "input_dtype": _one_of("auto", "float32", "float64"),
     "array_backend": _one_of(*BACKENDS),
 }
+"""Each key, and what reads its value."""
 _INSTEAD = dict.fromkeys(
     ("tensorflow", "tf"), "write `torch` for the same GPU, or `numpy`: the distances are the same"
 )
