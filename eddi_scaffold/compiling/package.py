@@ -56,7 +56,7 @@ def write_compiled(root: Path) -> str | None:
 def place_tables(root: Path, given: Path | None) -> list[str]:
     """Put the files of numbers that the monitor of a rendered package reads beside it.
 
-    Copier renders texts only. A file that is there, and is the right one, stays.
+    Copier renders texts only. The file of the rendering before stays if it is the right one.
 
     Args:
         root: the package, with ``.eddi/generated``.
@@ -79,14 +79,15 @@ def place_tables(root: Path, given: Path | None) -> list[str]:
     old = [one for one in (root / folder).glob(f"*{_TABLE}") if one.name not in wanted]
     for path in old:
         path.unlink()
+    places = [root / folder, root / place.beside, *([given] if given is not None else [])]
     missing = []
     for name, digest in wanted.items():
-        if _bytes_of(root / folder / name, digest) is None:
-            data = _bytes_of(given / name, digest) if given is not None else None
-            if data is None:
-                missing.append(name)
-            else:
-                write_file(root, f"{folder}{name}", data)
+        found = (_bytes_of(one / name, digest) for one in places)
+        data = next((one for one in found if one is not None), None)
+        if data is None:
+            missing.append(name)
+        else:
+            write_file(root, f"{folder}{name}", data)
     return missing
 
 

@@ -101,6 +101,10 @@ def test_tables_are_taken_from_their_folder(tmp_path: Path) -> None:
     assert table.read_bytes() == (golden / "reference.bin").read_bytes()
     assert not old.exists()
     assert place_tables(root, None) == [], "the one that is there is the right one"
+    table.rename(root / table.name)
+    assert place_tables(root, None) == [], "so is the one that was placed before"
+    assert table.exists()
+    (root / table.name).unlink()
     tool = [sys.executable, "-S", str(ROOT / "eddi_scaffold" / "compiling"), "write"]
     table.unlink()
     done = subprocess.run(tool, cwd=root, capture_output=True, text=True, check=False)

@@ -60,7 +60,14 @@ def test_every_kind_and_every_example(
     assert run("generate", *words, option, "ws", cwd=folder).status == 0
     assert run("answers", *words, "-o", "a.yml", cwd=folder).status == 0
     copied(folder / "a.yml", tmp_path / package)
-    ours, theirs = files_below(folder / packages / package), files_below(tmp_path / package)
+    ours, theirs = (
+        {
+            name: data
+            for name, data in files_below(one / package).items()
+            if "__pycache__" not in name
+        }
+        for one in (folder / packages, tmp_path)
+    )
     assert ours.keys() == theirs.keys()
     assert [name for name in ours if ours[name] != theirs[name]] == []
     if where is PLAIN:
