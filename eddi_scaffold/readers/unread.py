@@ -110,6 +110,8 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
     known = set(packages)
     inside: set[Element] = set()
     for package in packages:
+        if kind_of_model(document, package) in MONITORED:
+            continue  # a model by itself is read whole
         if package.getparent() in inside:
             inside.add(package)  # reported with the enclosing package
         elif document.class_of(package).name in _READ or _holds_models(document, package):
