@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -48,6 +49,10 @@ def connect(
     ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
+    interactive: Annotated[
+        bool,
+        typer.Option("--interactive", help="Ask, on a terminal, what the draft leaves open."),
+    ] = False,
     dry_run: DryRun = False,
     as_json: Json = False,
 ) -> None:
@@ -58,6 +63,7 @@ def connect(
 
     Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
     """
+    from eddi_scaffold.cli import asking
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.connect.connecting import Around, connect
     from eddi_scaffold.problems import has_errors
@@ -65,7 +71,14 @@ def connect(
 
     ages = _ages(bag) if bag is not None else {}
     around = Around(system, models, others or (), default_guarantee or (), ages)
+    if interactive and (output is None or not asking.is_possible()):
+        needs = "a terminal" if output is not None else "-o, the configuration to write"
+        raise typer.BadParameter(f"it needs {needs}", param_hint="--interactive")
     found = connect(model, name, output, around)
+    if interactive:
+        taken, given = asking.answers(found)
+        around = replace(around, answers=taken, ages={**ages, **given})
+        found = connect(model, name, output, around)
     if as_json:
         console.json(found.as_json())
     elif dry_run and output is not None:

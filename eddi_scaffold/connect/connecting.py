@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.config.block import (
@@ -29,10 +29,13 @@ from eddi_scaffold.connect.reading import (
     declared_types,
     items,
     model_id,
+    open_inputs,
     section_of,
     text_of,
     topics_of,
 )
+from eddi_scaffold.connect.scoring import Candidate
+from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.identifiers import full_topic, is_ros_name, package_name
 from eddi_scaffold.kinds import (
@@ -76,6 +79,7 @@ class Around:
         configs: of other monitors.
         marks: default guarantees.
         ages: full name of a topic -> when its messages are too old.
+        answers: input -> the candidate that a person took.
     """
 
     system: Path | None = None
@@ -83,6 +87,7 @@ class Around:
     configs: Sequence[Path] = ()
     marks: Sequence[str] = ()
     ages: Mapping[str, Age] = field(default_factory=dict)
+    answers: Mapping[str, Candidate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -91,6 +96,7 @@ class Connected:
 
     Attributes:
         name: of the configuration.
+        package: of the monitor.
         before: its text, ``None`` when there is no file.
         after: its new text.
         decisions: one for each input of the model.
@@ -100,6 +106,7 @@ class Connected:
     """
 
     name: str
+    package: str
     before: str | None
     after: str
     decisions: Sequence[Decision]
@@ -115,6 +122,25 @@ class Connected:
     def state(self, decision: Decision) -> str:
         """Return ``taken``, ``listed`` or ``none``, or ``kept`` where a person has decided."""
         return "kept" if decision.need.id in self.kept else decision.state
+
+    @property
+    def unanswered(self) -> list[Decision]:
+        """The decisions that are a person's and still open."""
+        open_ = open_inputs(self._content, "expression", "requires", "field")
+        return [one for one in self.decisions if one.state == "listed" and one.need.id in open_]
+
+    @property
+    def without_age(self) -> frozenset[str]:
+        """The inputs whose age limit is open."""
+        return open_inputs(self._content, "max_age")
+
+    def full_name(self, topic: RobotTopic) -> str:
+        """Return the name of a topic as the node of the monitor has it."""
+        return full_topic(topic.topic, "", self.package)
+
+    @property
+    def _content(self) -> Map:
+        return content(ConfigText(self.name, self.after, 0, 0))
 
     def diff(self) -> str:
         """Return the change as a unified diff."""
@@ -184,9 +210,10 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     decisions = decide(
         [Need.of(one) for one in skeleton.inputs], topics, types.get, offered.by_input
     )
-    recorded = {one.topic: full_topic(one.topic, "", package) for one in topics}
-    ages = {topic: around.ages[full] for topic, full in recorded.items() if full in around.ages}
-    ages = {**ages, **offered.ages}
+    decisions = [_answered(one, around.answers) for one in decisions]
+    full = {one.topic: full_topic(one.topic, "", package) for one in topics}
+    ages = {topic: around.ages[name] for topic, name in full.items() if name in around.ages}
+    ages = {**offered.ages, **ages}
     draft = Draft(
         _model(chosen, kind, model, config),
         skeleton.options,
@@ -201,7 +228,14 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     kept = frozenset(
         text_of(one, "id") or "" for one in items(root.get("EDDIInputs")) if not undecided(one)
     )
-    return Connected(document.name, before, after, decisions, kept, in_order(problems), len(left))
+    return Connected(
+        document.name, package, before, after, decisions, kept, in_order(problems), len(left)
+    )
+
+
+def _answered(decision: Decision, answers: Mapping[str, Candidate]) -> Decision:
+    answer = answers.get(decision.need.id)
+    return decision if answer is None else replace(decision, state="chosen", candidates=(answer,))
 
 
 def _document(config: Path | None) -> tuple[ConfigText, str | None]:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
-from eddi_scaffold.connect.access import Access
 from eddi_scaffold.connect.matching import Decision
+from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.escaping import one_line
 from eddi_scaffold.identifiers import attribute
@@ -34,7 +34,7 @@ class Age:
 
     Attributes:
         seconds: the limit.
-        why: where it is from.
+        why: where it is from; empty where a person said so.
     """
 
     seconds: float
@@ -92,11 +92,12 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         ages: topic -> when its messages are too old, where that is known.
     """
     need = decision.need
-    if decision.state == "taken":
+    if decision.state in ("taken", "chosen"):
         best = decision.candidates[0]
         taken = _keys(best)
         source = [_key_line(key, value) for key, value in taken.items()]
-        why = [_comment(f"taken, {_why(best)}{_ahead(decision)}")]
+        is_ours = decision.state == "taken"
+        why = [_comment(f"taken, {_why(best)}{_ahead(decision)}")] if is_ours else []
         topic = best.topic.topic
     else:
         taken, topic = {}, ""
@@ -161,19 +162,24 @@ def _choice(decision: Decision) -> list[str]:
     return [_comment(head), *(_comment(f"  {_line(one, decision)}") for one in found)]
 
 
+def as_expression(need: Need, candidate: Candidate) -> str | None:
+    """Return a candidate as an expression, ``None`` for an input that takes none."""
+    if need.type not in _EXPRESSIBLE:
+        return None
+    taken = candidate.access
+    name = attribute(candidate.topic.id)
+    return taken.text if taken.key == "expression" else f"{name}.{taken.text}"
+
+
 def _line(candidate: Candidate, decision: Decision) -> str:
     """Return a candidate as it can be written in place of TODO."""
-    taken, name = candidate.access, attribute(candidate.topic.id)
-    if decision.need.type not in _EXPRESSIBLE:
+    taken, expression = candidate.access, as_expression(decision.need, candidate)
+    if expression is None:
         text = f"requires: [{quoted(candidate.topic.id)}], field: {quoted(taken.text)}"
     else:
-        text = f"expression: {quoted(_as_expression(taken, name))}"
+        text = f"expression: {quoted(expression)}"
     unit = f" with unit: {quoted(taken.unit)}" if taken.unit is not None else ""
     return f"{text}{unit}   {_why(candidate)}"
-
-
-def _as_expression(taken: Access, name: str) -> str:
-    return taken.text if taken.key == "expression" else f"{name}.{taken.text}"
 
 
 def _why(candidate: Candidate) -> str:
@@ -194,7 +200,9 @@ def _age_line(topic: str, ages: Mapping[str, Age]) -> str:
 
 def known_age(age: Age | None) -> str | None:
     """Return the line of an age limit, ``None`` for none."""
-    return None if age is None else f"max_age: {age.seconds:g}  # {one_line(age.why)}"
+    if age is None:
+        return None
+    return f"max_age: {age.seconds:g}{f'  # {one_line(age.why)}' if age.why else ''}"
 
 
 def outputs(package: str, topic: str, parts: Sequence[str]) -> list[dict[str, JsonValue]]:

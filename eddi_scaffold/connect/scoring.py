@@ -135,7 +135,12 @@ def _type(need: Need, leaf: Leaf, taken: Access) -> tuple[int, str]:
     if need.type == "bool" and leaf.type != "bool":
         return 3, "a number, to be compared"
     if leaf.lists and not need.type.endswith("[]"):
-        return 6, "the least of a list" if taken.is_complete else "an element of a list"
+        return (
+            6,
+            "the least of its list, a tenth of which may be missing"
+            if taken.is_complete
+            else "an element of a list",
+        )
     if leaf.is_only:
         return 10, "the only field of its message"
     return (10, "") if leaf.type == "bool" else (8, "")
