@@ -41,6 +41,10 @@ class _Reader:
         definitions: dict[str, Element] = {}
         for definition in select(self.root, "NETWORK/DEFINITION"):
             for name in _texts(definition, "FOR"):
+                if name in definitions:
+                    line = line_of(definitions[name])
+                    message = f"{name!r} is defined twice, first in line {line}"
+                    self.problems.append(error("B232", message, self._place(definition)))
                 definitions.setdefault(name, definition)
         names = set()
         for variable in select(self.root, "NETWORK/VARIABLE"):

@@ -36,6 +36,7 @@ from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
 from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
 from eddi_scaffold.problems import Problem, in_order, warning
 from eddi_scaffold.readers.document import EddiDocument
+from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.xmi import load
 from eddi_scaffold.source import Source
 
@@ -55,7 +56,7 @@ def read_file(source: Source, _marks: Sequence[str]) -> Reading:
     suffix = PurePath(source.name).suffix.lower()
     if suffix == ".net":
         network, problems = read_net(source)
-    elif suffix == ".bif" and not source.data.lstrip().startswith(b"<"):
+    elif suffix == ".bif" and not is_xml(source):
         network, problems = read_bif(source)
     else:
         network, problems = _read_xml(source, suffix)

@@ -40,7 +40,8 @@ IN_EDDI = (
 def _sniff(source: Source) -> bool:
     name = source.name.lower()
     if name.endswith(MEF_SUFFIXES):
-        return _MEF.search(source.data[:_HEAD]) is not None
+        with source.open() as stream:
+            return _MEF.search(stream.read(_HEAD)) is not None
     if not name.endswith(_SUFFIXES):
         return False
     data = source.data
