@@ -81,15 +81,15 @@ class Numbers:
         if len(parts) > 1:
             raise self._fault("R017", f"event {name!r} has {len(parts)} expressions", parts[1])
         of, values = feature_of(parts[0]).lower(), arguments(parts[0])
-        lasting = bool(values) and feature_of(values[-1]) == _MISSION
+        times = self._missions(values[-1], path) if values else None
         if of == "exponential" and len(values) == 2:
             rate = self._at_least(0.0, values[0], path)
-            if lasting:
+            if times is not None:
                 self._unit(values[0], path, "1/h")
-                return Law("exponential", (rate,))
+                return Law("exponential", (rate * times,))
             time = self._at_least(0.0, values[1], path)
             return Law("fixed", (-math.expm1(-rate * time),))
-        if of == "weibull" and len(values) == 4 and lasting:
+        if of == "weibull" and len(values) == 4 and times == 1.0:
             scale, shape, start = (self.number(one, path) for one in values[:3])
             if scale <= 0.0 or not 1e-6 <= shape <= 1e6 or start != 0.0:
                 message = f"event {name!r}: scale and shape must be above 0, the location 0"
@@ -101,6 +101,14 @@ class Numbers:
             message = f"event {name!r}: {probability:g} is not a probability"
             raise self._fault("R002", message, parts[0])
         return Law("fixed", (probability,))
+
+    def _missions(self, element: Element, path: tuple[str, ...]) -> float | None:
+        """Return how many mission times an expression is, ``None`` where it is not so many."""
+        parts = arguments(element) if feature_of(element) == "mul" else [element]
+        others = [one for one in parts if feature_of(one) != _MISSION]
+        if len(others) != len(parts) - 1:
+            return None
+        return math.prod(self._at_least(0.0, one, path) for one in others)
 
     def number(self, element: Element, path: tuple[str, ...], depth: int = 0) -> float:
         """Return the value of an expression, in hours and 1/h where it has a unit.

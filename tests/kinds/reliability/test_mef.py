@@ -110,6 +110,8 @@ RATE = '<define-parameter name="l" unit="{}"><float value="{}"/></define-paramet
          Law("exponential", (50 * 1e-9,))),
         (CHANCE, RATE.format("years-1", "2"),
          Law("exponential", (2 / 8760,))),
+        (f'<exponential><parameter name="l"/><mul><int value="20"/>{MISSION}</mul></exponential>',
+         RATE.format("hours-1", "1e-5"), Law("exponential", (20 * 1e-5,))),
         ('<exponential><parameter name="l"/><float value="10"/></exponential>',
          RATE.format("hours-1", "1e-3"), Law("fixed", (-math.expm1(-0.01),))),
         (f'<Weibull><parameter name="l"/><float value="2"/><float value="0"/>{MISSION}</Weibull>',
