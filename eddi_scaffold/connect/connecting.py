@@ -39,6 +39,7 @@ from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.identifiers import full_topic, is_ros_name, package_name
 from eddi_scaffold.kinds import (
+    TODO,
     DeclaredInput,
     JsonValue,
     Kind,
@@ -49,7 +50,7 @@ from eddi_scaffold.kinds import (
 )
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.choosing import select
-from eddi_scaffold.monitors.loading import checked_models
+from eddi_scaffold.monitors.loading import checked_models, is_config
 from eddi_scaffold.mros.directory import load_models
 from eddi_scaffold.mros.interface_definitions import Models
 from eddi_scaffold.positioned_yaml.nodes import Map
@@ -192,6 +193,7 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     root = content(document)
     chosen = _chosen(models, name, root)
     kind = kinds()[chosen.kind]
+    _refuse_other(document, root, chosen, models)
     package = package_name(model_id(root) or chosen.name)
     robot, node_models = _robot(around)
     problems: list[Problem] = []
@@ -262,6 +264,28 @@ def _chosen(models: Sequence[Model], name: str | None, root: Map) -> Model:
         message = f"the file contains several models: {names}"
         raise EddiError(error("G005", message, hint="choose one with --name"))
     return models[0]
+
+
+def _refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequence[Model]) -> None:
+    """Refuse a file to which the draft of a model must not be added.
+
+    Raises:
+        EddiError: it is no configuration (K001), or that of another kind (K010) or model (K026).
+    """
+    if root.entries and not is_config(Source(document.name, document.text.encode())):
+        message = "this is not an eddi_config.yml, so nothing is added to it"
+        raise EddiError(error("K001", message, root.place, "choose another file for -o"))
+    section = root.get("Model") or root
+    kind, type_, id_ = kinds()[chosen.kind], text_of(section, "type"), model_id(root)
+    if type_ not in (None, TODO) and str(type_).casefold() not in map(
+        str.casefold, kind.config_types
+    ):
+        message = f"the model is a {kind.title}, the configuration declares {type_!r}"
+        raise EddiError(error("K010", message, section.place))
+    owner = package_name(id_) if id_ is not None else None
+    if owner != package_name(chosen.name) and owner in {package_name(one.name) for one in models}:
+        message = f"the configuration is that of {id_!r}, not of {chosen.name!r}"
+        raise EddiError(error("K026", message, section.place, "choose another file for -o"))
 
 
 def _robot(around: Around) -> tuple[Robot | None, Models | None]:

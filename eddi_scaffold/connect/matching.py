@@ -10,7 +10,7 @@ from typing import Literal
 from eddi_scaffold.connect.access import Access
 from eddi_scaffold.connect.filters import objection
 from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.scoring import Candidate, scored, weights
+from eddi_scaffold.connect.scoring import ALARM, Candidate, scored, weights
 from eddi_scaffold.connect.topics import FieldsOf, Leaf, RobotTopic, leaves
 from eddi_scaffold.connect.words import best
 
@@ -128,7 +128,8 @@ def _decide(
     lead = top.score - every[1].score if len(every) > 1 else None
     far = _SURE[-1][1] if lead is None else lead
     sure = any(top.score >= score and far >= distance for score, distance in _SURE)
-    if sure and top.parts["name"] >= _LEAST_NAME and top.access.is_complete:
+    is_named = top.parts["name"] >= _LEAST_NAME and ALARM not in top.parts
+    if sure and is_named and top.access.is_complete:
         return Decision(need, "taken", listed, lead)
     return Decision(need, "listed", listed)
 

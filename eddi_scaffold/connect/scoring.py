@@ -34,6 +34,8 @@ _AXES: Mapping[str, Sequence[tuple[str, frozenset[str]]]] = {
     ),
     "angular": (("x", frozenset(("roll",))), ("y", frozenset(("pitch",)))),
 }
+ALARM = "true may be bad"
+"""Part of a candidate that may be true where the input is false; it is never taken."""
 _USUAL_AXIS = {"linear": "x", "angular": "z"}
 
 
@@ -161,7 +163,7 @@ def _against(need: Need, topic: RobotTopic, leaf: Leaf) -> dict[str, int]:
     if _numbers_differ(need, topic.words):
         found["another number"] = -30
     if need.type == "bool" and told & _BAD_WHEN_TRUE and not need.every_word & _BAD_WHEN_TRUE:
-        found["true may be bad"] = -15
+        found[ALARM] = -15
     if "raw" in told and not need.says("raw"):
         found["raw"] = -2
     if {"desired", "error"} & set(leaf.path[:-1]):

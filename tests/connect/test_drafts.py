@@ -16,7 +16,7 @@ from eddi_scaffold.connect.topics import Leaf, RobotTopic, leaves
 from eddi_scaffold.positioned_yaml.nodes import Map, read_map
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.source import Source
-from tests.cli.command import ROOT, Result, run
+from tests.cli.command import ROOT, Result, files_below, run
 
 TYPES = {
     "std_msgs/Bool": {"data": "bool"},
@@ -264,15 +264,21 @@ def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:
         (("two_conserts.xml", "--name", "ConSertA", "--system", "x.rossystem"), "G017"),
         (("two_conserts.xml", "--name", "ConSertA", "--with", "draft.yml"), "K059"),
         (("consert_a_config.yml",), "F008"),
+        (("two_conserts.xml", "--name", "ConSertB", "-o", "consert_a_config.yml"), "K026"),
+        (("Rover.yml", "-o", "Rover.yml"), "K001"),
+        (("Rover.yml", "-o", "consert_a_config.yml", "--name", "Gone"), "F005"),
+        (("pedestrian.xml", "-o", "consert_a_config.yml"), "K010"),
     ],
 )
 def test_bad_input_is_refused_and_nothing_is_written(
     words: tuple[str, ...], code: str, tmp_path: Path
 ) -> None:
     shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
-    draft = tmp_path / "draft.yml"
-    draft.write_text("Model: {type: TODO}\n", "utf-8")
-    before = draft.read_bytes()
-    failed = run("connect", *words, "-o", "draft.yml", cwd=tmp_path)
+    shutil.copy(ROOT / "examples" / "robot-models" / "Rover.yml", tmp_path)
+    shutil.copy(ROOT / "examples" / "pedestrian" / "pedestrian.xml", tmp_path)
+    (tmp_path / "draft.yml").write_text("Model: {type: TODO}\n", "utf-8")
+    before = files_below(tmp_path)
+    output = () if "-o" in words else ("-o", "draft.yml")
+    failed = run("connect", *words, *output, cwd=tmp_path)
     assert (failed.status, f"[{code}]" in failed.err) == (2, True)
-    assert draft.read_bytes() == before
+    assert files_below(tmp_path) == before

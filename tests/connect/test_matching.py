@@ -1,0 +1,97 @@
+"""Which topic of a small robot is taken for an input, which are listed, and why one is not."""
+
+from __future__ import annotations
+
+import pytest
+
+from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.connect.matching import Decision, Offer, decide
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.topics import RobotTopic
+
+ROBOT = {
+    "odom": ("nav_msgs/Odometry", "/odom"),
+    "cmd_vel": ("geometry_msgs/Twist", "/cmd_vel"),
+    "scan_front": ("sensor_msgs/LaserScan", "/laser_front/scan"),
+    "scan_rear": ("sensor_msgs/LaserScan", "/laser_rear/scan"),
+    "front_standby": ("std_msgs/Bool", "/laser_front/standby"),
+    "gripper_closed": ("std_msgs/Bool", "/gripper/closed"),
+    "link_lost": ("std_msgs/Bool", "/radio/link_lost"),
+    "battery": ("sensor_msgs/BatteryState", "/battery"),
+    "temperature": ("sensor_msgs/Temperature", "/motor/temperature"),
+    "joints": ("sensor_msgs/JointState", "/arm/joint_states"),
+    "pose": ("geometry_msgs/PoseWithCovarianceStamped", "/amcl_pose"),
+    "features": ("std_msgs/Float32MultiArray", "/camera/features"),
+    "guarantees": ("eddi_messages/ConSertOutput", "/other/guarantees"),
+    "gone": ("gone_msgs/Marker", "/camera/marker"),
+}
+TOPICS = [RobotTopic(name, *rest) for name, rest in ROBOT.items()]
+
+
+def decided(need: Need, offers: list[Offer] | None = None) -> Decision:
+    given = {need.id: offers} if offers is not None else {}
+    (decision,) = decide([need], TOPICS, known_messages().get, given)
+    return decision
+
+
+@pytest.mark.parametrize(
+    ("id_", "type_", "unit", "topic", "key", "text", "given"),
+    [
+        ("Speed", "float", "m/s", "odom", "field", "twist.twist.linear.x", None),
+        ("YawRate", "float", "deg/s", "odom", "field", "twist.twist.angular.z", "rad/s"),
+        ("RearClearance", "float", "m", "scan_rear", "expression", "MIN(", None),
+        ("GripperClosed", "bool", None, "gripper_closed", "field", "data", None),
+        ("FrontStandby", "bool", None, "front_standby", "field", "data", None),
+        ("BatteryCharge", "float", "percent", "battery", "field", "percentage", "fraction"),
+        ("MotorTemperature", "float", "degC", "temperature", "field", "temperature", None),
+        ("CameraFeatures", "float[]", None, "features", "field", "data", None),
+    ],
+)
+def test_what_is_clear_is_taken(
+    id_: str, type_: str, unit: str | None, topic: str, key: str, text: str, given: str | None
+) -> None:
+    decision = decided(Need(id_, type_, unit))  # type: ignore[arg-type]
+    best = decision.candidates[0]
+    assert (decision.state, best.topic.id, best.access.key) == ("taken", topic, key)
+    assert best.access.text.startswith(text)
+    assert best.access.unit == given
+
+
+@pytest.mark.parametrize(
+    ("need", "listed", "text"),
+    [
+        (Need("ArmJointPosition", "float", "rad"), "joints", "position[TODO]"),
+        (Need("LocalizationUncertainty", "float", "m"), "pose", "SQRT(pose.pose.covariance[0])"),
+        (Need("ObstacleDistance", "float", "m"), "scan_front", "MIN(scan_front.ranges[*], "),
+        (Need("ClimbSpeed", "float", "m/s"), "odom", "twist.twist.linear.z"),
+        (Need("RadioLink", "bool"), "link_lost", "data"),
+        (Need("MarkerVisible", "bool"), "gone", "TODO"),
+        (Need("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
+    ],
+)
+def test_what_is_not_clear_is_left_to_a_person(need: Need, listed: str, text: str) -> None:
+    decision = decided(need)
+    assert decision.state == "listed"
+    found = {one.topic.id: one.access.text for one in decision.candidates}
+    assert found[listed].startswith(text)
+
+
+@pytest.mark.parametrize(
+    ("need", "topic", "why"),
+    [
+        (Need("GripperClosed", "float"), "gripper_closed", "it is a bool"),
+        (Need("MotorTemperature", "float", "Pa"), "temperature", "it is in degC"),
+    ],
+)
+def test_the_nearest_miss_is_named(need: Need, topic: str, why: str) -> None:
+    (decision,) = decide([need], [one for one in TOPICS if one.id == topic], known_messages().get)
+    missed = decision.missed
+    assert missed is not None
+    assert (missed.topic.id, missed.why) == (topic, why)
+
+
+def test_a_demand_takes_the_only_guarantee_that_fulfils_it() -> None:
+    demand = Need("Demand", "bool", is_demand=True)
+    offer = Offer(TOPICS[-2], "guarantees[G].active", "G fulfils it")
+    assert decided(demand, [offer]).state == "taken"
+    assert decided(demand, [offer, Offer(TOPICS[-2], "guarantees[H].active", "")]).state == "listed"
