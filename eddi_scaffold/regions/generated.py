@@ -37,6 +37,8 @@ _PLACED = f"{EDDI}/placed"
 MANIFEST = "manifest.json"
 ANSWERS = ".copier-answers.yml"
 """File of a package in which Copier keeps the answers."""
+_NOT_FORMATTED = b"# fmt: off\n"
+"""Black, ruff, yapf and autopep8 obey it."""
 _LAYOUT = b" \t\r\n'\"(),\\"
 _LOWER = bytes(range(256)).lower()
 """With these characters and upper case formatters do what they do, in every version of Python."""
@@ -106,7 +108,7 @@ def place_generated(root: Path) -> list[Note]:
     whole = True
     gone = sorted(name for name in before.keys() - names if _is_place(root, name))
     for name in [*names, *gone]:
-        new = read_regular(root / GENERATED / name) if name in names else None
+        new = as_placed(name, read_regular(root / GENERATED / name)) if name in names else None
         was = before.get(name)
         if new is not None:
             written[name] = _same(was, new) or digests_of(name, new)
@@ -124,6 +126,14 @@ def place_generated(root: Path) -> list[Note]:
         (root / GENERATED).rename(root / _PLACED)
         shutil.rmtree(root / _PLACED)
     return notes
+
+
+def as_placed(name: str, rendering: bytes) -> bytes:
+    """Return what is written for a rendering: Python tells formatters to leave it as it is."""
+    if not name.endswith(".py"):
+        return rendering
+    start = rendering.find(b"\n") + 1 if rendering.startswith(b"#!") else 0
+    return rendering[:start] + _NOT_FORMATTED + rendering[start:]
 
 
 def _write_manifest(root: Path, written: Mapping[str, Digests]) -> None:

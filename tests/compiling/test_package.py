@@ -24,7 +24,8 @@ def package(tmp_path: Path) -> Path:
     package = Path(shutil.copytree(PACKAGE, tmp_path / "conserta"))
     for name in json.loads((package / ".eddi/manifest.json").read_text("utf-8"))["sha256"]:
         (package / RENDERED / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(package / name, package / RENDERED / name)
+        rendering = (package / name).read_bytes().replace(b"# fmt: off\n", b"", 1)
+        (package / RENDERED / name).write_bytes(rendering)
     return package
 
 

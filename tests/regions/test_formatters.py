@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.regions.generated import digests_of
+from eddi_scaffold.regions.generated import as_placed, digests_of
 from eddi_scaffold.regions.merge import merge
 from eddi_scaffold.regions.result import Merged
 from tests.checkouts import HERE
@@ -44,14 +44,25 @@ def formatted(name: str, folder: Path) -> None:
 
 
 @each
-def test_only_the_layout_of_generated_files_changes(name: str, tmp_path: Path) -> None:
-    for number, source in enumerate((PLAIN, ROS1, RUNTIME)):
-        shutil.copytree(source, tmp_path / str(number))
+def test_only_the_layout_of_library_files_changes(name: str, tmp_path: Path) -> None:
+    shutil.copytree(RUNTIME, tmp_path / "eddi_runtime")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.py")}
     formatted(name, tmp_path)
     changed = [path for path in before if path.read_bytes() != before[path]]
     assert changed
     assert not [p for p in changed if not digests_of(p.name, before[p]).fit(p.name, p.read_bytes())]
+
+
+@each
+def test_formatters_leave_what_is_written_for_generated_files(name: str, tmp_path: Path) -> None:
+    for source in (PLAIN, ROS1, RUNTIME):
+        shutil.copytree(source, tmp_path / source.name, ignore=shutil.ignore_patterns(".eddi"))
+    for path in (tmp_path / RUNTIME.name).rglob("*.py"):
+        path.write_bytes(as_placed(path.name, path.read_bytes()))
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.py")}
+    formatted(name, tmp_path)
+    changed = {path for path in before if path.read_bytes() != before[path]}
+    assert changed == {path for path in before if b"Manual edit" in before[path]}
 
 
 @each

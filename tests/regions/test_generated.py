@@ -11,12 +11,18 @@ import pytest
 
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.formatting import meaning_digest
-from eddi_scaffold.regions.generated import changed_generated, is_placed, recorded_generated
+from eddi_scaffold.regions.generated import (
+    as_placed,
+    changed_generated,
+    is_placed,
+    recorded_generated,
+)
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 from tests.regions.rendering import snapshot
 
-FIRST = "def f():\n    return [1, 2]  # one\n"
-SECOND = "def f():\n    return [1, 2, 3]  # two\n"
+HEAD = "# fmt: off\n"
+FIRST = f"{HEAD}def f():\n    return [1, 2]  # one\n"
+SECOND = f"{HEAD}def f():\n    return [1, 2, 3]  # two\n"
 
 
 EVERYTHING = """\
@@ -32,12 +38,12 @@ class A(B, metaclass=C):  # one
 
 
 def render(root: Path, **files: str) -> None:
-    """Do what Copier does."""
+    """Do what Copier does, which knows no formatters."""
     shutil.rmtree(root / ".eddi/generated", ignore_errors=True)
     (root / ".eddi/generated/test").mkdir(parents=True)
     for name, text in files.items():
         path = root / ".eddi/generated" / name.replace("__", "/")
-        path.with_suffix(".py").write_text(text)
+        path.with_suffix(".py").write_text(text.removeprefix(HEAD))
 
 
 def sync(root: Path) -> SyncReport:
@@ -198,3 +204,11 @@ def test_some_places_are_no_places(tmp_path: Path, name: str) -> None:
     (tmp_path / ".eddi/generated" / name).write_text("x")
     sync(tmp_path)
     assert not (tmp_path / name).exists()
+
+
+def test_the_line_for_formatters_is_behind_that_of_a_program(tmp_path: Path) -> None:
+    program = "#!/usr/bin/env python3\nprint()\n"
+    render(tmp_path, run=program)
+    sync(tmp_path)
+    assert (tmp_path / "run.py").read_text() == program.replace("\n", f"\n{HEAD}", 1)
+    assert as_placed("README.md", b"text\n") == b"text\n"
