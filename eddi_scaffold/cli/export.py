@@ -13,8 +13,17 @@ from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Name, in_a
 def export(
     model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
     output: Annotated[
-        Path, typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files.")
-    ],
+        Path | None,
+        typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files."),
+    ] = None,
+    into: Annotated[
+        Path | None,
+        typer.Option("--into", help="EDDI XML into which events or SafeML settings are written."),
+    ] = None,
+    at: Annotated[
+        str,
+        typer.Option("--at", help="Fragment path of the element that gets them: `//@a.0/@b.1`."),
+    ] = "/",
     kind: Annotated[
         str | None, typer.Option("--kind", help="Only models of this kind, such as consert.")
     ] = None,
@@ -24,18 +33,26 @@ def export(
 ) -> None:
     """Write each model as a file of its own: YAML; networks as XDSL and XMLBIF, trees as Open-PSA.
 
-    With configurations, the models that these are about, with what they add.
+    With configurations, the models that these are about, with what they add. With --into, one file
+    of events or SafeML settings is written into an EDDI, of which every other byte stays.
 
     Example: eddi-scaffold export example.xml -o models
     """
+    import stat
+    from dataclasses import replace
+
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.choosing import select
+    from eddi_scaffold.monitors.in_eddi import written_into
     from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.problems import EddiError, did_you_mean, error, in_order
+    from eddi_scaffold.source import read_source
 
+    if (output is None) == (into is None):
+        raise EddiError(error("G020", "give either -o FOLDER or --into EDDI"))
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
         raise EddiError(error("G009", f"there is no kind {kind!r}", hint=hint))
@@ -48,6 +65,14 @@ def export(
         chosen, found = select(reading.models, name, wanted), list(reading.problems)
     seen = [problem for item in chosen for problem in kinds()[item.kind].functions.check(item)]
     console.problems(in_order([*found, *seen]))
+    if into is not None:
+        before = read_source(into)
+        old = FileState(before.data, stat.S_IMODE(into.stat().st_mode))
+        new = replace(old, data=written_into(before, at, chosen))
+        write(into.parent, {into.name: new}, {into.name: old})
+        console.data(str(into))
+        return
+    assert output is not None
     files: dict[str, FileState] = {}
     for item in chosen:
         for file, text in kinds()[item.kind].functions.export(item).items():

@@ -334,6 +334,8 @@ class Functions(Generic[M]):
         counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
         outline: the tree that ``show`` prints: lines with two blanks per level.
         export: file name -> text of the kind's own formats.
+        in_map: key and values (tag, text) by which an EDDI holds such a model, of a kind that is
+            no part of the metamodel; raises EddiError.
         inputs: the inputs that the monitor needs.
         runtime_model: the ``model`` part of ``config/model.json``.
         beside: name -> message that it publishes in addition, on ``<topic>/<name>``; in the
@@ -372,6 +374,7 @@ class Functions(Generic[M]):
     export: Callable[[M], Mapping[str, str]]
     inputs: Callable[[M], Sequence[ModelInput]]
     runtime_model: Callable[[M], JsonObject]
+    in_map: Callable[[M], tuple[str, Sequence[tuple[str, str]]]] | None = None
     read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading] | None = None
     check: Callable[[M], Sequence[Problem]] = _none
     beside: Callable[[M], Mapping[str, str]] = _nothing

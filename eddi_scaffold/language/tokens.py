@@ -74,6 +74,12 @@ class Token(NamedTuple):
         return repr(self.text if len(self.text) <= 40 else f"{self.text[:37]}...")
 
 
+def comments_of(text: str) -> list[tuple[int, int]]:
+    """Return the first and the last offset of each comment."""
+    blanks = (match for match in _TOKEN.finditer(text) if match.lastgroup == "blank")
+    return [match.span() for match in blanks if match.group().startswith("//")]
+
+
 def tokens_of(text: str, findings: TextFindings) -> tuple[Token, ...]:
     """Return the tokens of a text; characters outside the language are E001 and left out."""
     found: list[Token] = []

@@ -45,12 +45,14 @@ class ExtensionMap:
 
     Attributes:
         key: one of ``KEYS``, or an unknown one.
+        element: the map itself.
         owner: the element that it stands on.
         place: of the map.
         values: in the order of the file.
     """
 
     key: str
+    element: Element
     owner: Element
     place: Place
     values: tuple[Value, ...]
@@ -77,7 +79,7 @@ def extension_maps(document: EddiDocument, *keys: str) -> Iterator[ExtensionMap]
                     Value(one.get("tag") or "", one.get("value") or "", document.place(one))
                     for one in values
                 )
-                yield ExtensionMap(key, owner, document.place(element), found)
+                yield ExtensionMap(key, element, owner, document.place(element), found)
 
 
 def check_maps(document: EddiDocument) -> list[Problem]:

@@ -132,6 +132,11 @@ def select(element: Element, query: str) -> list[Any]:
     return found if isinstance(found, list) else []
 
 
+def encoding_of(document: Element) -> str:
+    """Return the encoding that a file was read in."""
+    return str(_docinfo(document).encoding or "UTF-8")
+
+
 def feature_of(element: Element) -> str:
     """Return the name of the feature that contains an element: its tag without namespace."""
     return local_name(str(element.tag))
@@ -247,7 +252,7 @@ def _roots(document: Element) -> tuple[Element, ...]:
 
 def _crowded(document: Element, stream: BinaryIO, limit: int) -> Element | None:
     """Return an element with too many attributes."""
-    encoding = _docinfo(document).encoding or "UTF-8"
+    encoding = encoding_of(document)
     if _ASCII_LIKE.fullmatch(encoding) and limit * 5 >= 2 * _WINDOW and not _has_gap(stream):
         return None
     found: list[Element] = select(document, f"descendant-or-self::*[count(@*) > {limit}]")

@@ -29,6 +29,7 @@ from eddi_scaffold.language.analysis import analyse
 from eddi_scaffold.language.report import as_json, as_text
 from eddi_scaffold.language.targets import generate
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.in_eddi import written_into
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.monitors.model_survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
@@ -156,6 +157,25 @@ def _models(*files: str, shared: str = "") -> Callable[[Path], Made]:
         return _samples(files, shared), attempt
 
     return make
+
+
+def _written(folder: Path) -> Made:
+    """Write events into an EDDI: it stays as it is, or has the events and all that it had."""
+    (events,) = read_models(read_source(EXAMPLES / "motor-watch/motor_watch.events")).models
+    samples = _samples([f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards")])
+
+    def attempt(sample: Sample) -> Steps:
+        source = Source(str(folder / sample.name), sample.data)
+        before = read_models(source)
+        yield
+        for at in ("/", "//@odeProductPackages.0/@systems.0"):
+            with contextlib.suppress(EddiError):
+                after = read_models(Source(source.name, written_into(source, at, [events])))
+                names = {one.name for one in before.models} | {events.name}
+                assert {one.name for one in after.models} == names
+            yield
+
+    return samples, attempt
 
 
 def _exported(folder: Path, suffix: str) -> list[Sample]:
@@ -532,6 +552,7 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "EDDI with maps": _models(
         *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))
     ),
+    "EDDI written": _written,
     "ConSert YAML": _models(
         "robot-models/Rover.yml", "rover-events/Rover.yml", "motor-watch/drive.yml"
     ),

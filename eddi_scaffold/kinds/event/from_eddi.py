@@ -1,4 +1,4 @@
-"""Events in an EDDI: one declaration for each value of a map ``eddi.events``.
+"""Events in an EDDI, read and written: one declaration for each value of a map ``eddi.events``.
 
 The declarations become the lines of one text, which is read like a file of events; what is wrong
 in it is reported at the value, with the column in its text.
@@ -11,8 +11,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Reading
-from eddi_scaffold.kinds.event.model import NAME, EventModel, Placed, read_text
-from eddi_scaffold.problems import Problem, error, has_errors
+from eddi_scaffold.kinds.event.model import DEFAULT_RATE, NAME, EventModel, Placed, read_text
+from eddi_scaffold.language.findings import TextFindings, in_text
+from eddi_scaffold.language.tokens import comments_of, tokens_of
+from eddi_scaffold.problems import EddiError, Problem, error, has_errors
 from eddi_scaffold.readers.extensions import (
     EVENTS,
     MODEL,
@@ -92,3 +94,43 @@ def _rate(text: str) -> float | None:
     except ValueError:
         return None
     return rate if 1e-6 <= rate <= 1e9 else None
+
+
+def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
+    """Return the map that holds the events of a file.
+
+    Raises:
+        EddiError: a comment is not on a line of its own, or there is a bare expression (X032).
+    """
+    text = model.data.text
+    tokens = [one for one in tokens_of(text, TextFindings(text, in_text(text))) if one.text != ";"]
+    begins = [
+        k
+        for k, one in enumerate(tokens)
+        if one.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
+    ]
+    if not begins or begins[0] != 0:
+        hint = "write EVENT Name (EVIDENCE) := the condition"
+        raise EddiError(error("X032", "an EDDI holds declarations only", model.place, hint))
+    found: list[tuple[int, str, str]] = []
+    for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
+        start, end = tokens[first].end, tokens[last - 1].end
+        words = re.sub(r"[ \t]*[\r\n]\s*", " ", text[start:end]).strip()
+        found.append((tokens[first].start, tokens[first].word, words))
+        _refuse_comments(model, text, tokens[first].start, end)
+    for start, end in comments_of(text):
+        found.append((start, COMMENT, text[start + 2 : end].strip()))
+    rate = [(FREQUENCY, f"{model.data.rate:g}")] if model.data.rate != DEFAULT_RATE else []
+    declared = [(tag, value) for _, tag, value in sorted(found)]
+    return EVENTS, [(MODEL, model.name), *rate, *declared]
+
+
+def _refuse_comments(model: EventModel, text: str, start: int, end: int) -> None:
+    """Refuse a comment inside of a declaration, or behind it on its line."""
+    line = text.find("\n", end)
+    for at, _ in comments_of(text):
+        if start < at < (line if line >= 0 else len(text)):
+            place = in_text(text, model.source.name)(at)
+            hint = "put it on a line of its own"
+            message = "a comment behind a declaration has no place in an EDDI"
+            raise EddiError(error("X032", message, place, hint))

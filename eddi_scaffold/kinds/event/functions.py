@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from eddi_scaffold.kinds import Functions
 from eddi_scaffold.kinds.event.claims import acceptances, limits, meanings, support
-from eddi_scaffold.kinds.event.from_eddi import read_eddi
+from eddi_scaffold.kinds.event.from_eddi import in_map, read_eddi
 from eddi_scaffold.kinds.event.model import (
     configure,
     counts,
@@ -18,6 +18,7 @@ from eddi_scaffold.kinds.event.model import (
 )
 
 FUNCTIONS = Functions(
+    in_map=in_map,
     read_eddi=read_eddi,
     read_file=read_file,
     counts=counts,

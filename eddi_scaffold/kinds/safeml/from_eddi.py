@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.kinds import Reading
 from eddi_scaffold.kinds.safeml.model import NAME, SafeMLFile, SafeMLModel, SafeMLSettings
 from eddi_scaffold.kinds.safeml.reference import read_named
+from eddi_scaffold.kinds.safeml.runtime_model import export
 from eddi_scaffold.kinds.safeml.settings import KEYS, read_settings
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors, warning
 from eddi_scaffold.readers.extensions import (
@@ -57,6 +58,15 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
                     models.append(SafeMLModel(NAME, one.model, file, part, one.place))
         problems += found
     return Reading(tuple(models), tuple(problems))
+
+
+def in_map(model: SafeMLModel) -> tuple[str, Sequence[tuple[str, str]]]:
+    """Return the map that holds the settings, with the digest of their reference."""
+    file = model.data
+    (text, _) = export(file, model.name, file.settings.reference_sample_file).values()
+    pairs = [line.partition(": ")[::2] for line in text.splitlines()]
+    values = [(key, value) for key, value in pairs if value != "null"]
+    return SAFEML, [(MODEL, model.name), *values, (DIGEST, file.reference.source.sha256)]
 
 
 def _settings(one: ExtensionMap, name: str) -> tuple[str, SafeMLSettings | None, list[Problem]]:

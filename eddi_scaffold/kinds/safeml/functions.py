@@ -18,7 +18,7 @@ from eddi_scaffold.kinds import (
 )
 from eddi_scaffold.kinds.safeml import report, runtime_model
 from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
-from eddi_scaffold.kinds.safeml.from_eddi import read_eddi
+from eddi_scaffold.kinds.safeml.from_eddi import in_map, read_eddi
 from eddi_scaffold.kinds.safeml.messages import VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.model import (
     NAME,
@@ -185,6 +185,7 @@ def _planned(model: SafeMLModel, *, single: bool) -> Planned:
 
 
 FUNCTIONS = Functions(
+    in_map=in_map,
     read_eddi=read_eddi,
     read_file=read_file,
     check=check,
