@@ -50,7 +50,8 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
     """Read every model below a directory, in the order of the POSIX paths.
 
     Args:
-        folder: links to directories in it are not followed.
+        folder: links to directories in it are not followed, hidden directories not entered: ours
+            hold copies of models.
         systems: read ``.rossystem`` files as well, for a system that has sub-systems.
 
     Raises:
@@ -97,12 +98,15 @@ def problem_of(failed: MrosSyntaxError) -> Problem:
 
 
 def _files(folder: Path) -> list[str]:
-    return sorted(
-        Path(root, name).relative_to(folder).as_posix()
-        for root, _, files in os.walk(folder)
-        for name in files
-        if name.endswith((*MODEL_SUFFIXES, SYSTEM_SUFFIX))
-    )
+    found = []
+    for root, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        found += [
+            Path(root, name).relative_to(folder).as_posix()
+            for name in files
+            if name.endswith((*MODEL_SUFFIXES, SYSTEM_SUFFIX))
+        ]
+    return sorted(found)
 
 
 def _read(folder: Path, name: str, read: Callable[[bytes, str], _Read]) -> _Read:

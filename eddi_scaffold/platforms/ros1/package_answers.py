@@ -19,6 +19,7 @@ from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, pu
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1 import templates
 from eddi_scaffold.platforms.ros1.messages import messages_of
+from eddi_scaffold.platforms.ros1.mros_models import interfaces_of, nodes_of, specs_of
 from eddi_scaffold.platforms.ros1.names import LAUNCHER, METAPACKAGE, RUNTIME
 from eddi_scaffold.platforms.ros1.outputs import publication_answers, rows
 from eddi_scaffold.problems import EddiError, Place, Problem, error
@@ -59,6 +60,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
         publication_answers(publication, classes, monitor.kind.functions.beside(monitor.model))
         for publication in published
     ]
+    answers["interfaces"] = interfaces_of(found, _subscribed(monitor))
     files = {
         f"src/{monitor.package}/{n}": data
         for n, data in monitor.kind.functions.data_files(monitor.model).items()
@@ -94,6 +96,7 @@ def support_answers(
             MESSAGE_PACKAGE,
             "Messages of the EDDI runtime monitors",
             messages=messages,
+            specs=specs_of(texts),
             message_packages=packages_of(texts.values()),
         ),
         package(
@@ -109,6 +112,7 @@ def support_answers(
             "Launch file that starts every EDDI runtime monitor of this workspace",
             monitors=listed,
             single_process=single,
+            nodes=nodes_of(monitors),
         ),
     ]
     if runtime == platforms.VENDORED:

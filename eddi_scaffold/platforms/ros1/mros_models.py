@@ -1,0 +1,63 @@
+"""What the packages of a workspace say of themselves in the MROS languages (docs/mros.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from eddi_scaffold.config.message_types import element, fields_of, is_primitive
+from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
+
+_DIAGNOSTICS = ("pub", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
+
+
+def interfaces_of(
+    published: Iterable[Publication], heard: Iterable[SimulatorOutput]
+) -> list[JsonValue]:
+    """Return the topics of a node, each once in each direction, sorted."""
+    found = {("pub", one.output.topic): one.type for one in published}
+    found |= {("sub", one.topic): one.type for one in heard}
+    direction, topic, type_ = _DIAGNOSTICS
+    found.setdefault((direction, topic), type_)
+    return [
+        {"direction": direction, "topic": topic, "type": _named(type_)}
+        for (direction, topic), type_ in sorted(found.items())
+    ]
+
+
+def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
+    """Return the nodes of a workspace, but for those that an earlier release made."""
+    return [
+        {
+            "name": name,
+            "interfaces": [
+                {key: one[key] for key in ("direction", "topic")} for one in answers["interfaces"]
+            ],
+        }
+        for name, answers in sorted(monitors.items())
+        if answers.get("interfaces")
+    ]
+
+
+def specs_of(messages: Mapping[str, str]) -> Sequence[JsonValue]:
+    """Return the fields of messages, without comments and constants."""
+    return [
+        {"name": name, "fields": [_field(*one) for one in fields_of(text, MESSAGE_PACKAGE).items()]}
+        for name, text in sorted(messages.items())
+    ]
+
+
+def _field(name: str, type_: str) -> str:
+    item = element(type_) or type_
+    if item == "std_msgs/Header":
+        written = "Header"  # a word of the language, which needs no model of std_msgs
+    else:
+        written = item if is_primitive(item) else f"'{_named(item)}'"
+    return f"{written}{type_.removeprefix(item)} {name}"
+
+
+def _named(type_: str) -> str:
+    """Return a type as in the models: ``std_msgs/msg/Bool``."""
+    return type_.replace("/", "/msg/")
