@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +11,13 @@ from eddi_scaffold.adopting.expected import foreign
 from eddi_scaffold.adopting.modules import Body, ParsedModule, whole_body
 from eddi_scaffold.adopting.package import OldPackage, read_old_package
 from eddi_scaffold.adopting.proposals import BodyUse, use_of
-from eddi_scaffold.adopting.wiring import OldInput, Wiring, published_ids, read_wiring
+from eddi_scaffold.adopting.wiring import (
+    OldInput,
+    Wiring,
+    compared_texts,
+    published_ids,
+    read_wiring,
+)
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, kinds
 from eddi_scaffold.monitors.choosing import select
@@ -19,6 +25,8 @@ from eddi_scaffold.monitors.loading import checked_models, is_config, read_model
 from eddi_scaffold.problems import EddiError, Place, error, has_errors
 from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.source import read_source
+
+_BY_CLASS: Mapping[str, JsonValue] = {"guarantee_ids": "class"}
 
 
 @dataclass(frozen=True)
@@ -68,10 +76,13 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     """
     old = read_old_package(folder)
     wanted = name or old.name
-    file, model = _model(old, model_file, wanted)
+    file, models = _models(old, model_file)
+    model = _chosen(models, wanted)
     same = wanted is None or package_name(wanted) == package_name(model.name)
     id_ = model.name if wanted is None or same else wanted
-    renamed = model_file is None and package_name(file.stem) != package_name(id_)
+    # networks of several packages have one name (GeNIe's), and so have their files
+    own = model_file is None and model.file_stem
+    renamed = own and package_name(own) != package_name(id_)
     model_name = f"{package_name(id_)}{file.suffix}" if renamed else file.name
     kind = kinds()[model.kind]
     wiring = _of_the_model(read_wiring(old.node, old.eddi_input, old.config), model, kind)
@@ -112,6 +123,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     if by_class:
         shown = ", ".join(f"{key}: {value}" for key, value in by_class.items())
         notes.append(f"{shown}: the old monitor publishes {', '.join(sorted(published))}")
+    notes += _by_class(compared_texts(old.eddi_input), models)
     notes += [_report(name, use) for name, use in uses.items()]
     return Adoption(
         old=old,
@@ -129,15 +141,26 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     )
 
 
-def _options(published: frozenset[str], model: Model, kind: Kind[Model]) -> dict[str, JsonValue]:
+def _options(published: frozenset[str], model: Model, kind: Kind[Model]) -> Mapping[str, JsonValue]:
     """Return what the configuration must say for the monitor to publish the ids of the old one."""
-    choices: Sequence[dict[str, JsonValue]] = ({}, {"guarantee_ids": "class"})
-    for options in choices:
-        configured, _ = kind.functions.configure(model, Options(values=options))
-        ids = kind.functions.ids(configured or model).get("guarantees", ())
-        if published <= {*ids}:
-            return options
-    return {}
+    choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
+    return next((one for one in choices if published <= _guarantees(model, kind, one)), {})
+
+
+def _guarantees(model: Model, kind: Kind[Model], options: Mapping[str, JsonValue]) -> set[str]:
+    """Return the ids of guarantees that a monitor publishes."""
+    configured, _ = kind.functions.configure(model, Options(values=options))
+    return {*kind.functions.ids(configured or model).get("guarantees", ())}
+
+
+def _by_class(texts: Collection[str], models: Sequence[Model]) -> Iterator[str]:
+    """Report class names with which hand-written code compares the ids of other monitors."""
+    for model in models:
+        kind = kinds()[model.kind]
+        names = _guarantees(model, kind, _BY_CLASS) - _guarantees(model, kind, {})
+        if found := names & {*texts}:
+            shown = ", ".join(sorted(found))
+            yield f"{shown}: {model.name} publishes this with `guarantee_ids: class` only"
 
 
 def _fitting_inputs(module: ParsedModule | None, wiring: Wiring) -> Iterator[str]:
@@ -156,16 +179,16 @@ def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model])
             yield new.region
 
 
-def _model(old: OldPackage, given: Path | None, name: str | None) -> tuple[Path, Model]:
+def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]:
     if given is not None:
-        return given, _chosen(checked_models(given).models, name)
+        return given, checked_models(given).models
     for path in old.models:
         source = read_source(path)
         if is_config(source):
             continue
         reading = read_models(source)
         if reading.models and not has_errors(reading.problems):
-            return path, _chosen(reading.models, name)
+            return path, reading.models
     message = "the package contains no model that a monitor can be generated from"
     hint = "name it: -m MODEL (the EDDI, the .xdsl or the ConSert YAML)"
     raise EddiError(error("A004", message, Place(str(old.folder)), hint))

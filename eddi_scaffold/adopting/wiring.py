@@ -252,6 +252,16 @@ def _typed(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
                 yield from ((one, "str" if is_text else "float") for one in operands)
 
 
+def compared_texts(eddi_input: ParsedModule | None) -> frozenset[str]:
+    """Return the texts with which the methods of a class of inputs compare something."""
+    methods = eddi_input.methods.values() if eddi_input is not None else ()
+    tests = (
+        node for one in methods for node in ast.walk(one.tree) if isinstance(node, ast.Compare)
+    )
+    values = (_constant(one) for test in tests for one in (test.left, *test.comparators))
+    return frozenset(value for value in values if isinstance(value, str))
+
+
 def published_ids(monitor: ParsedModule | None) -> frozenset[str]:
     """Return the ids of guarantees that an old monitor's results have (SESAME D7.2 Fig 9)."""
     methods = monitor.methods.values() if monitor is not None else ()

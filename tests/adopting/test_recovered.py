@@ -10,7 +10,7 @@ import yaml
 from eddi_scaffold.adopting.adopt import Adoption, adopt
 from eddi_scaffold.problems import EddiError
 from tests.adopting.old_networks import LICENCE, write_old_ros_network
-from tests.adopting.old_packages import write_old_ros_package
+from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
 from tests.cli.command import EXAMPLE
 
 CONSERT = """---
@@ -121,3 +121,21 @@ def test_class_names_in_use_stay_what_is_published(tmp_path: Path) -> None:
     found = adopt(old, None, None)
     assert config_of(found)["Model"]["guarantee_ids"] == "class"
     assert "guarantee_ids: class: the old monitor publishes SystemAG0" in found.notes
+
+
+def test_class_names_of_others_in_hand_written_code_are_reported(tmp_path: Path) -> None:
+    old = write_old_ros_package(tmp_path / "old", "")
+    eddi = EXAMPLE / "two_conserts.xml"
+    text = "SystemAG0C2: ConSertB publishes this with `guarantee_ids: class` only"
+    assert text not in adopt(old, eddi, "ConSertA").notes
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_text(EDDI_INPUT.replace("System_A_G0_c2", "SystemAG0C2"))
+    assert text in adopt(old, eddi, "ConSertA").notes
+
+
+def test_the_file_of_a_consert_keeps_its_name(tmp_path: Path) -> None:
+    """It is the name of the ConSert."""
+    old = write_old_ros_package(tmp_path / "old", CONSERT, "Base.yml")
+    (old / "package.xml").write_text("<package><name>base_monitor</name></package>\n")
+    found = adopt(old, None, None)
+    assert (found.id, found.model_name) == ("base_monitor", "Base.yml")
