@@ -25,6 +25,8 @@ _MARKUP = re.compile(
     re.DOTALL,
 )
 _ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", '"': "&quot;", "\t": "&#9;"})
+_ONLY_HERE = ("frequency", "artifact")
+"""Tags of maps that are in no file of their own: they outlive a newer one."""
 _MARK = b"\xef\xbb\xbf"
 
 
@@ -48,7 +50,8 @@ def with_map(
         document: the same, parsed.
         at: the element.
         key: of the map.
-        values: tags and texts, that of the model first.
+        values: tags and texts, that of the model first; what a file of its own has no place for
+            stays as it was.
 
     Raises:
         EddiError: the file cannot be changed as a text (X036).
@@ -70,7 +73,11 @@ def with_map(
     own = [one for one in extension_maps(document, key) if one.owner is at and one.model == model]
     if own:
         old = span[own[0].element]
-        block = _block(key, values, _indent(text, old.start), _line_end(text))
+        tags = {tag for tag, _ in values}
+        kept = [(one.tag, one.text) for one in own[0].of(*_ONLY_HERE) if one.tag not in tags]
+        block = _block(
+            key, [*values[:1], *kept, *values[1:]], _indent(text, old.start), _line_end(text)
+        )
         new = text[: old.start] + block.lstrip() + text[old.end :]
     else:
         new = _inserted(text, span[at], [span[child] for child in at], key, values)

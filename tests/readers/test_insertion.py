@@ -105,6 +105,13 @@ def test_events_go_into_an_eddi_and_come_back(tmp_path: Path) -> None:
         assert done.status == 0, done.err
     assert run("export", "m.xml", "--name", "w", "-o", "out", cwd=tmp_path).status == 0
     assert (tmp_path / "out" / "w.events").read_text("utf-8") == text
+    at = "//@odeProductPackages.0/@systems.0"
+    words = ("export", "m.xml", "--name", "motor_watch")
+    assert run(*words, "-o", "out", cwd=tmp_path).status == 0
+    sound = (tmp_path / "m.xml").read_bytes()
+    words = ("export", "out/motor_watch.events", "--into", "m.xml", "--at", at)
+    assert run(*words, cwd=tmp_path).status == 0
+    assert (tmp_path / "m.xml").read_bytes() == sound, "the frequency is in no file of events"
     assert len(read_models(Source("m.xml", (tmp_path / "m.xml").read_bytes())).models) == 3
 
 
