@@ -19,6 +19,7 @@ from eddi_scaffold.compiling.reliability.model import read_plan
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import trial
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
+from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
 from tests.compiling.reliability import trees as written
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
@@ -91,7 +92,7 @@ def test_a_tree_above_its_limit_is_bounded() -> None:
     readme = "\n".join(FUNCTIONS.readme(model))
     assert "with probability from 1e-18 to 1e-17 at mission start" in readme
     assert "Minimal cut sets of `t`: 10" in readme
-    (exported,) = FUNCTIONS.export(model).values()
+    exported = to_yaml(model.data)
     again, problems = read_text(exported)
     assert problems == []
     assert again is not None
