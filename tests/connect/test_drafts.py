@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,13 @@ from eddi_scaffold.connect.draft import Age, age_of, entry
 from eddi_scaffold.connect.keeping import Draft, with_draft
 from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.reading import text_of
 from eddi_scaffold.connect.topics import Leaf, RobotTopic, leaves
-from eddi_scaffold.positioned_yaml.nodes import Map, read_map
+from eddi_scaffold.positioned_yaml.nodes import Items, Map, read_map
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.source import Source
 from tests.cli.command import ROOT, Result, files_below, run
+from tests.hostile_texts import HOSTILE
 
 TYPES = {
     "std_msgs/Bool": {"data": "bool"},
@@ -131,19 +134,25 @@ def test_a_list_in_brackets_is_refused_only_where_it_would_grow() -> None:
     assert [one.code for one in refused.value.problems] == ["K037"]
 
 
-def test_names_of_models_stay_data() -> None:
-    evil = 'x\n# connect: y\u2028EDDIOutputs: [] # "*&!'
-    topics = [RobotTopic("a", f"b/{evil}", evil), RobotTopic("c", "std_msgs/Bool", evil)]
-    text = written(
-        "", draft([Need(evil, "bool"), Need("Charge", "float", description=evil)], topics)
-    )
+EVIL = [one for one in HOSTILE if "\ud800" not in one]  # no file has that
+
+
+@pytest.mark.parametrize("evil", [*EVIL, 'x\n# connect: y\u2028EDDIOutputs: [] # "*&!', "TODO"])
+def test_names_of_models_stay_data(evil: str) -> None:
+    topics = [RobotTopic(evil, f"b/{evil}", evil), RobotTopic("c", "std_msgs/Bool", evil)]
+    needs = [Need(evil, "bool"), Need("Charge", "float", evil, description=evil)]
+    options = {evil or "-": {"map": {evil: evil}}, "later": {evil: {"bins": "TODO"}}}
+    notes = {("later", evil, "bins"): evil}
+    text = written("", replace(draft(needs, topics), options=options, notes=notes))
     root = content(text)
     assert root.keys() == ["Model", "EDDIInputs", "EDDIOutputs"]
-    entries = root.get("EDDIInputs")
-    assert entries is not None
-    ids = [one.get("id").text for one in entries.items]
-    assert ids == [evil, "Charge"]
-    assert all(line.lstrip().startswith("#") for line in text.splitlines() if "points" in line)
+    entries, model = root.get("EDDIInputs"), root.get("Model")
+    assert isinstance(entries, Items)
+    assert isinstance(model, Map)
+    assert [text_of(one, "id") for one in entries.items] == [evil, "Charge"]
+    assert model.keys() == ["id", "type", evil or "-", "later"]
+    keys = {"id", "requires", "field", "expression", "unit", "max_age"}
+    assert all(keys.issuperset(one.keys()) for one in entries.items if isinstance(one, Map))
 
 
 def test_options_are_added_where_they_are_missing() -> None:
