@@ -15,7 +15,7 @@ from eddi_scaffold.config.block import (
     new_document,
     read_block,
 )
-from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.message_types import MessageFields, known_messages
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.connect import draft as drafts
@@ -52,7 +52,6 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models, is_config
 from eddi_scaffold.mros.directory import load_models
-from eddi_scaffold.mros.interface_definitions import Models
 from eddi_scaffold.positioned_yaml.nodes import Map
 from eddi_scaffold.problems import (
     EddiError,
@@ -66,7 +65,7 @@ from eddi_scaffold.problems import (
     with_excerpts,
 )
 from eddi_scaffold.robot.robot_models import message_types
-from eddi_scaffold.robot.rossystem import Robot, read_robot, with_topics
+from eddi_scaffold.robot.rossystem import read_robot, with_topics
 from eddi_scaffold.source import Source, read_source
 
 
@@ -195,20 +194,14 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     kind = kinds()[chosen.kind]
     _refuse_other(document, root, chosen, models)
     package = package_name(model_id(root) or chosen.name)
-    robot, node_models = _robot(around)
-    problems: list[Problem] = []
-    if robot is not None:
-        parsed = with_topics(robot, document, wants=lambda one: is_ros_name(one.topic))
-        problems += robot.located(parsed.problems)
-        document = read_block(Source(document.name, parsed.after.encode()))
+    document, types, problems = _with_robot(document, around)
     skeleton = _skeleton(chosen, kind, root)
     topics = topics_of(content(document))
     others = [one for one in _monitors(models, around) if one.package != package]
     offered = offers(others, chosen, skeleton.inputs, topics)
     new = [TopicEntry(one.id, one.type.replace("/", "."), one.topic) for one in offered.topics]
     document = read_block(Source(document.name, extended(document, new).encode()))
-    given = message_types(node_models) if node_models is not None else {}
-    types = {**known_messages(), **given, **declared_types(root)}
+    types = {**known_messages(), **types, **declared_types(root)}
     decisions = decide(
         [Need.of(one) for one in skeleton.inputs], topics, types.get, offered.by_input
     )
@@ -288,8 +281,10 @@ def _refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequen
         raise EddiError(error("K026", message, section.place, "choose another file for -o"))
 
 
-def _robot(around: Around) -> tuple[Robot | None, Models | None]:
-    """Return the system, and the models that it is made of, or that are given alone.
+def _with_robot(
+    document: ConfigText, around: Around
+) -> tuple[ConfigText, MessageFields, list[Problem]]:
+    """Return the configuration with the topics of the system, and the types next to the models.
 
     Raises:
         EddiError: one of them cannot be read, or the models of a system are missing (G017).
@@ -298,11 +293,13 @@ def _robot(around: Around) -> tuple[Robot | None, Models | None]:
         if around.system is not None:
             hint = "--models DIR: the directory of its .ros, .ros1 and .ros2 files"
             raise EddiError(error("G017", "--system needs the models of its nodes", hint=hint))
-        return None, None
+        return document, {}, []
     if around.system is None:
-        return None, load_models(around.models)
+        return document, message_types(load_models(around.models)), []
     robot = read_robot(around.system, around.models)
-    return robot, robot.models
+    parsed = with_topics(robot, document, wants=lambda one: is_ros_name(one.topic))
+    after = read_block(Source(document.name, parsed.after.encode()))
+    return after, message_types(robot.models), robot.located(parsed.problems)
 
 
 def _skeleton(model: Model, kind: Kind[Model], root: Map) -> Skeleton:

@@ -61,7 +61,7 @@ class EntryDraft:
     def lines(self) -> list[str]:
         """Return the whole entry, without indentation."""
         more = (*self.why, *self.source, *((self.age,) if self.age else ()))
-        return [f"- id: {quoted(self.id)}", *(f"  {line}" for line in more)]
+        return [f"- id: {_name(self.id)}", *(f"  {line}" for line in more)]
 
 
 def recorded_age(times: Sequence[int], where: str) -> Age | None:
@@ -137,7 +137,12 @@ def _keys(candidate: Candidate) -> dict[str, str]:
 
 
 def _key_line(key: str, value: str) -> str:
-    return f"{key}: [{quoted(value)}]" if key == "requires" else f"{key}: {quoted(value)}"
+    return f"{key}: [{_name(value)}]" if key == "requires" else f"{key}: {quoted(value)}"
+
+
+def _name(text: str) -> str:
+    """Return an id as YAML; one that is called TODO is not open."""
+    return quoted(text) if text != TODO else f'"{TODO}"'
 
 
 def _todo(key: str, note: str) -> str:

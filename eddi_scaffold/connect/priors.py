@@ -83,12 +83,14 @@ def prior(need: Need, topic: RobotTopic, leaf: Leaf) -> tuple[int, frozenset[str
 
 
 def _is_of(dimensions: frozenset[str], need: Need, leaf: Leaf) -> bool:
-    """Return whether input and value measure what a row is about."""
+    """Return whether input and value, as far as their units are known, measure what a row does."""
     if need.type == "bool" or "bool" in dimensions:
         return need.type == "bool" and "bool" in dimensions
-    measured = [unit for unit in (need.unit, *(leaf.units or ())) if unit]
     if leaf.is_variance:
         return True
+    wanted = (need.unit,) if need.unit else ()
     return all(
-        units.find(one) is None or units.dimension(one) in dimensions for one in measured[:1]
-    ) and (not leaf.units or any(units.dimension(one) in dimensions for one in leaf.units))
+        any(units.find(one) is None or units.dimension(one) in dimensions for one in some)
+        for some in (wanted, leaf.units or ())
+        if some
+    )

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.config.block import ConfigText, read_block
+from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.connect.draft import Age, age_of, entry
 from eddi_scaffold.connect.keeping import Draft, with_draft
 from eddi_scaffold.connect.matching import decide
@@ -151,6 +152,8 @@ def test_names_of_models_stay_data(evil: str) -> None:
     assert isinstance(model, Map)
     assert [text_of(one, "id") for one in entries.items] == [evil, "Charge"]
     assert model.keys() == ["id", "type", evil or "-", "later"]
+    assert "K059" in [one.code for one in undecided(root)]
+    assert not any(one.message.endswith(".id") for one in undecided(entries))
     keys = {"id", "requires", "field", "expression", "unit", "max_age"}
     assert all(keys.issuperset(one.keys()) for one in entries.items if isinstance(one, Map))
 
