@@ -78,7 +78,11 @@ def run(
     ] = False,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", callback=for_pictures, help="SVG to draw inputs and outputs into."),
+        typer.Option(
+            "--plot",
+            callback=for_pictures,
+            help="SVG to draw into: inputs and outputs; of several monitors, their verdicts.",
+        ),
     ] = None,
 ) -> None:
     """Run monitors on a recording; print changes of verdicts, or every step as JSON or CSV.
@@ -113,7 +117,7 @@ def run(
             monitors, more = monitors_of(model_files, configs, name, marks, robot)
         problems += more
         problems += _unused_lines(monitors, configs)
-    _check_number(monitors, configs, one_only="--csv" if as_csv else "--plot" if plot else None)
+    _check_number(monitors, configs, one_only="--csv" if as_csv else None)
     rhythms = _rhythms(monitors, steps_as)
     if bag is not None:
         tape, found = _from_bag(monitors, bag, package)
@@ -133,7 +137,8 @@ def run(
         for line in (table if as_csv else changes)(playing):
             console.data(line)
     if plot is not None:
-        title = f"{monitors[0].kind.title} {monitors[0].model.name}"
+        named = (f"{one.kind.title} {one.model.name}" for one in monitors)
+        title = next(named) if len(monitors) == 1 else f"{len(monitors)} monitors, their verdicts"
         write(plot.parent, {plot.name: FileState(picture(title, begun()).encode())})
 
 

@@ -64,8 +64,7 @@ def changes(play: Play) -> Iterator[str]:
     for part, frame in play:
         running = part.running
         reason = _reason(frame.output)
-        # A plain package has a runtime of its own, which may be older.
-        decided = getattr(running, "decided", running.series)(frame.output)
+        decided = _decided(running, frame.output)
         now = decided, reason, set(running.blocked())
         if last.get(part.name) == now:
             continue
@@ -93,13 +92,22 @@ def table(play: Play) -> Iterator[str]:
 
 
 def picture(title: str, play: Play) -> str:
-    """Return an SVG of inputs and outputs over time."""
-    inputs: list[tuple[float, Mapping[str, object]]] = []
-    outputs: list[tuple[float, Mapping[str, object]]] = []
+    """Return an SVG of inputs and outputs over time; of several monitors, of their verdicts."""
+    groups: dict[str, list[tuple[float, Mapping[str, object]]]] = {}
     for part, frame in play:
-        inputs.append((frame.t, {k: v for k, v in frame.inputs.items() if not _is_list(v)}))
-        outputs.append((frame.t, part.running.series(frame.output)))
-    return plot(title, [*tracks_of("inputs", inputs), *tracks_of("outputs", outputs)])
+        if part.name:
+            groups.setdefault(part.name, []).append((frame.t, _decided(part.running, frame.output)))
+            continue
+        inputs = {name: value for name, value in frame.inputs.items() if not _is_list(value)}
+        groups.setdefault("inputs", []).append((frame.t, inputs))
+        groups.setdefault("outputs", []).append((frame.t, part.running.series(frame.output)))
+    return plot(title, [track for name, rows in groups.items() for track in tracks_of(name, rows)])
+
+
+def _decided(running: RuntimeMonitor[Any], output: object) -> Mapping[str, Value]:
+    """Return the verdicts of a step; a plain package has a runtime of its own, maybe an older."""
+    decided: Mapping[str, Value] = getattr(running, "decided", running.series)(output)
+    return decided
 
 
 def _omission(running: RuntimeMonitor[Any]) -> str:

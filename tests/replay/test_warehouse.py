@@ -1,0 +1,67 @@
+"""The robot of the tutorial: five monitors on a bag in which sensors die."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from tests.cli.command import ROOT, run
+
+pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
+
+ROBOT = ROOT / "examples" / "warehouse-robot"
+CONFIGS = sorted(path.name for path in ROBOT.glob("*_config.yml"))
+
+
+@pytest.fixture
+def script() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("shift", ROOT / "script" / "shift.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def played(folder: Path, bag: Path) -> str:
+    """Return what is printed; the picture is ``shift.svg`` in the folder."""
+    words = ("--bag", bag, "--plot", folder / "shift.svg")
+    result = run("-q", "run", *(ROBOT / name for name in CONFIGS), *words, cwd=folder)
+    assert (result.status, result.err) == (0, "")
+    return result.out
+
+
+def test_the_picture_is_of_the_recording(tmp_path: Path) -> None:
+    out = played(tmp_path, ROBOT / "shift.bag")
+    assert "    12.300  lidar: PathClear unknown   waits for nearest\n" in out
+    assert (tmp_path / "shift.svg").read_bytes() == (ROOT / "docs/shift.svg").read_bytes()
+
+
+def test_the_recording_is_what_the_script_writes(tmp_path: Path, script: ModuleType) -> None:
+    script.write_bag(tmp_path / "shift.bag")
+    script.write_reference(tmp_path / "reference_sample.csv")
+    assert played(tmp_path, tmp_path / "shift.bag") == played(tmp_path, ROBOT / "shift.bag")
+    written = (tmp_path / "reference_sample.csv").read_bytes()
+    assert written == (ROBOT / "reference_sample.csv").read_bytes()
+
+
+def test_any_source_that_dies_takes_full_speed_away(
+    tmp_path: Path, script: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Silence of one topic, through a monitor of each kind, never leaves it active."""
+    recorded = list(script.recording())
+    for topic in sorted({topic for _, topic, _, _ in recorded}):
+        left = [one for one in recorded if one[1] != topic or one[0] < 5.0]
+        monkeypatch.setattr(script, "recording", lambda left=left: iter(left))
+        bag = tmp_path / "silent.bag"
+        bag.unlink(missing_ok=True)
+        script.write_bag(bag)
+        lines = [line.split() for line in played(tmp_path, bag).splitlines()]
+        states = [(float(t), words[1]) for t, who, *words in lines if who == "warehouse:"]
+        assert "active" in {state for t, state in states if t < 5.0}, topic
+        time, state = next(one for one in states if one[0] >= 5.0)
+        assert (state, time <= 8.0) == ("inactive", True), topic
+        assert {state for t, state in states if t >= 5.0} == {"inactive"}, topic
