@@ -26,7 +26,7 @@ def compose(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
-    from eddi_scaffold.kinds.consert.default_guarantees import without_foreign_marks
+    from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
     from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.monitors.loading import read_models, whole
     from eddi_scaffold.problems import EddiError, error
@@ -36,11 +36,15 @@ def compose(
     labels, files = zip(*(_named(argument) for argument in conserts), strict=True)
     sources = [read_source(file) for file in files]
     readings = [read_models(source, marks) for source in sources]
-    sound = without_foreign_marks([one.problems for one in readings], marks)
+    found_in = [
+        [(one.name, one.data) for one in reading.models if isinstance(one.data, ConSert)]
+        for reading in readings
+    ]
+    elsewhere = marks_elsewhere([[one for _, one in found] for found in found_in], marks)
     instances = []
-    for label, source, reading, problems in zip(labels, sources, readings, sound, strict=True):
-        models = whole(source, replace(reading, problems=tuple(problems))).models
-        found = [(one.name, one.data) for one in models if isinstance(one.data, ConSert)]
+    for label, source, reading, found in zip(labels, sources, readings, found_in, strict=True):
+        problems = tuple(one for one in reading.problems if one.message not in elsewhere)
+        whole(source, replace(reading, problems=problems))
         if label and len(found) != 1:
             message = f"{source.name} contains {len(found)} ConSerts, `NAME=` can name only one"
             raise EddiError(error("G010", message, hint="leave the name out"))

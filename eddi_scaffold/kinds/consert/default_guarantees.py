@@ -44,16 +44,14 @@ def mark_defaults(
     return tuple(_marked(consert, chosen) for consert in conserts), problems
 
 
-def without_foreign_marks(
-    files: Sequence[Sequence[Problem]], marks: Sequence[str]
-) -> list[list[Problem]]:
-    """Return the problems of several files less those of marks that another one of them has."""
-    said = [{one.message for one in found} for found in files]
-    foreign = {_unknown(mark) for mark in marks}.difference(set[str].intersection(*said))
-    return [
-        [one for one in found if not (one.code == CODE and one.message in foreign)]
-        for found in files
-    ]
+def marks_elsewhere(files: Sequence[Sequence[ConSert]], marks: Sequence[str]) -> set[str]:
+    """Return what is said of marks that a file lacks and another one of these files has.
+
+    Args:
+        files: the ConSerts of each file.
+        marks: all that were given.
+    """
+    return {_unknown(mark) for mark in marks if any(_named(conserts, mark) for conserts in files)}
 
 
 def _all(conserts: Sequence[ConSert]) -> list[tuple[str, str]]:

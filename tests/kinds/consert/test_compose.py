@@ -249,3 +249,8 @@ def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> No
     wrong = run("compose", "A.yml", "B.yml", *marks, "--default-guarantee", "Sit", cwd=tmp_path)
     assert (wrong.status, wrong.err.count("[C028]")) == (2, 1)
     assert "there is no guarantee 'Sit'" in wrong.err
+    (tmp_path / "n.bif").write_text(
+        "network N { } variable V { type discrete [2] { y, n }; } probability (V) { table 1 0; }"
+    )
+    wrong = run("compose", "A.yml", "n.bif", *marks, cwd=tmp_path)
+    assert (wrong.status, wrong.err.count("[C028]")) == (2, 1)
