@@ -78,9 +78,9 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     wanted = name or old.name
     file, models = _models(old, model_file)
     model = _chosen(models, wanted)
-    same = wanted is None or package_name(wanted) == package_name(model.name)
-    id_ = model.name if wanted is None or same else wanted
-    # networks of several packages have one name (GeNIe's), and so have their files
+    # networks of several packages have one name, GeNIe's, but files of their own
+    wanted = wanted or model.file_stem or model.name
+    id_ = model.name if package_name(wanted) == package_name(model.name) else wanted
     own = model_file is None and model.file_stem
     renamed = own and package_name(own) != package_name(id_)
     model_name = f"{package_name(id_)}{file.suffix}" if renamed else file.name

@@ -139,3 +139,15 @@ def test_the_file_of_a_consert_keeps_its_name(tmp_path: Path) -> None:
     (old / "package.xml").write_text("<package><name>base_monitor</name></package>\n")
     found = adopt(old, None, None)
     assert (found.id, found.model_name) == ("base_monitor", "Base.yml")
+
+
+def test_a_plain_package_of_a_network_is_named_after_its_file(tmp_path: Path) -> None:
+    folder = write_old_ros_network(tmp_path / "old", "harm_risk", "LaneEnds") / "scripts" / "files"
+    network = folder / "LaneEnds" / "LaneEnds.xdsl"
+    network.write_text(network.read_text().replace('id="LaneEnds"', 'id="Network2"'))
+    found = adopt(folder, None, None)
+    assert (found.id, found.model.name, found.model_name) == (
+        "LaneEnds",
+        "Network2",
+        "LaneEnds.xdsl",
+    )
