@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.draft import Age, age_of
 from eddi_scaffold.connect.matching import Offer
 from eddi_scaffold.connect.topics import RobotTopic
@@ -14,8 +14,8 @@ from eddi_scaffold.identifiers import attribute, free_name, key_text
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 
-_CLAIMS = ("guarantees", "evidence")
-"""Lists of messages whose elements have ``active``."""
+_SILENT = (False,)
+"""What a field may be while nothing is known, that evidence may be made of."""
 
 
 @dataclass(frozen=True)
@@ -54,36 +54,59 @@ def offers(
         config = monitor.config
         if config is None:
             continue
-        for id_, type_, topic, path, key in _claims(monitor, config):
-            fulfilled = [one for one in inputs if _fulfils(monitor, key, model, one)]
+        period = 1.0 / config.config.Model.frequency
+        for one in _claims(monitor, config):
+            fulfilled = [item for item in inputs if _fulfils(monitor, one.key, model, item)]
             if not fulfilled:
                 continue
-            if topic not in by_topic:
-                name = free_name(attribute(id_), {one.id for one in by_topic.values()})
-                by_topic[topic] = RobotTopic(name, type_, topic)
-                new.append(by_topic[topic])
-            period = 1.0 / config.config.Model.frequency
-            found.ages[topic] = age_of(period, 0.0, f"2.5 periods of {monitor.model.name}")
-            offer = Offer(by_topic[topic], f"{path}[{key_text(key)}].active", f"{key} fulfils it")
-            for one in fulfilled:
-                found.by_input.setdefault(one.id, []).append(offer)
+            if one.topic not in by_topic:
+                name = free_name(attribute(one.output), {have.id for have in by_topic.values()})
+                by_topic[one.topic] = RobotTopic(name, one.type, one.topic)
+                new.append(by_topic[one.topic])
+            found.ages[one.topic] = age_of(period, 0.0, f"2.5 periods of {monitor.model.name}")
+            offer = Offer(by_topic[one.topic], one.field, f"{one.key} fulfils it")
+            for item in fulfilled:
+                found.by_input.setdefault(item.id, []).append(offer)
     return Offers(found.by_input, tuple(new), found.ages)
 
 
-def _claims(monitor: BoundMonitor, config: ConfigFile) -> Iterator[tuple[str, str, str, str, str]]:
-    """Yield id of the output, type and topic of the message, list in it, key of the element."""
-    ids = monitor.kind.functions.ids(monitor.model)
-    messages = {"": monitor.kind.output_message, **monitor.kind.functions.beside(monitor.model)}
+@dataclass(frozen=True)
+class _Claim:
+    """Something that a monitor publishes and that is false while it is not known.
+
+    Attributes:
+        output: id of the output on which it is published.
+        key: id of the guarantee, threshold or event.
+        field: its path in the message.
+    """
+
+    output: str
+    type: str
+    topic: str
+    key: str
+    field: str
+
+
+def _claims(monitor: BoundMonitor, config: ConfigFile) -> Iterator[_Claim]:
+    functions, document = monitor.kind.functions, json.loads(monitor.model_json)["model"]
+    ids, parts = functions.ids(monitor.model), list(functions.parts(monitor.model))
+    messages = {"": monitor.kind.output_message, **functions.beside(monitor.model)}
     for output in config.config.EDDIOutputs:
-        if output.field is not None or output.event is not None:
+        if output.field is not None:
             continue
-        for path in (one for one in _CLAIMS if one in ids):
-            for name, message in messages.items():
-                type_ = f"eddi_messages/{message}"
-                if path in known_messages()[type_]:
-                    topic = f"{output.topic}/{name}" if name else output.topic
-                    yield from ((output.id, type_, topic, path, key) for key in ids[path])
-                    break
+        meanings = functions.meanings(document, output.event)
+        on_topic = [output.event] if output.event is not None else parts
+        only = on_topic if len(on_topic) == 1 else []
+        for name, message in messages.items():
+            type_ = f"eddi_messages/{message}"
+            topic = f"{output.topic}/{name}" if name else output.topic
+            for path, meaning in meanings.get(message, {}).items():
+                if meaning.silent != _SILENT:
+                    continue
+                head, is_list, tail = path.partition("[].")
+                for key in ids.get(head, ()) if is_list else only:
+                    field = f"{head}[{key_text(key)}].{tail}" if is_list else path
+                    yield _Claim(output.id, type_, topic, key, field)
 
 
 def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:

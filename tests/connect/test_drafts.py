@@ -256,6 +256,13 @@ def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
     assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
 
 
+def test_evidence_takes_the_event_of_its_id(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "examples" / "motor-watch", tmp_path, dirs_exist_ok=True)
+    done = run("connect", "drive.yml", "--with", "motor_config.yml", cwd=tmp_path)
+    assert done.status == 0
+    assert "    requires: [motor_watch]\n    field: active\n    max_age: 0.25  #" in done.out
+
+
 def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "two-conserts", tmp_path, dirs_exist_ok=True)
     mine = "SimulatorOutputs:   # mine\n- {id: RtE_E0, type: std_msgs/Bool, topic: /rte/e0a}\n"
