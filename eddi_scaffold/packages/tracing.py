@@ -185,8 +185,10 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     }
     links = {path: _linked(one) for path, one in document.get("links", {}).items()}
     rows = []
+    published: dict[str, str] = {}
     for element, item in _elements(document["model"]):
         given = inputs.get(item["id"], {})
+        published[item.get("class_name", item["id"])] = item["id"]
         heard = tuple(topics.get(name) or name for name in given.get("requires", ()))
         rows.append(
             TraceRow(
@@ -217,7 +219,7 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
             for line in answers.get("readme") or ()
             if line and "|" not in line and not line.startswith("#")
         ),
-        rows=tuple(_with_support(row, rows, document) for row in rows),
+        rows=_with_support(rows, document, published),
         links=links.get(whole, ()),
     )
 
@@ -233,16 +235,34 @@ def _is_in(path: str, item: Mapping[str, Any]) -> bool:
     return bool(at) and f"{path}/".startswith(f"{at}/")
 
 
-def _with_support(row: TraceRow, rows: Sequence[TraceRow], document: Mapping[str, Any]) -> TraceRow:
-    """Return a claim with the links of what it rests on: they lead back to its hazards."""
-    if not any(one.links for one in rows):
-        return row
-    resting = kinds()[document["kind"]].functions.support(document).get(row.id, frozenset())
+def _with_support(
+    rows: Sequence[TraceRow], document: Mapping[str, Any], published: Mapping[str, str]
+) -> tuple[TraceRow, ...]:
+    """Return claims with the links of what they rest on: these lead back to their hazards.
+
+    Args:
+        rows: the table.
+        document: ``config/model.json``.
+        published: name of a claim in messages -> its id.
+    """
+    linked = {row.id: row.links for row in rows if row.links}
+    if not linked:
+        return tuple(rows)
+    support = kinds()[document["kind"]].functions.support(document)
+    resting = {published.get(name, name): inputs for name, inputs in support.items()}
+    return tuple(
+        replace(row, links=_all_links(row, linked, resting.get(row.id, ()))) for row in rows
+    )
+
+
+def _all_links(
+    row: TraceRow, linked: Mapping[str, tuple[TraceLink, ...]], on: Iterable[str]
+) -> tuple[TraceLink, ...]:
     found = {link.path: link for link in row.links}
-    for one in rows:
-        for link in one.links if one.id in resting and one is not row else ():
-            found.setdefault(link.path, replace(link, through=one.id))
-    return replace(row, links=tuple(found.values()))
+    for name in sorted(on):
+        for link in linked.get(name, ()):
+            found.setdefault(link.path, replace(link, through=name))
+    return tuple(found.values())
 
 
 def _config(answers: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -18,8 +18,9 @@ from eddi_scaffold.readers.unread import unread
 from eddi_scaffold.source import Source
 from tests.cli.command import ROOT
 
-ROVER = (Path(__file__).parent / "models" / "rover_hazards.xml").read_text("utf-8")
-LANDING = (Path(__file__).parent / "models" / "landing.xml").read_text("utf-8")
+MODELS = Path(__file__).parent / "models"
+ROVER = (MODELS / "rover_hazards.xml").read_text("utf-8")
+LANDING = (MODELS / "landing.xml").read_text("utf-8")
 TREE = "//@odeProductPackages.2/@failureModels.0"
 
 
@@ -96,6 +97,18 @@ def test_a_guarantee_leads_back_to_its_hazard(tmp_path: Path) -> None:
             "through": "MotorFit",
         }
     ]
+
+
+def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
+    """As with `guarantee_ids: class`."""
+    monitors, problems = monitors_of(MODELS / "landing.xml", [], "Landing")
+    (made,) = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
+    text = str(made.answers["model_json"]).replace(
+        '"guarantee_ids": "source"', '"guarantee_ids": "class"'
+    )
+    assert text != made.answers["model_json"]
+    rows = trace_of({**made.answers, "model_json": text}).rows
+    assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
 
 
 def test_many_references_are_cut_off() -> None:
