@@ -123,6 +123,7 @@ class _Graph:
         self._out: _Edges = {}
         self._stands_for: dict[str, list[str]] = {path: list(e) for path, e in found.events.items()}
         """Path -> paths whose links are its own: of a cause its failure, of evidence its event."""
+        self._packages: dict[Element, str | None] = {}
         self._budget = _STEPS
         for root in document.roots:
             self._visit(root)
@@ -237,16 +238,18 @@ class _Graph:
 
     def _package(self, element: Element) -> str | None:
         """Return the class of the package that an element is in, None for one of a model."""
-        around = element
-        while not self._document.is_root(around) and not self._document.is_package(around):
-            is_map = fold(feature_of(around)) == "keyvaluemaps"
-            if is_map or kind_of_model(self._document, around) in MONITORED:
-                return None
-            parent = around.getparent()
-            if parent is None:
-                break
-            around = parent
-        return self._document.class_of(around).name
+        if element not in self._packages:
+            self._packages[element] = self._package_around(element)
+        return self._packages[element]
+
+    def _package_around(self, element: Element) -> str | None:
+        if self._document.is_root(element) or self._document.is_package(element):
+            return self._document.class_of(element).name
+        is_map = fold(feature_of(element)) == "keyvaluemaps"
+        if is_map or kind_of_model(self._document, element) in MONITORED:
+            return None
+        parent = element.getparent()
+        return self._package(parent) if parent is not None else ""
 
     def _owner(self, element: Element) -> Element:
         """Return the element with a name that a nested one belongs to."""
