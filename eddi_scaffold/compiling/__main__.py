@@ -16,6 +16,7 @@ if not __package__:  # run as a folder: make the template's checkout importable,
     sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from eddi_scaffold.compiling.package import place_tables, write_compiled
+from eddi_scaffold.compiling.sources import lost_inputs
 
 _USAGE = "usage: python <template>/eddi_scaffold/compiling write [TABLES]   (in the package)\n"
 
@@ -33,6 +34,7 @@ def main(arguments: list[str] | None = None, root: Path | None = None) -> int:
         if missing:
             told = f"{', '.join(missing)} of the answers is not there"
             problem = problem or f"{told}: give its folder, as with `-d tables=FOLDER`"
+        sys.stderr.write("".join(f"note: {line}\n" for line in lost_inputs(package)))
     except Exception:  # noqa: BLE001 - a failing task makes Copier drop hand edits
         problem = f"our bug; hand edits are not lost\n{traceback.format_exc()}"
     if problem is not None:

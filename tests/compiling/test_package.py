@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.compiling.package import place_tables, write_compiled
+from eddi_scaffold.compiling.sources import lost_inputs
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "examples/two-conserts/expected/src/eddi_monitor/conserta"
@@ -113,3 +114,22 @@ def test_tables_are_taken_from_their_folder(tmp_path: Path) -> None:
         0,
         1,
     )
+
+
+def test_an_input_that_loses_its_source_is_named(package: Path) -> None:
+    """Plain Copier has no exit status for it; a hand-written body needs no word."""
+    name = "src/conserta/EDDIInput.py"
+    new = package / ".eddi" / "pristine" / name
+    assert list(lost_inputs(package)) == []
+    made = "self.RtE_A_E0 = RtE_E0.data"
+    text = new.read_text("utf-8")
+    assert made in text
+    new.write_text(text.replace(made, "# TODO: set it\n        self.RtE_A_E0 = None"), "utf-8")
+    told = f"input 'RtE_A_E0' has no source any more: it was made by `{made}`"
+    assert list(lost_inputs(package)) == [told]
+    tool = [sys.executable, "-S", str(ROOT / "eddi_scaffold" / "compiling"), "write"]
+    done = subprocess.run(tool, cwd=package, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, f"note: {told}\n")
+    mine = package / name
+    mine.write_text(mine.read_text("utf-8").replace(made, f"{made} and True"), "utf-8")
+    assert list(lost_inputs(package)) == []
