@@ -317,7 +317,6 @@ def test_each_steps_at_its_own_rhythm_and_at_once_for_what_another_says(folder: 
     [
         ((*BOTH, "--inputs", "recording.csv"), "G020"),
         ((*BOTH, "--bag", "a.bag", "--csv"), "G020"),
-        ((*BOTH, "--bag", "a.bag", "--plot", "a.svg"), "G020"),
         (("two_conserts.xml", "--bag", "a.bag"), "G005"),
     ],
 )
