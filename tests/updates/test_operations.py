@@ -174,7 +174,7 @@ def _check_places(world: World, tokens: dict[str, str], moved: dict[str, str | N
         assert token in (regions[f"input:{now}"].body if now else saved[f"input:{name}"])
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_removed_body_comes_back_two_updates_later(plain: World, operation: str) -> None:
     token = plain.edit("beta")
     plain.commit()
@@ -189,7 +189,7 @@ def test_removed_body_comes_back_two_updates_later(plain: World, operation: str)
     assert not load_orphans(plain.package)
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_a_swap_that_stays_declared_is_made_once(plain: World, operation: str) -> None:
     alpha, beta = plain.edit("alpha"), plain.edit("beta")
     plain.commit()
@@ -202,7 +202,7 @@ def test_a_swap_that_stays_declared_is_made_once(plain: World, operation: str) -
         assert beta in regions["input:alpha"].body
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_crlf_files_stay_crlf(plain: World, operation: str) -> None:
     for shape, item in enumerate(START):
         plain.edit(item.name, shape)
@@ -219,7 +219,7 @@ def test_crlf_files_stay_crlf(plain: World, operation: str) -> None:
 @pytest.mark.parametrize(
     ("operation", "kind"),
     [
-        *((operation, 0) for operation in OPERATIONS),
+        *((operation, 0) for operation in operations_of(0)),
         *((OPERATIONS[k % 5], k) for k in range(1, DAMAGES)),
     ],
 )
@@ -262,7 +262,7 @@ def _assert_reported(words: str, line: int) -> None:
     assert f"line {line}" in words
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_code_that_does_not_compile(plain: World, operation: str) -> None:
     region = plain.document().regions["input:beta"]
     plain.put(region, "        if so\n")

@@ -10,7 +10,7 @@ import pytest
 
 from tests.updates.inputs import elements
 from tests.updates.templates import ADDED, ADDED_TEXT, Templates, git
-from tests.updates.world import OPERATIONS, Result, World, operations_of
+from tests.updates.world import Result, World, operations_of
 
 pytestmark = pytest.mark.slow
 
@@ -19,7 +19,6 @@ MONITOR = "EDDIMonitor.py"
 LATIN_1 = "# M\xf6we\n".encode("latin-1")
 DROPPING = ("update", "generate", "upgrade")
 """`copier copy` removes nothing that it rendered once."""
-each = pytest.mark.parametrize("operation", OPERATIONS)
 
 
 @pytest.fixture
@@ -63,7 +62,7 @@ def test_own_file_whose_name_the_template_takes(
     assert f"your text is kept in .eddi/rejects/{ADDED}.edited" in result.words
 
 
-@each
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_edit_of_a_generated_file(
     world: World, operation: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -102,7 +101,7 @@ def test_file_that_the_template_drops(world: World, operation: str) -> None:
     assert not (world.package / ".eddi/rejects").exists()
 
 
-@each
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_both_change_a_generated_file(
     world: World, operation: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -118,7 +117,7 @@ def test_both_change_a_generated_file(
     assert kept(world, "compiled.py") == edited.encode()
 
 
-@each
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_conflict_that_git_left(
     world: World, operation: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -131,7 +130,7 @@ def test_conflict_that_git_left(
     assert MONITOR in result.words
 
 
-@each
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_own_python_that_is_none(world: World, operation: str) -> None:
     files = {
         "tools/old.py": b"print 'Python 2'\n",
@@ -146,7 +145,7 @@ def test_own_python_that_is_none(world: World, operation: str) -> None:
     assert {name: (world.package / name).read_bytes() for name in files} == files
 
 
-@each
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_formatted_files_were_not_edited(world: World, operation: str) -> None:
     """Not even in a layout that is far from the generator's."""
     words = [sys.executable, "-m", "ruff", "format", "--line-length", "60", "--isolated"]

@@ -10,7 +10,7 @@ import pytest
 
 from tests.hostile.special import a_socket
 from tests.updates.templates import Templates
-from tests.updates.world import CHANGED, OPERATIONS, World, edited_world, operations_of
+from tests.updates.world import CHANGED, World, edited_world, operations_of
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +30,7 @@ def links(package: Path) -> dict[str, str]:
     }
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_what_lies_about_stops_nothing(world: World, operation: str) -> None:
     package, outside = world.package, world.folder / "outside"
     outside.mkdir()
@@ -73,7 +73,7 @@ def test_modes_stay(world: World, operation: str, mode: int) -> None:
     assert {(world.package / name).stat().st_mode & 0o777 for name in names} == {mode}
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_a_link_in_the_place_of_the_input_module_stays_one(world: World, operation: str) -> None:
     world.toggle_link()
     world.change_mode(0o640)
@@ -85,7 +85,7 @@ def test_a_link_in_the_place_of_the_input_module_stays_one(world: World, operati
     assert "Second look" in world.text()
 
 
-@pytest.mark.parametrize("operation", OPERATIONS)
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_a_link_out_of_the_package_is_left_to_the_person(world: World, operation: str) -> None:
     place = world.folder / "outside.py"
     (world.package / world.main).rename(place)
