@@ -218,6 +218,11 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
             line
             for line in answers.get("readme") or ()
             if line and "|" not in line and not line.startswith("#")
+        )
+        + tuple(
+            f"{one['element']} {one['id']} has more links: the nearest are listed"
+            for one in document.get("links", {}).values()
+            if one.get("cut")
         ),
         rows=_with_support(rows, document, published),
         links=links.get(whole, ()),

@@ -71,17 +71,24 @@ class Linked:
         id: its name.
         line: of it.
         links: the nearest first.
+        is_cut: there are more.
     """
 
     element: str
     id: str
     line: int | None
     links: tuple[Link, ...]
+    is_cut: bool = False
 
     def as_json(self) -> dict[str, str | int | list[dict[str, str | int | None]] | None]:
         """Return the form in which a package remembers it."""
-        links = [one.as_json() for one in self.links]
-        return {"element": self.element, "id": self.id, "line": self.line, "links": links}
+        return {
+            "element": self.element,
+            "id": self.id,
+            "line": self.line,
+            "links": [one.as_json() for one in self.links],
+            **({"cut": True} if self.is_cut else {}),
+        }
 
 
 Links = Mapping[str, Linked]
@@ -268,8 +275,9 @@ class _Graph:
         what, name = fold(feature_of(start)).removesuffix("s"), name_of(self._document, start)
         if what == "value":  # of a map of events: the name stands first in the declaration
             what = (start.get("tag") or what).lower()
-            name = (start.get("value") or "").split(maxsplit=1)[0].partition("(")[0]
-        return Linked(what, name, self._document.place(start).line, tuple(links))
+            name = (start.get("value") or "").lstrip().partition(" ")[0].partition("(")[0]
+        line, is_cut = self._document.place(start).line, len(links) >= _MOST or self._budget < 0
+        return Linked(what, name, line, tuple(links), is_cut)
 
     def _link(self, element: Element) -> Link:
         place = self._document.place(element)
