@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,6 @@ from eddi_scaffold.packages.transaction import FileState, write
 from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error
-from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.source import read_source
 
@@ -61,15 +60,18 @@ def write_adopted(
             assembly = assemble(monitors, platform, root, problems)
         except EddiError as failed:
             raise EddiError(*(_shown(one, place) for one in failed.problems)) from None
-    packages = [_with_bodies(one, package, adoption) for one in assembly.packages]
+    signatures = dict(_signatures(one for one in assembly.packages if one.folder == package))
+    packages = [
+        _with_bodies(one, signatures, adoption) if one.folder == package else one
+        for one in assembly.packages
+    ]
     outcome = write_packages(root, packages, template, dry_run=dry_run)
     notes: list[str] = []
-    look = outcome.attention
     if not dry_run:
         write(place, new, {})
-        states = {one.id: one.state for one in list_regions(root / package)}
-        notes = _report(adoption, states, [place / name for name in files])
-        look = look or _needs_look(adoption, states)
+        notes = _report(adoption, signatures, [place / name for name in files])
+    lost = any(one.id not in signatures for one in adoption.bodies)
+    look = outcome.attention or bool(adoption.rejects) or lost
     shown = [_shown(one, place) for one in assembly.problems]
     return Result(replace(outcome, attention=look), shown, notes)
 
@@ -84,35 +86,30 @@ def _is_new(file: Path, data: bytes) -> bool:
     return False
 
 
-def _with_bodies(one: PackageAnswers, package: str, adoption: Adoption) -> PackageAnswers:
-    if one.folder != package:
-        return one
+def _with_bodies(
+    one: PackageAnswers, signatures: Mapping[str, str | None], adoption: Adoption
+) -> PackageAnswers:
     rejects = {name: text.encode() for name, text in adoption.rejects.items()}
-    signatures = {id_: sig for id_, sig in _signatures(one) if id_ in adoption.fitting}
-    bodies = [replace(body, sig=signatures.get(body.id)) for body in adoption.bodies]
+    fitting = {id_: sig for id_, sig in signatures.items() if id_ in adoption.fitting}
+    bodies = [replace(body, sig=fitting.get(body.id)) for body in adoption.bodies]
     return replace(one, saved=bodies, adopted=rejects, headers=adoption.headers)
 
 
-def _signatures(package: PackageAnswers) -> Iterator[tuple[str, str | None]]:
-    """Yield the regions of the new package with what their bodies may use."""
-    answers: Mapping[str, Any] = package.answers
-    methods = (method for module in answers["modules"] for method in module["methods"])
-    for one in (*answers["inputs"], *methods):
-        marker = read_marker(one["region_begin"], 1)
-        if isinstance(marker, Marker) and marker.id is not None:
-            yield marker.id, marker.sig
+def _signatures(packages: Iterable[PackageAnswers]) -> Iterator[tuple[str, str | None]]:
+    """Yield the regions of packages with what their bodies may use."""
+    for package in packages:
+        answers: Mapping[str, Any] = package.answers
+        methods = (method for module in answers["modules"] for method in module["methods"])
+        for one in (*answers["inputs"], *methods):
+            marker = read_marker(one["region_begin"], 1)
+            if isinstance(marker, Marker) and marker.id is not None:
+                yield marker.id, marker.sig
 
 
-def _needs_look(adoption: Adoption, states: Mapping[str, str]) -> bool:
-    return bool(adoption.rejects) or any(
-        states.get(one.id, "orphaned") == "orphaned" for one in adoption.bodies
-    )
-
-
-def _report(adoption: Adoption, states: Mapping[str, str], written: Sequence[Path]) -> list[str]:
+def _report(adoption: Adoption, regions: Container[str], written: Sequence[Path]) -> list[str]:
     lines = [f"written: {path}" for path in written]
     for body in adoption.bodies:
-        if states.get(body.id, "orphaned") != "orphaned":
+        if body.id in regions:
             lines.append(f"{body.id}: the body is in its region")
         else:
             lines.append(f"{body.id}: no region of that name, the body is kept in .eddi/orphans")

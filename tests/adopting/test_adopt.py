@@ -109,6 +109,7 @@ def test_a_default_that_counts_as_good_evidence_is_left_out(old: Path) -> None:
 def test_a_dry_run_writes_nothing(old: Path) -> None:
     before = files_below(old.parent)
     result = run("adopt", "old", "-w", "ws", "--dry-run", cwd=old.parent)
+    assert result.status == 3, "as it would be"
     assert files_below(old.parent) == before
     assert "+        self.RtE_A_E0 = RtE_E0.data and not" in result.out
 
