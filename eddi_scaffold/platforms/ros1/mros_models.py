@@ -10,20 +10,25 @@ from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
 
-_DIAGNOSTICS = ("pub", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
+_DIAGNOSTICS = ("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+_ARROWS = {"publishers": "pub", "subscribers": "sub"}
 
 
 def interfaces_of(
     published: Iterable[Publication], heard: Iterable[SimulatorOutput]
 ) -> list[JsonValue]:
-    """Return the topics of a node, each once in each direction, sorted."""
-    found = {("pub", one.output.topic): one.type for one in published}
-    found |= {("sub", one.topic): one.type for one in heard}
-    direction, topic, type_ = _DIAGNOSTICS
-    found.setdefault((direction, topic), type_)
+    """Return the sections of a node that are not empty: its topics, each once, sorted."""
+    sections = {
+        "publishers": dict([*((one.output.topic, one.type) for one in published), _DIAGNOSTICS]),
+        "subscribers": {one.topic: one.type for one in heard},
+    }
     return [
-        {"direction": direction, "topic": topic, "type": _named(type_)}
-        for (direction, topic), type_ in sorted(found.items())
+        {
+            "section": section,
+            "topics": [{"topic": name, "type": _named(of)} for name, of in sorted(topics.items())],
+        }
+        for section, topics in sections.items()
+        if topics
     ]
 
 
@@ -33,7 +38,9 @@ def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
         {
             "name": name,
             "interfaces": [
-                {key: one[key] for key in ("direction", "topic")} for one in answers["interfaces"]
+                {"direction": _ARROWS[part["section"]], "topic": one["topic"]}
+                for part in answers["interfaces"]
+                for one in part["topics"]
             ],
         }
         for name, answers in sorted(monitors.items())
