@@ -254,6 +254,8 @@ def accept(root: Path, words: Iterable[str]) -> tuple[str, ...]:
         The words that were found; files with damaged markers are left alone.
     """
     wanted, accepted = set(words), []
+    if linked_folders(root):
+        return ()
     for name in files_below(root / EDDI / "pristine"):
         if name in wanted and (parts := _all_strange_parts(root, name)):
             save_accepted(root, name, parts)
