@@ -206,7 +206,8 @@ def test_a_link_to_an_own_file_of_the_package_gets_the_merge(
     assert result.status == 0, result.err
     assert is_merged(package, place)
     assert command(package).status == 0
-    assert status(package).status == 0
+    if command is not sync:  # which has no rendering of the other files
+        assert status(package).status == 0
 
 
 @pytest.mark.parametrize("command", [upgrade, generate])
@@ -352,11 +353,11 @@ def test_a_special_file_in_the_place_of_ours_waits(
     "name",
     [
         ".eddi", ".eddi/base", ".eddi/pristine", f".eddi/base/{INPUT}", f".eddi/pristine/{INPUT}",
-        ".eddi/manifest.json", ".eddi/generated", ".eddi/generated/README.md",
-        ".copier-answers.yml",
+        ".eddi/manifest.json", ".eddi/generated", ".copier-answers.yml",
     ],
 )  # fmt: skip
 def test_records_behind_a_link_are_none(package: Path, outside: Path, name: str) -> None:
+    (package / ".eddi/generated").mkdir()  # a command on its way has it
     move_out(package / name, outside)
     (outside / "notes.txt").write_text("mine")
     before = states(outside), states(package)
@@ -470,7 +471,7 @@ def test_a_program_can_be_run_again_by_those_who_can_read_it(tmp_path: Path) -> 
     "name",
     [
         ".eddi", ".eddi/base", ".eddi/pristine", ".eddi/orphans", ".eddi/rejects",
-        f".eddi/base/{INPUT}", f".eddi/next/{INPUT}", INPUT, ".eddi/manifest.json",
+        f".eddi/base/{INPUT}", f".eddi/next/{INPUT}", INPUT,
     ],
 )  # fmt: skip
 def test_sync_writes_and_deletes_nothing_behind_a_link(
