@@ -11,6 +11,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from eddi_scaffold.escaping import xml_text
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.readers.extensions import extension_maps
 from eddi_scaffold.readers.xmi import encoding_of
@@ -24,7 +25,6 @@ _MARKUP = re.compile(
     r"|<(?P<end>/?)(?P<name>[^\s/>!?]+)(?:[^>\"']|\"[^\"]*\"|'[^']*')*?(?P<empty>/?)>",
     re.DOTALL,
 )
-_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", '"': "&quot;", "\t": "&#9;"})
 _ONLY_HERE = ("frequency", "artifact")
 """Tags of maps that are in no file of their own: they outlive a newer one."""
 _MARK = b"\xef\xbb\xbf"
@@ -123,7 +123,8 @@ def _inserted(
 def _block(key: str, values: Sequence[tuple[str, str]], indent: str, line_end: str) -> str:
     lines = [f'<keyValueMaps key="{key}">']
     lines += [
-        f'  <values tag="{tag}" value="{value.translate(_ESCAPES)}"/>' for tag, value in values
+        f'  <values tag="{xml_text(tag)}" value="{xml_text(value).replace("&gt;", ">")}"/>'
+        for tag, value in values  # conditions compare a lot, and ">" may stand in a value
     ]
     return "".join(f"{line_end}{indent}{line}" for line in [*lines, "</keyValueMaps>"])
 

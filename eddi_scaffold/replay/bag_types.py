@@ -90,7 +90,7 @@ def _reads(
     field = config.config.EDDIInputs[index].field
     if not binding.is_given:
         return
-    for argument, source in zip(binding.arguments, binding.requires, strict=True):
+    for argument, source in zip(binding.arguments, binding.requires, strict=False):
         believed = (binding.known_fields or {}).get(argument, ())
         taken = believed[0] if field is None and len(believed) == 1 else field
         if taken is not None:
