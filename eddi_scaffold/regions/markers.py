@@ -73,8 +73,11 @@ def encode_id(region_id: str) -> str:
 
 
 def decode_id(text: str) -> str:
-    """Return the id that :func:`encode_id` wrote."""
-    return urllib.parse.unquote(text, errors="surrogatepass")
+    """Return the id that :func:`encode_id` wrote; what it never wrote is an id as it stands."""
+    try:
+        return urllib.parse.unquote(text, errors="surrogatepass")
+    except UnicodeDecodeError:
+        return text
 
 
 def begin_marker(

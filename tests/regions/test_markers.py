@@ -53,6 +53,11 @@ def test_any_id_travels(name: str, style: str) -> None:
     assert decode_id(encode_id(name)) == name
 
 
+@pytest.mark.parametrize("written", ["input:%E1", "input:%FFx%20", "%"])
+def test_an_id_that_was_never_written_stays_as_it_is(written: str) -> None:
+    assert one(f"{BEGIN}  # region: {written}\n{END}  # region: {written}\n").id == written
+
+
 def test_xml_form_is_legal_xml() -> None:
     text = f"<a>{begin_marker('x:a--b---', 'xml')}{end_marker('x:a--b---', 'xml')}</a>"
     assert ET.fromstring(text).tag == "a"
