@@ -72,6 +72,11 @@ def spans(text: str, name: str) -> Span | None:
         place = Place(name) if mark is None else Place(name, mark.line + 1, mark.column + 1)
         message = f"not every reader of YAML accepts this: {problem.problem}"
         raise EddiError(error("K001", message, place, "put the text in quotes")) from None
+    except yaml.reader.ReaderError as problem:
+        before = text[: problem.position].split("\n")
+        place = Place(name, len(before), len(before[-1]) + 1)
+        message = f"the character {chr(problem.character)!a} cannot stand in YAML"
+        raise EddiError(error("K001", message, place, "remove it")) from None
 
 
 def _root(text: str) -> Span | None:

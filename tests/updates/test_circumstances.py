@@ -340,7 +340,7 @@ def test_transaction_is_killed_at_every_step(
             assert not list(world.root.glob(".eddi-transaction-*"))
         _put_back(world, old)
         world.lines = copy.deepcopy(lines)
-        step += 1 if long_profile() else 3 if (then, between) in thorough else 6
+        step += 1 if long_profile() else 5 if (then, between) in thorough else 10
     assert step > len(changes)
 
 

@@ -169,7 +169,7 @@ def renderings(templates: Templates, fast_folder: Path) -> Iterator[Renderings]:
 
 @settings(
     deadline=None,
-    max_examples=5000 if long_profile() else 40,
+    max_examples=5000 if long_profile() else 25,
     suppress_health_check=list(HealthCheck),
     phases=(Phase.explicit, Phase.generate),
 )

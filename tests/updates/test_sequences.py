@@ -277,7 +277,7 @@ WORDS = (
 
 @settings(
     deadline=None,
-    max_examples=400 if long_profile() else 6,
+    max_examples=400 if long_profile() else 4,
     suppress_health_check=list(HealthCheck),
     phases=(Phase.explicit, Phase.generate),  # a life takes seconds: shrinking would take hours
 )
