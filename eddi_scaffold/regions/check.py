@@ -146,7 +146,11 @@ def unfit_files(
     """
     found = []
     if not _is_of_one_rendering(root):
-        note = "answers and renderings are not of one run, or of two branches; generate again"
+        note = (
+            "answers and renderings are not of one run, of two branches, or were changed by hand:"
+            " look at `git diff .eddi`; generated text and yours cannot be told apart where both"
+            " were changed alike; then generate again"
+        )
         found.append(_unfit(ANSWERS, note))
     if listed_generated(root):
         found.append(_unfit(GENERATED, "these renderings are not in their places; generate again"))
