@@ -53,7 +53,7 @@ def module_of(text: str, model_id: str, data: Callable[[str], bytes] = _no_data)
         model_id: id of its model.
         data: name -> bytes of a bulk file beside it.
     """
-    name = f"<{model_id}>/compiled.py"
+    name = f"<{model_id}>/compiled.py".replace("\0", "?")  # which no name of a file may hold
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     module = ModuleType(_NAME)
     module.__file__ = name

@@ -12,6 +12,7 @@ from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.source import Source
 
 CODE = "B231"
+_CONTROL = re.compile(r"[\0-\x08\x0e-\x1f\x7f]")
 
 
 class Word(NamedTuple):
@@ -31,13 +32,17 @@ class Words:
             space and comments are in no group.
 
     Raises:
-        EddiError: the file is not UTF-8 (B231).
+        EddiError: the file is not UTF-8, or holds control characters (B231).
     """
 
     def __init__(self, source: Source, pattern: re.Pattern[str]) -> None:
         self.file = source.name
         self._text = source.text(CODE)
         self._lines: list[int] | None = None
+        control = _CONTROL.search(self._text)
+        if control is not None:
+            word = Word(control[0], control.start(), is_name=False)
+            raise self.fault(f"this character is no text: {control[0]!a}", word)
         self._rest = self._words(pattern)
         self.next = next(self._rest)
 

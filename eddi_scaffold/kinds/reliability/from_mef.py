@@ -204,7 +204,7 @@ class _Reader:
         self, name: str, top: str, below: Mapping[str, tuple[str, ...]]
     ) -> ReliabilitySystem:
         reached, cycle = order(top, below)
-        keys = self.names.defined if cycle else dict.fromkeys(reversed(reached))
+        keys = [*self.gates, *self.events] if cycle else list(reversed(reached))
         gates = {key: self.gates[key] for key in keys if key in self.gates}
         events = {key: self.events[key] for key in keys if key in self.events}
         place = self.gates[top].place

@@ -138,6 +138,7 @@ def told(text: str, name: str) -> list[tuple[str, int | None, int | None, str]]:
         ),
         ('( B | "A', ("B231", 7, 19, 'this is not finished: "')),
         ("( B ) { table 1 0 0; } /* end", ("B231", 7, 36, "this is not finished: /*")),
+        ("( B ) { table 1 0 0; } \0", ("B231", 7, 36, "this character is no text: '\\x00'")),
         ("( B ) { table 1 0 0", ("B231", 7, 32, "`;` is expected, not the end of the file")),
         (
             "( B ) { table 1 0 0; }\nvariable C { type discrete [3] { y, n }; }",

@@ -270,9 +270,11 @@ def test_the_examples_of_the_codes() -> None:
 def test_an_event_without_a_probability_and_a_cycle() -> None:
     (model,) = event("").models
     assert [problem.code for problem in FUNCTIONS.check(model)] == ["R006"]
-    text = tree('<gate name="x"/>', '<define-gate name="x"><gate name="top"/></define-gate>')
-    (model,) = read(text).models
-    assert [problem.code for problem in FUNCTIONS.check(model)] == ["R012"]
+    inner = "<or><and><gate name='top'/><gate name='x'/></and><gate name='x'/></or>"
+    for below in ('<gate name="top"/>', inner):  # also through a formula without a name
+        text = tree('<gate name="x"/>', f'<define-gate name="x">{below}</define-gate>')
+        (model,) = read(text).models
+        assert [problem.code for problem in FUNCTIONS.check(model)] == ["R012"]
 
 
 def drawn(chance: random.Random) -> ReliabilitySystem:
