@@ -75,7 +75,7 @@ def spans(text: str, name: str) -> Span | None:
     except yaml.reader.ReaderError as problem:
         before = text[: problem.position].split("\n")
         place = Place(name, len(before), len(before[-1]) + 1)
-        message = f"the character {chr(problem.character)!a} cannot stand in YAML"
+        message = f"the character {chr(problem.character)!r} cannot stand in YAML"
         raise EddiError(error("K001", message, place, "remove it")) from None
 
 

@@ -42,7 +42,7 @@ class Words:
         control = _CONTROL.search(self._text)
         if control is not None:
             word = Word(control[0], control.start(), is_name=False)
-            raise self.fault(f"this character is no text: {control[0]!a}", word)
+            raise self.fault(f"this character is no text: {control[0]!r}", word)
         self._rest = self._words(pattern)
         self.next = next(self._rest)
 
