@@ -200,6 +200,17 @@ def unsupported(of: str, nodes: Sequence[Named], hint: str) -> Problem:
     return error("B202", f"{what} of type {of!r}, which is not supported", nodes[0].place, hint)
 
 
+def no_variable(name: str, place: Place, hint: str | None = None) -> Problem:
+    """Return the problem with a table of a variable that the file does not have (B222)."""
+    message = f"there is a definition for {name!r}, which is not a variable"
+    return error("B222", message, place, hint)
+
+
+def defined_twice(name: str, line: int | None, place: Place) -> Problem:
+    """Return the problem with the second table of a variable; the first is in a line (B232)."""
+    return error("B232", f"{name!r} is defined twice, first in line {line}", place)
+
+
 def first_missing(
     parents: Sequence[str], states: Sequence[Sequence[str]], there: set[tuple[str, ...]]
 ) -> tuple[int, list[str]]:

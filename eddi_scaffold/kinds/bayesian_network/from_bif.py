@@ -7,7 +7,13 @@ import re
 from dataclasses import dataclass, field
 from itertools import product
 
-from eddi_scaffold.kinds.bayesian_network.check import check_network, first_missing, unsupported
+from eddi_scaffold.kinds.bayesian_network.check import (
+    check_network,
+    defined_twice,
+    first_missing,
+    no_variable,
+    unsupported,
+)
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.noisymax import LARGEST
 from eddi_scaffold.kinds.bayesian_network.words import Word, Words
@@ -52,8 +58,7 @@ def read_bif(source: Source) -> tuple[Network | None, list[Problem]]:
     near = NearNames(reader.variables)
     for name, table in reader.tables.items():
         if name not in reader.variables:
-            message = f"there is a definition for {name!r}, which is not a variable"
-            reader.problems.append(error("B222", message, table.place, near.hint(name)))
+            reader.problems.append(no_variable(name, table.place, near.hint(name)))
     network, problems = check_network(reader.name or source.stem, drafts, Place(source.name, 1))
     return (None if reader.problems else network), [*reader.problems, *problems]
 
@@ -138,8 +143,7 @@ class _Reader:
             self._entry(name.text, table)
         if name.text in self.tables:
             line = self.tables[name.text].place.line
-            message = f"{name.text!r} is defined twice, first in line {line}"
-            self.problems.append(error("B232", message, name.place))
+            self.problems.append(defined_twice(name.text, line, name.place))
         self.tables.setdefault(name.text, table)
 
     def _entry(self, name: str, table: _Table) -> None:

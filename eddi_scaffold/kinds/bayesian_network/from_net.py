@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import re
 
-from eddi_scaffold.kinds.bayesian_network.check import check_network, unsupported
+from eddi_scaffold.kinds.bayesian_network.check import (
+    check_network,
+    defined_twice,
+    no_variable,
+    unsupported,
+)
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.kinds.bayesian_network.words import Word, Words
-from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error
+from eddi_scaffold.problems import EddiError, NearNames, Place, Problem
 from eddi_scaffold.source import Source
 
 _PATTERN = re.compile(
@@ -38,12 +43,10 @@ def read_net(source: Source) -> tuple[Network | None, list[Problem]]:
     near = NearNames(known)
     for name, table in reader.tables.items():
         if name not in known:
-            message = f"there is a definition for {name!r}, which is not a variable"
-            problems.append(error("B222", message, table[0].place, near.hint(name)))
+            problems.append(no_variable(name, table[0].place, near.hint(name)))
     for again in reader.twice:
         line = reader.tables[again.text][0].place.line
-        message = f"{again.text!r} is defined twice, first in line {line}"
-        problems.append(error("B232", message, again.place))
+        problems.append(defined_twice(again.text, line, again.place))
     drafts = [reader.with_table(draft) for draft in reader.nodes]
     network, found = check_network(reader.name or source.stem, drafts, Place(source.name, 1))
     return (None if problems else network), [*problems, *found]

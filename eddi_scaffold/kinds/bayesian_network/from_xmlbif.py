@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from eddi_scaffold.kinds.bayesian_network.check import check_network, unsupported
+from eddi_scaffold.kinds.bayesian_network.check import (
+    check_network,
+    defined_twice,
+    no_variable,
+    unsupported,
+)
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem, error
 from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
@@ -43,8 +48,7 @@ class _Reader:
             for name in _texts(definition, "FOR"):
                 if name in definitions:
                     line = line_of(definitions[name])
-                    message = f"{name!r} is defined twice, first in line {line}"
-                    self.problems.append(error("B232", message, self._place(definition)))
+                    self.problems.append(defined_twice(name, line, self._place(definition)))
                 definitions.setdefault(name, definition)
         names = set()
         for variable in select(self.root, "NETWORK/VARIABLE"):
@@ -53,9 +57,7 @@ class _Reader:
             yield self._draft(variable, name, definitions.get(name))
         for name, definition in definitions.items():
             if name not in names:
-                message = f"there is a definition for {name!r}, which is not a variable"
-                place = self._place(definition)
-                self.problems.append(error("B222", message, place))
+                self.problems.append(no_variable(name, self._place(definition)))
 
     def _draft(self, variable: Element, name: str, definition: Element | None) -> Draft:
         states = tuple(
