@@ -186,7 +186,8 @@ def _strange_parts(
     found = {part: note for part, note in missing.items() if part not in accepted}
     if same_lines(base.skeleton, mine.skeleton):
         return found
-    texts = {key: text for key, text in former(place).items() if text != read_text(root / place)}
+    merged = read_text(root / place)
+    texts = {key: text for key, text in former(place).items() if text != merged}
     olds = {key: parse(one)[0] for key, one in texts.items() if _part_of(one) not in accepted}
     commit = made_of(base, mine, olds)
     if commit is not None:
