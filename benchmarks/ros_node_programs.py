@@ -27,7 +27,7 @@ class Target:
         self._wanted: bool | None = None
         self._sent = 0.0
         self._flipped = threading.Event()
-        self._evidence = rospy.Publisher(f"/{name}/flag", Bool, queue_size=1, latch=True)
+        self._evidence = rospy.Publisher(f"/{name}/flag", Bool, queue_size=1)
         rospy.Subscriber(f"/{name}/guarantees", ConSertOutput, self._answer, tcp_nodelay=True)
 
     def toggle(self, value: bool, timeout: float) -> None:
@@ -59,6 +59,7 @@ def measure(count: str, pause: str, *names: str) -> None:
     rospy.init_node("measure")
     random.seed(1)
     targets = [Target(name) for name in names]
+    time.sleep(3.0)  # until all are connected: a latched first message would be of unknown age
     for target in targets:
         target.toggle(True, 20.0)
         target.toggle(False, 20.0)

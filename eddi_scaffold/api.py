@@ -59,8 +59,8 @@ def check(files: Sequence[Path], platform: str | None = None) -> list[Problem]:
 
     Args:
         files: models and configurations, in any order.
-        platform: ``ros1`` or ``plain``; by default models with configurations are checked for
-            ROS 1, others by themselves.
+        platform: ``ros1``, ``ros2``, ``plain`` or ``dds``; by default models with configurations
+            are checked for ROS 1, others by themselves.
 
     Returns:
         Every problem; the files are sound when no ``Problem.level`` is ``error``.
@@ -84,10 +84,10 @@ def generate(
     """Generate packages, or bring those that are there up to date; hand-written lines stay.
 
     Args:
-        folder: the catkin workspace, or the folder of the packages on the platform ``plain``.
+        folder: the workspace, or the folder of the packages on other platforms.
         model: the model file; ``None`` where the configurations name theirs.
         configs: one ``eddi_config.yml`` for each monitor.
-        platform: ``ros1`` or ``plain``.
+        platform: ``ros1``, ``ros2``, ``plain`` or ``dds``.
         runtime: where the runtime library is, ``vendored`` or ``installed``; by default as it is.
         single_process: whether one process runs all monitors of a workspace; by default as it is.
         dry_run: change nothing; ``Outcome.diff()`` shows what would change.

@@ -43,6 +43,7 @@ def c_comment(text: str) -> str:
     """Return text that is safe in a block comment of C, and in a docstring of Python."""
     plain = re.sub(r"[^ -~]+", " ", text).replace("\\", "/").replace('"', "'")
     plain = plain.replace("*/", "* /").replace("/*", "/ *")
+    plain = plain.replace("Manual edit", "manual edit")  # which only markers of regions say
     return re.sub(r"\?(?=\?)", "? ", plain).strip()  # ??/ is a backslash
 
 

@@ -7,6 +7,7 @@ the same code under every Python version.
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Container
 
 RESERVED = frozenset(
@@ -65,6 +66,16 @@ STARTUP_MODULES = ("sitecustomize", "usercustomize")
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ROS_NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 _PACKAGE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+
+
+def taken_by_python() -> dict[str, str]:
+    """Return names that no package can have, because it would be a module of that name -> why."""
+    modules = "it would hide a module of Python's standard library"
+    return {
+        **dict.fromkeys(sys.stdlib_module_names, modules),
+        **dict.fromkeys(STARTUP_MODULES, "every Python would import it at its start"),
+        **dict.fromkeys(RESERVED, "it is a word of Python"),
+    }
 
 
 def is_identifier(name: str) -> bool:

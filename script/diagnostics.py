@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Bring the examples in the registry of diagnostics and ``docs/diagnostics.md`` up to date.
+"""Bring the examples in the registry and ``docs/reference/diagnostics.md`` up to date.
 
     script/diagnostics.py    # after a change of eddi_scaffold/diagnostics/areas or of a snapshot
 
@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT))
 
 from eddi_scaffold.diagnostics import AREAS, areas  # noqa: E402 - of this checkout
 
-PAGE = ROOT / "docs" / "diagnostics.md"
+PAGE = ROOT / "docs" / "reference" / "diagnostics.md"
 _PROBLEM = re.compile(
     r"(?m)^(?:\S.*?: )?(?:error|warning|info): .+ \[([A-Z]\d{3})\]\n(?:    .*\n)*(?:  hint: .+\n)?"
 )

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write ``docs/reference.md`` from the docstrings of the public modules.
+"""Write ``docs/reference/python.md`` from the docstrings of the public modules.
 
     script/reference.py    # after a change of a public signature or docstring
 
@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "reference.md"
+PAGE = ROOT / "docs" / "reference" / "python.md"
 MODULES = {
     "eddi_scaffold.api": ROOT,
     "eddi_runtime": ROOT / "runtime_lib" / "src",
@@ -29,7 +29,7 @@ _HEAD = """# Reference
 
 <!-- written by script/reference.py from the docstrings -->
 
-All public names, with their signatures. For examples see [use from Python](api.md) and
+All public names, with their signatures. For examples see [use from Python](../how-to/python.md) and
 [monitors at run time](runtime.md).
 """
 

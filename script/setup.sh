@@ -6,14 +6,27 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ROS_PACKAGES="python3-rospy python3-roslaunch python3-rostopic python3-rosnode rosout python3-std-msgs
   python3-diagnostic-msgs python3-numpy ros-environment catkin catkin-tools cmake make g++
   ros-message-generation ros-message-runtime ros-std-msgs libstd-msgs-dev libdiagnostic-msgs-dev
-  rosbash catkin-lint python3-sensor-msgs"
+  rosbash catkin-lint python3-sensor-msgs iproute2 nftables libfastrtps-dev
+  prometheus"
+# What Debian has of ROS 2: colcon, each extension of which is a package, ament, and the generators of C and C++.
+COLCON_PACKAGES="colcon python3-colcon-bash python3-colcon-cmake python3-colcon-defaults python3-colcon-library-path
+  python3-colcon-metadata python3-colcon-output python3-colcon-package-information python3-colcon-package-selection
+  python3-colcon-parallel-executor python3-colcon-python-setup-py python3-colcon-recursive-crawl python3-colcon-ros
+  python3-colcon-test-result python3-pytest python3-setuptools ament-cmake rosidl-cmake rosidl-generator-c-cpp
+  librosidl-typesupport-introspection-c-cpp-dev cmake make g++"
 
 have_ros() {
   local name
-  for name in roscore roslaunch rostopic rosnode catkin_make catkin catkin_lint cmake g++; do
+  for name in roscore roslaunch rostopic rosnode catkin_make catkin catkin_lint cmake g++ ip nft promtool; do
     command -v "$name" >/dev/null || return 1
   done
+  [ -d /usr/include/fastdds ] || return 1
   /usr/bin/python3 -c 'import rospy, std_msgs.msg, diagnostic_msgs.msg, sensor_msgs.msg, numpy' 2>/dev/null
+}
+
+have_colcon() {
+  command -v colcon >/dev/null && [ -d /usr/share/rosidl_generator_cpp ] && [ -d /usr/share/ament_cmake ] &&
+    [ -d /usr/lib/python3/dist-packages/colcon_ros ]
 }
 
 apt_install() { # as root on a Debian system; anything else says so and goes on without
@@ -38,6 +51,7 @@ BASE_PYTHON=$(find_python) || { apt_install python3 python3-venv && BASE_PYTHON=
   { echo "Python 3.10 or newer with venv is missing: apt-get install python3 python3-venv" >&2; exit 2; }
 
 if have_ros || { [ "${FAST:-no}" = no ] && apt_install $ROS_PACKAGES && have_ros; }; then ROS=yes; else ROS=no; fi
+if [ "${COLCON:-no}" = yes ]; then have_colcon || apt_install $COLCON_PACKAGES || true; fi # a demo does without
 
 STAMP=.venv/.installed-from
 WANTED="$(cat pyproject.toml) $BASE_PYTHON $PWD"

@@ -90,6 +90,18 @@ class Checkout:
         run([sys.executable, "-m", "copier", *map(str, words)], cwd, {"PYTHONPATH": ""})
 
 
+def keep_compiled(path: Path) -> None:
+    """Give a copy of this checkout the bytecode that there is: else each program compiles anew."""
+    for compiled in [*HERE.glob("eddi_scaffold/**/*.pyc"), *HERE.glob("runtime_lib/src/**/*.pyc")]:
+        source = compiled.parents[1] / f"{compiled.name.partition('.')[0]}.py"
+        copy = path / source.relative_to(HERE)
+        if copy.is_file() and source.is_file() and copy.read_bytes() == source.read_bytes():
+            target = path / compiled.relative_to(HERE)
+            target.parent.mkdir(exist_ok=True)
+            shutil.copy(compiled, target)
+            shutil.copystat(source, copy)  # by which Python knows that it is the same
+
+
 def checkout(path: Path, *tags: str) -> Checkout:
     """Commit the working tree as it is now to a new repository, and tag the commit."""
     path.mkdir(parents=True)
@@ -105,6 +117,7 @@ def checkout(path: Path, *tags: str) -> Checkout:
     git(path, "commit", "--quiet", "--message", "As it is now")
     for tag in tags:
         git(path, "tag", tag)
+    keep_compiled(path)
     return Checkout(path)
 
 

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 import importlib
-import os
 import pkgutil
 import re
+import runpy
+import shlex
 import subprocess
 import sys
+from glob import glob
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold.compiling.compilation import KINDS
+from tests.cli.command import run
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(
     r"(?P<shown><!-- shown only: [^\n]+ -->\n)?```console\n(?P<text>.*?)```"
-    r"|<!-- file: (?P<file>[\w.]+) -->\n```\w+\n(?P<content>.*?)```",
+    r"|<!-- file: (?P<file>[\w./]+) -->\n```\w+\n(?P<content>.*?)```",
     re.DOTALL,
 )
+CONTINUES = re.compile(r"<!-- continues: (\S+) -->")
 WRITE = "write "
+PROGRAM = "eddi-scaffold "
+OPERATORS = {"2>&1", ">", "|"}
 
 
 def commands(page: Path) -> list[tuple[str, str]]:
@@ -39,43 +46,72 @@ def commands(page: Path) -> list[tuple[str, str]]:
             continue
         for part in re.split(r"^\$ ", block["text"], flags=re.MULTILINE)[1:]:
             command, _, output = part.partition("\n")
-            found.append((command.partition("  #")[0].strip(), output))
+            found.append((command, output))
     return found
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_the_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
-    program = tmp_path / "bin" / "eddi-scaffold"
-    program.parent.mkdir()
-    program.write_text(f'#!/bin/sh\nexec {sys.executable} -m eddi_scaffold "$@"\n')
-    program.chmod(0o755)
-    environment = {
-        **os.environ,
-        "PATH": f"{program.parent}:{os.environ['PATH']}",
-        "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}",
-        "HOME": str(tmp_path),
-    }
-    folder = tmp_path / "work"
-    folder.mkdir()
-    for command, output in commands(page):
+def story(page: Path) -> list[Path]:
+    """Return the pages read in one folder: those that this one goes on from, and itself."""
+    before = CONTINUES.search(page.read_text(encoding="utf-8"))
+    return [*(story((page.parent / before[1]).resolve()) if before else []), page]
+
+
+STORIES = [story(page) for page in PAGES]
+
+
+@pytest.mark.parametrize(
+    "pages",
+    [
+        one
+        for one in STORIES
+        if not any(one == other[: len(one)] for other in STORIES if other != one)
+    ],
+    ids=lambda pages: str(pages[-1].relative_to(ROOT)),
+)
+def test_the_commands_of_a_page_run(pages: list[Path], tmp_path: Path) -> None:
+    folder = tmp_path
+    for command, output in chain.from_iterable(map(commands, pages)):
         if command.startswith("cd "):
             folder /= command.removeprefix("cd ")
-            continue
-        if command.startswith(WRITE):
+        elif command.startswith(WRITE):
             (folder / command.removeprefix(WRITE)).write_text(output, encoding="utf-8")
-            continue
-        done = subprocess.run(
-            command,
-            shell=True,
-            cwd=folder,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, f"{page.name}: {command}\n{done.stderr}"
-        if output:
-            assert done.stdout == output, command
+        else:
+            printed = run_line(command, folder)
+            if output:
+                assert printed == output, command
+
+
+def run_line(line: str, folder: Path) -> str:
+    """Run a line of a shell and return what it prints: commands of ours in this process, fast.
+
+    Of the shell, such a line may have ``2>&1``, ``> FILE`` or a pipe to anything else, and an
+    expected exit status in the comment at its end: ``# status 3``. What it prints is data, or words
+    where it has none.
+    """
+    command, _, comment = line.partition("  #")
+    if not command.startswith(PROGRAM):
+        return shell(command, folder)
+    words = shlex.split(command.removeprefix(PROGRAM))
+    cut = next((at for at, word in enumerate(words) if word in OPERATORS), len(words))
+    found = [sorted(glob(one, root_dir=folder)) or [one] for one in words[:cut]]  # noqa: PTH207
+    done = run(*chain.from_iterable(found), cwd=folder)
+    if "|" in words[cut:]:
+        both = done.err if words[cut] == "2>&1" else ""
+        return shell(command.partition(" | ")[2], folder, done.out + both)
+    status = re.search(r"status (\d)", comment)
+    assert done.status == int(status[1] if status else 0), f"{line}\n{done.err}"
+    if words[cut:]:
+        (folder / words[-1]).write_text(done.out, encoding="utf-8")
+        return ""
+    return done.out or done.err
+
+
+def shell(command: str, folder: Path, given: str = "") -> str:
+    done = subprocess.run(
+        command, shell=True, cwd=folder, input=given, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, f"{command}\n{done.stderr}"
+    return done.stdout
 
 
 INNER = {"engine_for", "judge", "read", "reduce", "restart", "sources", "stamp", "step"}
@@ -94,14 +130,20 @@ def test_the_methods_of_each_kind_of_monitor_are_listed(kind: str) -> None:
         for name in {*dir(monitor)} - INNER
         if not name.startswith("_") and callable(getattr(monitor, name))
     }
-    text = (ROOT / "docs" / "runtime.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "runtime.md").read_text(encoding="utf-8")
     rows = re.findall(r"(?m)^\| `(\w+)\([^|]*\)` \| ([^|]+) \|", text)
     told = {name for name, kinds_of in rows if kinds_of == "all" or f"`{kind}`" in kinds_of}
     assert told == there
 
 
-def test_every_link_points_somewhere() -> None:
-    for page in [*PAGES, ROOT / "CONTRIBUTING.md"]:
-        for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
-            if not target.startswith("https://"):
-                assert (page.parent / target).exists(), f"{page.name}: {target}"
+def test_the_site_builds(tmp_path: Path) -> None:
+    """Every page is in a list of the first one, and every link between pages holds."""
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "-c", "docs", ".", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, timeout=300)
+    for page in PAGES:
+        assert (tmp_path / page.relative_to(ROOT).with_suffix(".html")).is_file()
+
+
+def test_the_messages_are_up_to_date() -> None:
+    written = runpy.run_path(str(ROOT / "script" / "messages.py"))
+    assert written["PAGE"].read_text("utf-8") == written["document"]()

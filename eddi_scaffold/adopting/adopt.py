@@ -107,7 +107,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         bodies += _bodies(module, prefix, region, names)
         headers[module.path.name] = module.header
         text = "\n\n".join(
-            f"# line {getattr(one, 'lineno', 0)}\n{module.segment(one)}"
+            f"# line {getattr(one, 'lineno', 0)}\n{module.commented(one)}"
             for one in foreign(module, prefix)
         )
         if text:

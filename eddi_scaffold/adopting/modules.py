@@ -88,6 +88,20 @@ class ParsedModule:
         lines[0] = re.sub(r"\S", " ", before).encode() + lines[0][node.col_offset :]
         return b"".join(lines).decode()
 
+    def commented(self, node: ast.AST) -> str:
+        """Return the source of a statement with its decorators, and comments above and behind."""
+        text = self.segment(node)
+        if not isinstance(node, ast.stmt) or node.end_lineno is None:
+            return text
+        behind = self.lines[node.end_lineno - 1].encode()[node.end_col_offset :].decode().rstrip()
+        if behind.lstrip().startswith("#"):
+            text += behind
+        decorators = getattr(node, "decorator_list", ())
+        start = min([node.lineno, *(one.lineno for one in decorators)]) - 1
+        while not node.col_offset and start and self.lines[start - 1].startswith("#"):
+            start -= 1
+        return "".join(self.lines[start : node.lineno - 1]) + text
+
 
 def read_module(path: Path) -> ParsedModule:
     """Read a module.

@@ -14,6 +14,7 @@ from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.source import read_source
 
 _MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
+_RECORDS = ".eddi"
 _MANIFEST = "package.xml"
 _NAME = re.compile(rb"<name>\s*([A-Za-z0-9_-]+)\s*</name>")
 
@@ -46,13 +47,17 @@ def read_old_package(folder: Path) -> OldPackage:
     """Find out what a folder holds.
 
     Raises:
-        EddiError: it is not a folder (F001), holds nothing of an old package (A002) or one of its
-            modules twice (A003), or a module is not Python (A001).
+        EddiError: it is not a folder (F001), holds nothing of an old package or is one of ours
+            (A002), holds one of its modules twice (A003), or a module is not Python (A001).
     """
     if not folder.is_dir():
         raise EddiError(
             error("F001", "cannot read the package: no such folder", Place(str(folder)))
         )
+    if (folder / _RECORDS).is_dir():
+        message = "this is a package of eddi-scaffold already"
+        hint = "`eddi-scaffold upgrade` brings it up to date"
+        raise EddiError(error("A002", message, Place(str(folder)), hint))
     files = tuple(_files(folder))
     eddi_input = _only(folder, files, "EDDIInput.py")
     config = _only(folder, files, "bayesian_network_config.py")

@@ -77,6 +77,10 @@ def _fail(
 
 
 def _misused(failed: Any, arguments: Sequence[str]) -> int:
+    of = failed.ctx.command if getattr(failed, "ctx", None) is not None else None
+    options = {name for one in getattr(of, "params", ()) for name in one.opts}
+    if "unexpected extra argument" in failed.message and "-c" in options:
+        failed.message += "; a configuration is -c FILE"
     if _wants_json(arguments):
         return _fail([error("G000", " ".join(failed.format_message().split()))], arguments)
     failed.show()

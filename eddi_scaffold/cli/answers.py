@@ -99,7 +99,7 @@ def answers(
     command = f"copier copy --trust --defaults{version}"
     for package, file in zip(packages, names, strict=True):
         path = quote(str(output / file if every else output))
-        folder = "/".join(part for part in (target.root, package.folder) if part)
+        folder = quote((root / package.folder).as_posix())
         console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")
     present = assembly.present
     lost = [

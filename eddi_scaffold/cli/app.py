@@ -1,11 +1,12 @@
-"""The Typer application: global options and the commands in the order of the work."""
+"""The Typer application: global options and the commands, grouped by when they are needed."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from eddi_scaffold import __version__
 from eddi_scaffold.cli import (
@@ -28,12 +29,27 @@ from eddi_scaffold.cli import (
     status,
     trace,
     upgrade,
+    watch,
 )
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.everywhere import with_global_options
 
+
+class _Groups(TyperGroup):
+    """Lists commands below the headings of ``COMMANDS``."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a section for each group, all of one width."""
+        width = formatter.width - 4 - max(map(len, self.commands))
+        for title, group in COMMANDS.items():
+            rows = [(name, self.commands[name].get_short_help_str(width)) for name in group]
+            with formatter.section(title):
+                formatter.write_dl(rows)
+
+
 app = typer.Typer(
     name="eddi-scaffold",
+    cls=_Groups,
     help="Turn a design-time EDDI into runtime monitors, without losing a hand-written line.",
     epilog="Start with: eddi-scaffold example two-conserts demo",
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -60,26 +76,36 @@ def options(
     """Turn a design-time EDDI into runtime monitors, without losing a hand-written line."""
 
 
-_COMMANDS: dict[str, Callable[..., None]] = {
-    "example": example.example,
-    "check": check.check,
-    "show": show.show,
-    "parse-rossystem": parse_rossystem.parse_rossystem,
-    "connect": connect.connect,
-    "run": run.run,
-    "generate": generate.generate,
-    "upgrade": upgrade.upgrade,
-    "adopt": adopt.adopt,
-    "status": status.status,
-    "trace": trace.trace,
-    "regions": regions.regions,
-    "merge-driver": merge_driver.merge_driver,
-    "diagram": diagram.diagram,
-    "compose": compose.compose,
-    "export": export.export,
-    "answers": answers.answers,
-    "event": event.event,
-    "explain": explain.explain,
+COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
+    "Start here": {
+        "example": example.example,
+        "check": check.check,
+        "show": show.show,
+        "run": run.run,
+        "generate": generate.generate,
+    },
+    "Every day": {
+        "connect": connect.connect,
+        "parse-rossystem": parse_rossystem.parse_rossystem,
+        "regions": regions.regions,
+        "status": status.status,
+        "upgrade": upgrade.upgrade,
+        "watch": watch.watch,
+        "explain": explain.explain,
+    },
+    "Models": {
+        "diagram": diagram.diagram,
+        "compose": compose.compose,
+        "export": export.export,
+        "event": event.event,
+        "trace": trace.trace,
+    },
+    "Old packages, git and Copier": {
+        "adopt": adopt.adopt,
+        "merge-driver": merge_driver.merge_driver,
+        "answers": answers.answers,
+    },
 }
-for _name, _command in _COMMANDS.items():
-    app.command(_name)(with_global_options(_command))
+for _group in COMMANDS.values():
+    for _name, _command in _group.items():
+        app.command(_name)(with_global_options(_command))

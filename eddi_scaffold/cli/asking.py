@@ -11,8 +11,8 @@ from eddi_scaffold.escaping import one_line
 from eddi_scaffold.kinds import TODO
 
 if TYPE_CHECKING:
-    from eddi_scaffold.connect.connecting import Connected
     from eddi_scaffold.connect.draft import Age
+    from eddi_scaffold.connect.drafted import Connected
     from eddi_scaffold.connect.matching import Decision
     from eddi_scaffold.connect.needs import Need
     from eddi_scaffold.connect.scoring import Candidate

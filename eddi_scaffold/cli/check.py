@@ -16,8 +16,8 @@ def check(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="EDDI XML, model files of a kind, eddi_config.yml, .rossystem, .ros; or folders "
-            "with such files."
+            help="EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, "
+            ".ros; or folders with such files."
         ),
     ],
     system: System = None,
@@ -35,8 +35,8 @@ def check(
     """Validate files: all problems at once, with places.
 
     Configurations given together with a model are checked against it, a .rossystem and the message
-    types of a configuration against the node models of --models. What `generate` would refuse
-    because of the files is a problem here.
+    types of a configuration against the node models of --models. A deployment.yml is checked with
+    all that it names. What `generate` would refuse because of the files is a problem here.
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """

@@ -13,8 +13,8 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, in_a_folder
 
 if TYPE_CHECKING:
-    from eddi_scaffold.connect.connecting import Connected
-    from eddi_scaffold.connect.draft import Age
+    from eddi_scaffold.connect.drafted import Connected
+    from eddi_scaffold.connect.surroundings import Around
 
 _STATES = {
     "kept": "decided before",
@@ -36,7 +36,7 @@ def connect(
     ] = None,
     bag: Annotated[
         Path | None,
-        typer.Option("--bag", help="ROS 1 bag of the robot: its rates give max_age."),
+        typer.Option("--bag", help="ROS 1 or 2 bag of the robot: its topics, and max_age."),
     ] = None,
     output: Annotated[
         Path | None,
@@ -65,19 +65,21 @@ def connect(
     """
     from eddi_scaffold.cli import asking
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.connect.connecting import Around, connect
+    from eddi_scaffold.connect.connecting import connect
+    from eddi_scaffold.connect.surroundings import Around
     from eddi_scaffold.problems import has_errors
     from eddi_scaffold.robot.rossystem import save
 
-    ages = _ages(bag) if bag is not None else {}
-    around = Around(system, models, others or (), default_guarantee or (), ages)
+    around = Around(system, models, others or (), default_guarantee or ())
+    if bag is not None:
+        around = _with_bag(around, bag)
     if interactive and (output is None or not asking.is_possible()):
         needs = "a terminal" if output is not None else "-o, the configuration to write"
         raise typer.BadParameter(f"it needs {needs}", param_hint="--interactive")
     found = connect(model, name, output, around)
     if interactive:
         taken, given = asking.answers(found)
-        around = replace(around, answers=taken, ages={**ages, **given})
+        around = replace(around, answers=taken, ages={**around.ages, **given})
         found = connect(model, name, output, around)
     if as_json:
         console.json(found.as_json())
@@ -88,18 +90,22 @@ def connect(
     elif found.is_changed:
         save(output, found.after, found.before)
     console.problems(found.problems, summary=False)
+    if not (system or bag or others or found.has_topics):
+        console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")
     console.say(_what(found, writes=output is not None and not dry_run and not as_json))
     if has_errors(found.problems):
         raise typer.Exit(exit_status.NO)
 
 
-def _ages(bag: Path) -> dict[str, Age]:
-    """Return when the messages of recorded topics are too old."""
+def _with_bag(around: Around, bag: Path) -> Around:
+    """Return what is given, with the topics of a bag, and when their messages are too old."""
     from eddi_scaffold.connect.draft import recorded_age
-    from eddi_scaffold.replay.bags import read_times
+    from eddi_scaffold.replay.bags import read_contents
 
-    found = {topic: recorded_age(times, bag.name) for topic, times in read_times(bag).items()}
-    return {topic: age for topic, age in found.items() if age is not None}
+    found = read_contents(bag)
+    ages = {topic: recorded_age(times, bag.name) for topic, times in found.times.items()}
+    known = {topic: age for topic, age in ages.items() if age is not None}
+    return replace(around, ages=known, topics=found.topics, types=found.types)
 
 
 def _what(found: Connected, *, writes: bool) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from eddi_scaffold.platforms import Platform
+from eddi_scaffold.platforms import Platform, platforms
 from eddi_scaffold.problems import EddiError, error
 
 
@@ -17,7 +17,12 @@ def destination(platform: Platform, workspace: Path | None, output: Path | None)
     in_workspace = platform.workspace is not None
     place, option = (workspace, "-w WORKSPACE") if in_workspace else (output, "-o FOLDER")
     if place is None:
-        raise EddiError(error("G006", f"the platform {platform.name} needs {option}"))
+        given = output if in_workspace else workspace
+        known = platforms().items()
+        others = [name for name, one in known if (one.workspace is None) == in_workspace]
+        hint = f"{'-o' if in_workspace else '-w'} is for --platform {' or '.join(others)}"
+        message = f"the platform {platform.name} needs {option}"
+        raise EddiError(error("G006", message, hint=hint if given is not None else None))
     if workspace is not None and output is not None:
         message = f"the platform {platform.name} takes {option} alone"
         raise EddiError(error("G014", message, hint="leave the other one out"))

@@ -11,7 +11,9 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Name, for_pictures
 
 
 def diagram(
-    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    model: Annotated[
+        Path, typer.Argument(help="EDDI XML, a model file of a kind, or deployment.yml.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
@@ -26,14 +28,24 @@ def diagram(
 ) -> None:
     """Draw a model as SVG; with several models in the file, one picture for each.
 
+    Of a deployment.yml: its robots, their monitors, and whose guarantees fulfil whose demands.
+
     Example: eddi-scaffold diagram two_conserts.xml --name ConSertA -o conserta.svg
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.config.fleet.reading import is_fleet
+    from eddi_scaffold.deployments.fleet.drawing import picture_of_fleet
     from eddi_scaffold.monitors.drawing import pictures
+    from eddi_scaffold.monitors.loading import checked_models
     from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.source import read_source
 
-    found, problems = pictures(model, name, default_guarantee or (), single=_is_file(output))
-    console.problems(problems)
+    source = read_source(model)
+    if is_fleet(source):
+        found = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
+    else:
+        found, problems = pictures(model, name, default_guarantee or (), single=_is_file(output))
+        console.problems(problems)
     if output is None:
         console.data("\n".join(svg.rstrip("\n") for svg in found.values()))
         return

@@ -12,7 +12,7 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import Json, in_a_folder
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from eddi_scaffold.language import Analysis
     from eddi_scaffold.problems import Problem
@@ -28,7 +28,9 @@ class Target(str, Enum):
 def event(
     text: Annotated[
         str | None,
-        typer.Argument(metavar="[EXPR|FILE]", help="An expression, or a file of events."),
+        typer.Argument(
+            metavar="[EXPR|FILE]", help="An expression, a file of events, or one of a ConSert."
+        ),
     ] = None,
     file: Annotated[Path | None, typer.Option("--file", help="A file of events.")] = None,
     rate: Annotated[
@@ -49,13 +51,17 @@ def event(
         Path | None,
         typer.Option("-i", "--inputs", help="CSV with a column t and one per variable: try it."),
     ] = None,
+    config: Annotated[
+        Path | None, typer.Option("-c", "--config", help="eddi_config.yml of a ConSert.")
+    ] = None,
     serve: Annotated[bool, typer.Option("--serve", help="Open the page on 127.0.0.1.")] = False,
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page.")] = 8765,
     as_json: Json = False,
 ) -> None:
     """Check a conditional event, or make a monitor of it: Python, or C99 without heap.
 
-    Without --check and --inputs, the monitor is written to --output; Python may go to stdout.
+    Without --check and --inputs, the monitor is written to --output; Python may go to stdout. With
+    --target c, it may be that of a ConSert, too.
 
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
     """
@@ -63,15 +69,25 @@ def event(
     from eddi_scaffold.language import analyse
     from eddi_scaffold.language.report import as_json as report_json
     from eddi_scaffold.language.report import as_text
-    from eddi_scaffold.language.targets.names import check_module_name
     from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.targets.names import check_module_name
 
     if serve:
         _serve(port)
         return
     if name is not None:
         check_module_name(name)
-    source, label = _source(text, file)
+    path = file or _file_of(text or "")
+    if None not in {text, file} or {text, file, config} == {None}:
+        hint = 'eddi-scaffold event "x > 5", or: eddi-scaffold event --file overheat.events'
+        raise EddiError(error("E023", "give one expression or one file", hint=hint))
+    if config is not None or (path is not None and _is_model(path)):
+        if check or inputs is not None:
+            hint = "eddi-scaffold check FILE; eddi-scaffold run FILE -c CONFIG --inputs FILE.csv"
+            raise EddiError(error("E026", "--check and --inputs are for conditions", hint=hint))
+        _generate_of_model(path, config, target, name, output, as_json=as_json)
+        return
+    source, label = _source(text or "", path)
     analysis = analyse(source, rate=rate, name=label)
     if analysis.form is None:
         if as_json:
@@ -87,34 +103,25 @@ def event(
             console.json(report_json(analysis))
         else:
             console.data("\n".join(as_text(analysis)))
-    elif output is None and target is Target.c and not as_json:
-        raise EddiError(
-            error("E022", "C code consists of several files: name a folder with --output")
-        )
     else:
         stem = name or ("event" if label == "<expression>" else _name_of(Path(label)))
         _generate(analysis, target, stem, output, as_json=as_json)
 
 
-def _source(text: str | None, file: Path | None) -> tuple[str, str]:
+def _source(text: str, path: Path | None) -> tuple[str, str]:
     """Return the text and the name of its file."""
     from eddi_scaffold.language.findings import EXPRESSION
-    from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.source import read_source
 
-    if (text is None) == (file is None):
-        hint = 'eddi-scaffold event "x > 5", or: eddi-scaffold event --file overheat.events'
-        raise EddiError(error("E023", "give one expression or one file", hint=hint))
-    path = file if file is not None else _file_of(text or "")
     if path is None:
-        return text or "", EXPRESSION
+        return text, EXPRESSION
     return read_source(path).text("E001"), str(path)
 
 
 def _name_of(file: Path) -> str:
     """Return the prefix of files and functions; report it where it is not the file's name."""
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.language.targets.names import module_name
+    from eddi_scaffold.targets.names import module_name
 
     name = module_name(file.stem)
     if name != file.stem:
@@ -171,19 +178,69 @@ def _shown(value: bool | float | None) -> str:
 def _generate(
     analysis: Analysis, target: Target, name: str, output: Path | None, *, as_json: bool
 ) -> None:
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.language.report import as_json as report_json
-    from eddi_scaffold.language.targets import generate
-    from eddi_scaffold.language.targets.kept_bodies import keep_in_folder
-    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.language.standalone import generate
 
     files = generate(analysis, target.value, name)
+    _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
+
+
+def _is_model(path: Path) -> bool:
+    """Return whether a file is a model, not the text of a condition."""
+    from eddi_scaffold.kinds import kinds
+    from eddi_scaffold.readers.eddi import sniff as is_xml
+    from eddi_scaffold.source import read_source
+
+    source = read_source(path)
+    of = next((kind.name for kind in kinds().values() if kind.sniff(source)), None)
+    return of not in {None, "event"} or is_xml(source)
+
+
+def _generate_of_model(
+    path: Path | None,
+    config: Path | None,
+    target: Target,
+    name: str | None,
+    output: Path | None,
+    *,
+    as_json: bool,
+) -> None:
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.monitors.standalone import standalone
+    from eddi_scaffold.packages.assembly import monitors_of, only
+
+    monitors, problems = monitors_of(path, [config] if config is not None else [])
+    monitor = only(monitors)
+    if not as_json:
+        console.problems(problems)
+    files = standalone(monitor, target.value, name or monitor.package)
+    found = [problem.as_json() for problem in problems]
+    _write(files, output, lambda new: {"problems": found, "files": new}, as_json=as_json)
+
+
+def _write(
+    files: Mapping[str, str],
+    output: Path | None,
+    report: Callable[[Mapping[str, str]], Mapping[str, Any]],
+    *,
+    as_json: bool,
+) -> None:
+    """Write the files, or print them: the only one as it is, several as JSON."""
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.targets.kept_bodies import keep_in_folder
+
     lost: list[str] = []
     if output is not None:
         files, lost = keep_in_folder(files, output)
         write(output, {file: FileState(text.encode()) for file, text in files.items()})
     if as_json:
-        console.json(report_json(analysis, files))
+        console.json(report(files))
+    elif output is None and len(files) > 1:
+        raise EddiError(
+            error("E022", "C code consists of several files: name a folder with --output")
+        )
     elif output is None:
         console.data(next(iter(files.values())).rstrip("\n"))
     else:

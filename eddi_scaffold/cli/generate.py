@@ -25,6 +25,14 @@ from eddi_scaffold.platforms import DEFAULT
 
 
 def generate(
+    deployment: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="DEPLOYMENT",
+            help="A deployment.yml, with -o FOLDER alone: a workspace for each of its robots.",
+            show_default=False,
+        ),
+    ] = None,
     model: OptionalModelFile = None,
     workspace: Annotated[
         Path | None,
@@ -60,6 +68,18 @@ def generate(
 
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
     """
+    if deployment is not None:
+        from eddi_scaffold.cli.fleet import generate_fleet
+
+        given = {
+            "--model": model, "--workspace": workspace, "--config": config, "--system": system,
+            "--models": models, "--name": name, "--default-guarantee": default_guarantee,
+            "--runtime": runtime, "--single-process": single_process, "--rename": rename,
+            "--platform": None if platform == DEFAULT else platform,
+        }  # fmt: skip
+        others = [option for option, value in given.items() if value is not None]
+        generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
+        return
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console

@@ -129,6 +129,16 @@ SingleProcess = Annotated[
         show_default=False,
     ),
 ]
+WherePackagesAre = Annotated[
+    Path | None,
+    typer.Option(
+        "-w",
+        "--workspace",
+        "-o",
+        "--output",
+        help="Workspace, or output folder: as `generate` was given it.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
 Force = Annotated[
     bool, typer.Option("--force", help="Also packages that a later eddi-scaffold made.")

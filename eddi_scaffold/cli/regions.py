@@ -8,13 +8,14 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import Json
+from eddi_scaffold.cli.options import Json, WherePackagesAre
 
 
 def regions(
     path: Annotated[
         Path, typer.Argument(help="A package, or a folder that holds packages.")
     ] = Path(),
+    workspace: WherePackagesAre = None,
     check: Annotated[
         bool, typer.Option("--check", help="Exit with 3 when a person must look; for CI.")
     ] = False,
@@ -34,6 +35,7 @@ def regions(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.handwritten import accept_regions, inventory
 
+    path = path if workspace is None else workspace
     for region_id in accept_regions(path, accept) if accept else ():
         console.success(f"accepted {region_id}")
     entries = inventory(path)

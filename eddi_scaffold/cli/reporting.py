@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
 import typer
 
@@ -12,6 +13,10 @@ from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages.generation import Outcome
 
 _SHOWN = 12
+_RECORDS = "/.eddi/"
+_BASE = f"{_RECORDS}base/"
+"""After the folder of a package: what an editable file was last merged with."""
+_SIGNS = {"new": "+", "changed": "~", "removed": "-"}
 
 
 def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -> None:
@@ -24,7 +29,7 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
         diff = outcome.diff()
         if diff:
             console.data(diff.rstrip("\n"))
-        console.say(f"{_files(outcome)} would change below {outcome.root}")
+        console.say(f"{_files(len(outcome.changes))} would change below {outcome.root}")
     else:
         _list_changes(outcome)
     for note in outcome.notes:
@@ -41,29 +46,46 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
             console.say(f"  {step}")
 
 
-def _files(outcome: Outcome) -> str:
-    return "1 file" if len(outcome.changes) == 1 else f"{len(outcome.changes)} files"
+def _files(number: int) -> str:
+    return "1 file" if number == 1 else f"{number} files"
 
 
 def _list_changes(outcome: Outcome) -> None:
+    """Print what changed: each file that may be edited, and a count of the others."""
     if not outcome.changes:
         console.success(f"nothing to change below {outcome.root}")
         return
-    folders: dict[str, list[str]] = defaultdict(list)
-    for path in sorted(outcome.changes):
-        if "/.eddi/" not in path:
-            folder, _, rest = path.partition("/")
-            folders[folder].append(f"{_sign(outcome, path)} {rest}")
-    console.success(f"{outcome.root}: {_files(outcome)}")
-    for folder, lines in folders.items():
-        console.say(f"  {folder}/")
-        for line in lines[:_SHOWN]:
-            console.say(f"    {line}")
-        if len(lines) > _SHOWN:
-            console.say(f"    ... and {len(lines) - _SHOWN} more")
+    records = {path for path in outcome.changes if _RECORDS in path}
+    number = len(outcome.changes) - len(records)
+    console.success(f"{outcome.root}: {_files(number) if number else 'records of hand edits'}")
+    bases = [record.partition(_BASE) for record in records if _BASE in record]
+    editable = {f"{package}/{file}": package for package, _, file in bases}
+    yours = [
+        path
+        for path in outcome.changes
+        if path in editable and _has_code(outcome.root / editable[path])
+    ]
+    if yours:
+        console.say("  yours to edit:")
+        for path in sorted(yours, key=lambda path: (not path.endswith(".py"), path))[:_SHOWN]:
+            console.say(f"    {_SIGNS[_change(outcome, path)]} {path}")
+        if len(yours) > _SHOWN:
+            console.say(f"    ... and {len(yours) - _SHOWN} more")
+    others = sorted(outcome.changes.keys() - records - {*yours})
+    if others:
+        counts = Counter(_change(outcome, path) for path in others)
+        what = ", ".join(f"{counts[change]} {change}" for change in _SIGNS if counts[change])
+        folders = list(dict.fromkeys(path.partition("/")[0] for path in others))
+        more = f" and {len(folders) - _SHOWN} more" if len(folders) > _SHOWN else ""
+        console.say(f"  generated: {what}, in {', '.join(folders[:_SHOWN])}{more}")
 
 
-def _sign(outcome: Outcome, path: str) -> str:
+def _has_code(package: Path) -> bool:
+    """Return whether a package has hand-written code: it is a monitor."""
+    return any(Path(f"{package}{_BASE}").rglob("*.py"))
+
+
+def _change(outcome: Outcome, path: str) -> str:
     if outcome.changes[path] is None:
-        return "-"
-    return "~" if path in outcome.before else "+"
+        return "removed"
+    return "changed" if path in outcome.before else "new"

@@ -54,7 +54,8 @@ def run(
         typer.Option("-i", "--inputs", help="CSV with a column t and one per input."),
     ] = None,
     bag: Annotated[
-        Path | None, typer.Option("--bag", help="ROS 1 bag with the topics of the configurations.")
+        Path | None,
+        typer.Option("--bag", help="ROS 1 or 2 bag with the topics of the configurations."),
     ] = None,
     config: Annotated[
         list[Path] | None,
@@ -130,6 +131,8 @@ def run(
         return play(_parts(monitors, rhythms, package, from_bag=bag is not None), tape)
 
     playing = watched(begun(), console.progress)
+    if package is not None:
+        playing = package.raising(playing, lambda one: console.problems([one], summary=False))
     if as_json:
         for row in steps(playing):
             console.data(json.dumps(row))
@@ -170,7 +173,7 @@ def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> 
             lines = ", ".join(written(package))
             if lines:
                 message = f"the hand-written lines of this package are not used here: {lines}"
-                hint = "run that folder in place of the configuration"
+                hint = "run that folder alone, without configurations"
                 found.append(warning("I022", message, Place(str(package)), hint))
     return found
 

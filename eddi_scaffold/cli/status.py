@@ -8,16 +8,14 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import ConfigFiles, Json
+from eddi_scaffold.cli.options import ConfigFiles, Json, WherePackagesAre
 
 
 def status(
     packages: Annotated[
         list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
     ] = None,
-    workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")
-    ] = None,
+    workspace: WherePackagesAre = None,
     model: Annotated[
         Path | None, typer.Option("-m", "--model", help="Compare with this model file.")
     ] = None,

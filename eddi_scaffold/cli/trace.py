@@ -7,16 +7,14 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import Json
+from eddi_scaffold.cli.options import Json, WherePackagesAre
 
 
 def trace(
     packages: Annotated[
         list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
     ] = None,
-    workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")
-    ] = None,
+    workspace: WherePackagesAre = None,
     as_json: Json = False,
     as_csv: Annotated[
         bool, typer.Option("--csv", help="Print one table for a spreadsheet.")

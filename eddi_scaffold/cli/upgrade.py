@@ -7,16 +7,21 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import ConfigFiles, DryRun, Force, NodeModels, System
+from eddi_scaffold.cli.options import (
+    ConfigFiles,
+    DryRun,
+    Force,
+    NodeModels,
+    System,
+    WherePackagesAre,
+)
 
 
 def upgrade(
     packages: Annotated[
         list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
     ] = None,
-    workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="Catkin workspace or output folder.")
-    ] = None,
+    workspace: WherePackagesAre = None,
     model: Annotated[Path | None, typer.Option("-m", "--model", help="Newer model file.")] = None,
     config: ConfigFiles = None,
     system: System = None,
@@ -24,7 +29,10 @@ def upgrade(
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
-    """Bring generated packages up to date; hand-written lines stay.
+    """Bring all packages of a workspace to newer templates; hand-written lines stay.
+
+    To change a model or a configuration, run `generate` again; with -m or -c this command does the
+    same for packages that are there, and makes no new ones.
 
     Example: eddi-scaffold upgrade -w catkin_ws -m example_v2.xml --dry-run
     """

@@ -13,6 +13,7 @@ from typing import Any
 
 from eddi_scaffold.compiling.document import ModelError, ModelFile
 from eddi_scaffold.compiling.expressions import emission as expressions
+from eddi_scaffold.compiling.program.instructions import Program
 from eddi_scaffold.compiling.text import WIDTH, comment
 
 CORE_FORMAT = 1
@@ -23,7 +24,7 @@ _CONSTANTS = {"INF": 'float("inf")', "NAN": 'float("nan")'}
 KINDS = ("bayesian_network", "consert", "event", "reliability", "safeml")
 """Each is a folder here; its ``emission`` offers ``lines_of``, which writes the class of a monitor,
 the ``FORMAT`` of its part of the runtime and, if there are any, the ``MODULES`` of that part which
-only some monitors import, and ``tables_of``: the files that a monitor reads.
+only some monitors import, ``tables_of``: the files that a monitor reads, and ``program_of``.
 """
 
 
@@ -59,6 +60,17 @@ def tables_of(model_file: ModelFile) -> Mapping[str, str]:
     emission = _emission(model_file.kind)
     offered = getattr(emission, "tables_of", None)
     found: Mapping[str, str] = offered(model_file) if offered is not None else {}
+    return found
+
+
+def program_of(model_file: ModelFile) -> Program | None:
+    """Return the program of a model; None for a kind whose step calls functions of the runtime.
+
+    Raises:
+        ModelError: the model is wrong.
+    """
+    make = getattr(_emission(model_file.kind), "program_of", None)
+    found: Program | None = None if make is None else make(model_file)
     return found
 
 

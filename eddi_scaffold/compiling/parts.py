@@ -28,6 +28,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "expressions/stacks": ("expressions/windows",),
     "expressions/windows": ("expressions",),
     "history": (),
+    "peers": (),
     "reliability": ("clock", "thresholds"),
     "reliability/battery": ("reliability/chain", "reliability/laws"),
     "reliability/chain": ("reliability",),
@@ -51,6 +52,9 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 ``testing`` and ``bayesian_network/asking`` are for people who have the distribution; no monitor
 needs them.
 """
+
+PEERS = "peers"
+"""What a monitor needs that is one of a fleet."""
 
 HOST = "transports/ros1/host"
 """Runs all monitors of a workspace in one process."""

@@ -153,15 +153,15 @@ def returned(part: Part, indent: int) -> list[str]:
     return _lines(Item(part, "return "), "", indent)
 
 
-def unpacked(names: Sequence[str], value: str) -> list[str]:
-    """Return the lines that take a tuple apart, in a method; none for no names."""
+def unpacked(names: Sequence[str], value: str, indent: int = 8) -> list[str]:
+    """Return the lines that take a tuple apart; none for no names."""
     if not names:
         return []
-    target = ", ".join(names) if len(names) > 1 else f"({names[0]},)"
-    line = f"        {target} = {value}"
+    blanks = " " * indent
+    line = f"{blanks}{', '.join(names) if len(names) > 1 else f'({names[0]},)'} = {value}"
     if len(line) <= WIDTH:
         return [line]
-    return ["        (", *(f"            {name}," for name in names), f"        ) = {value}"]
+    return [f"{blanks}(", *(f"{blanks}    {name}," for name in names), f"{blanks}) = {value}"]
 
 
 def _items(parts: Iterable[Part | Item]) -> tuple[Item, ...]:

@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.config.schema import Config
+from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.positioned_yaml.columns import inside_scalar
 from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.source import Source, beside, read_source
 
 KEY = -1
 """Last part of the path under which the place of a key is noted, not that of its value."""
-_EVENT_FILES = "event_files"
+_EVENT_FILES, _TYPES = "event_files", "MessageTypes"
 """Key of the remembered texts of other files."""
 
 
@@ -41,7 +42,7 @@ class ConfigFile:
         document = self.config.model_dump(exclude_defaults=True)
         if self.event_files:
             document[_EVENT_FILES] = dict(self.event_files)
-        return json.dumps(document, sort_keys=True, indent=1)
+        return json.dumps(_sorted(document), indent=1)
 
     def path(self, name: str) -> str:
         """Return the path of a file that is named relative to this configuration, for places."""
@@ -61,7 +62,9 @@ class ConfigFile:
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""
-        return inside_scalar(self.text, self.place(*path))
+        place = self.place(*path)
+        # what a deployment file overrides is not in this text
+        return inside_scalar(self.text if place.file == self.name else "", place)
 
     def place(self, *path: str | int) -> Place:
         """Return the place of a part, or of the nearest part around it."""
@@ -88,3 +91,13 @@ def from_json(text: str, name: str) -> ConfigFile:
 def about_file(problem: Problem, name: str, place: Place) -> Problem:
     """Report the file of a problem at the place where it is named."""
     return replace(problem, message=f"{name!r}: {problem.message}", place=place)
+
+
+def _sorted(value: JsonValue, key: str = "") -> JsonValue:
+    """Return maps with sorted keys; the order of the fields of a message is a part of its type."""
+    if isinstance(value, list):
+        return [_sorted(one) for one in value]
+    if not isinstance(value, dict):
+        return value
+    inner = {name: one if key == _TYPES else _sorted(one, name) for name, one in value.items()}
+    return dict(sorted(inner.items()))

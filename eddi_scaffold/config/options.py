@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from eddi_scaffold.config.file import KEY, ConfigFile
 from eddi_scaffold.config.schema import INPUT_TYPES, ModelSection
+from eddi_scaffold.config.violations import hint_for_decimals
 from eddi_scaffold.kinds import DeclaredInput, Options, kinds
 from eddi_scaffold.problems import NearNames, Place, Problem, error
 
@@ -60,4 +61,5 @@ def unknown_options(
     for key in section:
         if key not in known:
             place = places.get(("Model", key, KEY), Place(file))
-            yield error("K004", f"unknown key {key!r}", place, near.hint(key))
+            hint = hint_for_decimals(key) or near.hint(key)
+            yield error("K004", f"unknown key {key!r}", place, hint)

@@ -12,20 +12,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.config.file import KEY, ConfigFile, about_file
+from eddi_scaffold.config.file import ConfigFile, about_file
 from eddi_scaffold.config.message_types import MessageFields, used
 from eddi_scaffold.config.options import unknown_options
+from eddi_scaffold.config.overriding import overridden
+from eddi_scaffold.config.plain_values import plain_values
 from eddi_scaffold.config.schema import Config, Entry
 from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.config.violations import violations
-from eddi_scaffold.positioned_yaml.nodes import (
-    Items,
-    Map,
-    Node,
-    differs_between_versions,
-    read_map,
-    value_11,
-)
+from eddi_scaffold.positioned_yaml.nodes import Map, read_map
 from eddi_scaffold.problems import (
     EddiError,
     NearNames,
@@ -45,6 +40,9 @@ _ALIASES = {
     "EDDIOOutputs": "EDDIOutputs",
     "SimulatorOutput": "SimulatorOutputs",
 }
+_NO_OUTPUTS = (
+    "SimulatorOutputs has none: `--system FILE --models DIR` takes them from the robot's models"
+)
 
 
 @dataclass(frozen=True)
@@ -61,13 +59,14 @@ class RobotAdditions:
 
 
 def read_config(
-    source: Source, robot: RobotAdditions | None = None
+    source: Source, robot: RobotAdditions | None = None, override: Map | None = None
 ) -> tuple[ConfigFile | None, list[Problem]]:
     """Read a configuration; the result is ``None`` when a problem is an error.
 
     Args:
         source: the file.
         robot: models of the robot, whose topics and message types are used in addition to the file.
+        override: what counts in place of parts of the file.
     """
     if looks_like_xml(source.data):
         return None, [error("K001", "this is XML, not an eddi_config.yml", Place(source.name))]
@@ -75,7 +74,7 @@ def read_config(
     if document is None:
         return None, problems
     places: dict[tuple[str | int, ...], Place] = {}
-    data = _plain(_renamed(document, problems), (), places, problems)
+    data = plain_values(overridden(_renamed(document, problems), override), places, problems)
     # an empty section is an empty list, as D7.2's tools read it
     data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
     if robot is not None:
@@ -171,34 +170,6 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
     return replace(document, entries=tuple(entries))
 
 
-def _plain(
-    node: Node,
-    path: tuple[str | int, ...],
-    places: dict[tuple[str | int, ...], Place],
-    problems: list[Problem],
-) -> Any:
-    """Turn a node graph into plain values; note the place of each."""
-    places[path] = node.place
-    if isinstance(node, Map):
-        result = {}
-        for key, value in node.entries:
-            inner = (*path, key.text)
-            result[key.text] = _plain(value, inner, places, problems)
-            places[(*inner, KEY)] = key.place
-            if isinstance(value, Map | Items):
-                places[inner] = key.place
-        return result
-    if isinstance(node, Items):
-        return [_plain(item, (*path, i), places, problems) for i, item in enumerate(node.items)]
-    if differs_between_versions(node):
-        value = value_11(node)
-        message = f"{node.text!r} is read as {value!r} (YAML 1.1)"
-        problems.append(
-            warning("K008", message, node.place, "write it in quotes if a text is meant")
-        )
-    return value_11(node)
-
-
 def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
     config = file.config
     required_ids = {name for item in config.EDDIInputs for name in item.requires}
@@ -229,5 +200,5 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                     "K007",
                     f"input {item.id!r} requires {required!r}, which is not a simulator output",
                     file.place("EDDIInputs", index, "requires", position),
-                    near.hint(required),
+                    near.hint(required) or (None if known else _NO_OUTPUTS),
                 )

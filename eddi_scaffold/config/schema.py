@@ -31,6 +31,8 @@ INPUT_TYPES: dict[str, InputType] = {
     "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
 }  # fmt: skip
 
+_COMMA = re.compile(r"\d+,\d+")
+"""A number as some languages write it."""
 
 _LONGEST_GRACE = 1e6
 """Seconds that inputs may wait for their first message: more is not a limit at all."""
@@ -59,7 +61,10 @@ def _max_age(value: object) -> object:
     if value == "none" or value is None:
         return value
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError("seconds (a number above 0) or the word none are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+        message = "seconds (a number above 0) or the word none are expected"
+        if isinstance(value, str) and _COMMA.fullmatch(value):
+            raise HintedError(message, f"a decimal point: {value.replace(',', '.')}")
+        raise ValueError(message)  # noqa: TRY004 - pydantic collects ValueErrors
     if not math.isfinite(value) or value <= 0:
         raise ValueError("seconds must be a number above 0, or the word none")
     return float(value)
@@ -82,6 +87,14 @@ def _seconds(value: object) -> object:
         raise ValueError("seconds (a number from 0 on) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
     if not 0 <= value <= _LONGEST_GRACE:
         raise ValueError(f"seconds from 0 to {_LONGEST_GRACE:g} are expected")
+    return float(value)
+
+
+def _positive(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("seconds (a number above 0) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+    if not 0 < value <= _LONGEST_GRACE:
+        raise ValueError(f"seconds above 0, up to {_LONGEST_GRACE:g}, are expected")
     return float(value)
 
 
@@ -113,6 +126,15 @@ def _file_name(text: str) -> str:
 def _named(value: object) -> object:
     """Accept D7.2's ids that YAML 1.1 reads as numbers."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _digest(text: str) -> str:
+    if re.fullmatch("[0-9a-f]{64}", text) is None:
+        raise HintedError(
+            "the SHA-256 of a model is expected: 64 digits of 0-9 and a-f",
+            "it is the `sha256` of config/model.json in the package of that monitor",
+        )
+    return text
 
 
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
@@ -157,16 +179,56 @@ class Entry(_Section):
     id: Name
 
 
+class InputQos(_Section):
+    """How a topic is read on ROS 2: what its publishers must offer, and how many messages wait."""
+
+    reliability: Literal["best_effort", "reliable"] | None = None
+    durability: Literal["volatile", "transient_local"] | None = None
+    depth: Annotated[StrictInt, Field(ge=1, le=10_000)] | None = None
+
+
+class OutputQos(InputQos):
+    """How a topic is published on ROS 2.
+
+    Attributes:
+        deadline: seconds between two messages that are promised.
+        lifespan: seconds after which a message is not delivered any more.
+    """
+
+    deadline: Annotated[float, BeforeValidator(_positive)] | None = None
+    lifespan: Annotated[float, BeforeValidator(_positive)] | None = None
+
+
+class PeersSection(_Section):
+    """Whose word a message must be, among the robots of ``Fleet``.
+
+    Attributes:
+        robots: names in the order in which they count, or ``any`` for any other robot.
+        model: name of the ConSert that must have given it.
+        digest: SHA-256 of that ConSert's data.
+        guarantee: id of the guarantee that is wanted.
+    """
+
+    robots: Annotated[tuple[Line, ...], Field(min_length=1)] | Literal["any"] = "any"
+    model: Name
+    digest: Annotated[StrictStr, AfterValidator(_digest)]
+    guarantee: Name
+
+
 class SimulatorOutput(Entry):
     """One topic of the robot that the monitor listens to.
 
     Attributes:
         max_age: default of the inputs that require it, in seconds.
+        qos: quality of service, on ROS 2.
+        peers: for the word of another robot: whose it must be.
     """
 
     type: MessageType
     topic: Topic
     max_age: MaxAge = None
+    qos: InputQos = InputQos()
+    peers: PeersSection | None = None
 
 
 class InputEntry(Entry):
@@ -177,7 +239,8 @@ class InputEntry(Entry):
         default: value before the first message.
         unit: unit of the value, when it is not the model's.
         field: path into the message (``data``, ``guarantees[G0].active``).
-        expression: a condition or value over the messages (docs/events.md), in place of ``field``.
+        expression: a condition or value over the messages (docs/reference/events.md), in place of
+            ``field``.
         expression_file: file of events, relative to the configuration, that has it in place of
             ``expression``.
         event: which event of that file it is; the only one needs no name.
@@ -214,11 +277,13 @@ class OutputEntry(Entry):
         field: path into the result (``guarantees[G0].active``): its value alone is published, as a
             message of ``std_msgs``; without it the whole result.
         event: of a kind that gives several messages in a step: the id of the one that goes here.
+        qos: quality of service, on ROS 2.
     """
 
     topic: Topic
     field: StrictStr | None = None
     event: Name | None = None
+    qos: OutputQos = OutputQos()
 
 
 class PackageSection(_Section):
@@ -228,6 +293,34 @@ class PackageSection(_Section):
     description: Line | None = None
     maintainer: Annotated[StrictStr, AfterValidator(_maintainer)] | None = None
     license: Line = "Apache-2.0"
+
+
+PEERS_TOPIC, PEERS_LEASE = "/eddi/peers", 1.0
+"""Where robots tell each other their guarantees, and the seconds for which these count."""
+
+
+class FleetSection(_Section):
+    """The robots among which this one is.
+
+    Attributes:
+        robot: its name; the parameter ``robot`` of the node wins.
+        topic: on which each robot tells its guarantees to all.
+        lease: seconds after which a word counts as unknown.
+    """
+
+    robot: Line
+    topic: Topic = PEERS_TOPIC
+    lease: Annotated[float, BeforeValidator(_positive)] = PEERS_LEASE
+
+
+class ConnectSection(_Section):
+    """What ``connect`` reads beside the rest.
+
+    Attributes:
+        synonyms: groups of words that mean the same in the names of this robot.
+    """
+
+    synonyms: list[list[StrictStr]] = []
 
 
 class Config(_Section):
@@ -244,8 +337,10 @@ class Config(_Section):
     declarations: list[StrictStr] = []
     EDDIInputs: list[InputEntry] = []
     EDDIOutputs: list[OutputEntry] = []
+    Fleet: FleetSection | None = None
     Package: PackageSection = PackageSection()
     MessageTypes: dict[MessageType, dict[StrictStr, StrictStr]] = {}
+    connect: ConnectSection = Field(ConnectSection(), exclude=True)  # no package depends on it
 
 
 def known_keys(path: tuple[str | int, ...]) -> set[str]:
@@ -255,7 +350,13 @@ def known_keys(path: tuple[str | int, ...]) -> set[str]:
         "SimulatorOutputs": SimulatorOutput,
         "EDDIInputs": InputEntry,
         "EDDIOutputs": OutputEntry,
+        "Fleet": FleetSection,
         "Package": PackageSection,
+        "connect": ConnectSection,
     }
     section = sections.get(str(path[0])) if path else Config
+    if path[-1:] == ("peers",):
+        section = PeersSection
+    if path[-1:] == ("qos",):
+        section = InputQos if path[0] == "SimulatorOutputs" else OutputQos
     return set(section.model_fields) if section else set()

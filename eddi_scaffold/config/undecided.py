@@ -8,11 +8,16 @@ from eddi_scaffold.kinds import TODO
 from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, as_text
 from eddi_scaffold.problems import Place, Problem, error
 
+_AGE = "write seconds, about 2.5 periods of the topic, or give `connect` a recording: --bag"
+_OTHER = "write it in place of TODO; comments of `connect` say what fits"
+
 
 def undecided(root: Node) -> list[Problem]:
     """Return an error for each value that is still the word TODO, without quotes (K059)."""
-    hint = "write it in place of TODO; comments of `connect` say what fits"
-    return [error("K059", f"to be decided: {name}", place, hint) for name, place in _open(root, "")]
+    return [
+        error("K059", f"to be decided: {name}", place, _AGE if name.endswith("max_age") else _OTHER)
+        for name, place in _open(root, "")
+    ]
 
 
 def _open(node: Node, name: str) -> Iterator[tuple[str, Place]]:

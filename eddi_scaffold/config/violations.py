@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from pydantic import ValidationError
 
@@ -23,9 +23,19 @@ _TEXTS = {
 
 
 def violations(
-    failed: ValidationError, places: Mapping[tuple[str | int, ...], Place], file: str
+    failed: ValidationError,
+    places: Mapping[tuple[str | int, ...], Place],
+    file: str,
+    keys_of: Callable[[tuple[str | int, ...]], set[str]] = known_keys,
 ) -> Iterable[Problem]:
-    """Turn pydantic's findings into problems with a place, one per value."""
+    """Turn pydantic's findings into problems with a place, one per value.
+
+    Args:
+        failed: the findings.
+        places: of the values.
+        file: for what has no place.
+        keys_of: path of a section -> the keys that it has.
+    """
     seen: set[tuple[str | int, ...]] = set()
     for found in failed.errors():
         path = tuple(found["loc"])
@@ -39,10 +49,12 @@ def violations(
         if found["type"] == "missing":
             yield error("K003", f"{_named_path(path) or 'the file'} has no {key!r}", place)
         elif found["type"] == "extra_forbidden":
-            known = known_keys(path[:-1])
+            known = keys_of(path[:-1])
             hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
-            if not key.isidentifier() and (*path[:-1], "expression") in places:
+            if not key.isidentifier() and _key_before(path, places) == "expression":
                 hint = "put the expression in quotes: inside { } a comma ends it"
+            else:
+                hint = hint_for_decimals(key) or hint
             yield error("K004", f"unknown key {key!r}", places.get((*path, KEY), place), hint)
         else:
             raised = found.get("ctx", {}).get("error")  # by our own checks
@@ -53,6 +65,22 @@ def violations(
                 hint = raised.hint
             own = own.replace("Input should be", "must be")  # of pydantic, for a literal
             yield error("K005", f"{_named_path(path) or 'the file'}: {own}", place, hint)
+
+
+def hint_for_decimals(key: str) -> str | None:
+    """Return the hint for a key that is what stood behind the comma of a number."""
+    if not key[:1].isdecimal():
+        return None
+    return "a number has a decimal point: inside { } a comma ends it"
+
+
+def _key_before(
+    path: tuple[str | int, ...], places: Mapping[tuple[str | int, ...], Place]
+) -> str | int | None:
+    """Return the key that stands before one of the same map, passing over what has no name."""
+    keys = [one[-2] for one in places if one[-1:] == (KEY,) and one[:-2] == path[:-1]]
+    before = keys[: keys.index(path[-1])] if path[-1] in keys else []
+    return next((key for key in reversed(before) if str(key).isidentifier()), None)
 
 
 def _named_path(path: Sequence[str | int]) -> str:

@@ -13,6 +13,7 @@ from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import TODO
 
 _SCANS = ("LaserScan", "MultiEchoLaserScan")
+_DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")
 _OWN = "eddi_messages/"
 
 
@@ -50,12 +51,20 @@ def access(need: Need, topic: RobotTopic, leaf: Leaf) -> Access:
         return Access("field", leaf.text.removesuffix("[]"), unit)
     if leaf.is_variance:
         return Access("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
-    if topic.message in _SCANS and leaf.path[0] == "ranges[]" and need.type in ("float", "int"):
+    if topic.message in _SCANS and leaf.path[0] == "ranges[]" and _is_distance(need):
         every = re.sub(r"\[\]", "[*]", leaf.text)
         return Access("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)
     if need.type == "bool" and leaf.type != "bool":
         return Access("expression", f"{name}.{path} == {TODO}", None, is_complete=False)
     return Access("field", path, unit, not leaf.lists and not is_own)
+
+
+def _is_distance(need: Need) -> bool:
+    """Return whether an input is a distance: by its unit, else by its words.
+
+    A scan has other numbers as well: the share of it that fits a map is not its least range.
+    """
+    return need.type in ("float", "int") and (need.unit is not None or need.says(*_DISTANCES))
 
 
 def _unit(need: Need, leaf: Leaf) -> str | None:

@@ -18,12 +18,17 @@ from eddi_scaffold.escaping import one_line
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import TODO, JsonValue
 from eddi_scaffold.positioned_yaml.nodes import dump_plain, quoted
+from eddi_scaffold.quantities import QuantityError, duration
 
 MARK = "# connect:"
 """What the comments of this command begin with; a person's do not."""
 _EXPRESSIBLE = ("bool", "float", "int")
 _PERIODS = 2.5
 _SPARE = 1.2
+_OUTAGE = 10.0
+"""Usual periods after which a pause is none of the rate: its source was dead, or switched off."""
+_RARE = 0.05
+"""Share of the gaps that may be such pauses; a topic with more has no period."""
 _FEW = 3
 """Periods from which a recording says how often a topic is published."""
 
@@ -74,7 +79,14 @@ def recorded_age(times: Sequence[int], where: str) -> Age | None:
     gaps = [(later - earlier) / 1e9 for earlier, later in pairwise(times)]
     if len(gaps) < _FEW or max(gaps) <= 0:
         return None
-    return age_of(median(gaps), max(gaps), f"{len(times)} messages of {where}")
+    usual, why = median(gaps), f"{len(times)} messages of {where}"
+    steady = [gap for gap in gaps if gap <= _OUTAGE * usual] if usual > 0 else gaps
+    left = len(gaps) - len(steady)
+    if left > _RARE * len(gaps):
+        return None  # it has no period
+    if left:
+        why += f", without {left} gap{'s' if left > 1 else ''} of up to {max(gaps):.2g} s"
+    return age_of(usual, max(steady), why)
 
 
 def age_of(period: float, longest: float, why: str) -> Age:
@@ -82,6 +94,21 @@ def age_of(period: float, longest: float, why: str) -> Age:
     wanted = max(_PERIODS * period, _SPARE * longest)
     digit = 10.0 ** (math.floor(math.log10(wanted)) - 1)
     return Age(float(f"{math.ceil(round(wanted / digit, 6)) * digit:.2g}"), why)
+
+
+def deadline_age(deadlines: Sequence[str]) -> Age | None:
+    """Return the limit for a topic by the quality of service of all that publish it.
+
+    Only where each of them promises a deadline with a unit: `100 ms`. The longest counts.
+    """
+    try:
+        found = [duration(one) for one in deadlines]
+    except QuantityError:
+        return None
+    if not found or not all(one.has_unit and one.value > 0 for one in found):
+        return None
+    seconds = max(one.value for one in found) * 3600
+    return age_of(seconds, 0.0, f"2.5 deadlines of {seconds:g} s in its quality of service")
 
 
 def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
@@ -101,12 +128,22 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         topic = best.topic.topic
     else:
         taken, topic = {}, ""
-        keys = ("expression",) if need.type in _EXPRESSIBLE else ("requires", "field")
         note = "one of the above, or another" if decision.candidates else "no topic is known"
-        source = [_todo(key, note) for key in keys]
+        source = _open_source(need, note)
         why = _choice(decision)
-    age = _age_line(topic, ages) if need.needs_age else None
+    if need.timeout is not None:
+        age: str | None = known_age(Age(need.timeout, "TIMEOUT of the model"))
+    else:
+        age = _age_line(topic, ages) if need.needs_age else None
     return EntryDraft(need.id, tuple(why), tuple(source), taken, age)
+
+
+def _open_source(need: Need, note: str) -> list[str]:
+    if need.states:
+        condition = "the condition for it, such as load.data > 60"
+        return ["states:", *(f"  {_todo(quoted(one), condition)}" for one in need.states)]
+    keys = ("expression",) if need.type in _EXPRESSIBLE else ("requires", "field")
+    return [_todo(key, note) for key in keys]
 
 
 def option_lines(

@@ -18,6 +18,8 @@ _SETTING = re.compile(
     r"angle_.*|range_m(?:in|ax)|m(?:in|ax)_range|field_of_view|time_increment|scan_time|"
     r"intensities|origin|significance_level|time_from_start"
 )
+_PICTURES = ("Image", "CameraInfo", "PointCloud2", "OccupancyGrid")
+_SIZES = ("width", "height", "step", "point_step", "row_step", "binning_x", "binning_y")
 _NEVER = ("header", "layout")
 _ABOUT_UNCERTAINTY = ("uncertainty", "covariance", "deviation", "std", "variance", "accuracy")
 _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
@@ -35,7 +37,8 @@ def objection(need: Need, message: str, leaf: Leaf) -> str | None:
         return "posteriors are not evidence"
     if names[0] in _NEVER or names[-1] in _TIMES:
         return "it is about the message"
-    if any(map(_SETTING.fullmatch, names)):
+    is_size = message.rpartition("/")[2] in _PICTURES and names[-1] in _SIZES
+    if is_size or any(map(_SETTING.fullmatch, names)):
         return "it is a setting of the sensor"
     if leaf.path and leaf.is_variance != need.says(*_ABOUT_UNCERTAINTY):
         return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"

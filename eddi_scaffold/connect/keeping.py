@@ -143,8 +143,9 @@ class _Editor:
             id_ = item.get("id") if item.is_map else None
             if id_ is not None and id_.text is not None:
                 known.add(id_.text)
-                if id_.text in there and not item.is_flow:
-                    self._refresh(item, there[id_.text], draft.ages)
+                if id_.text in there:
+                    refresh = self._refresh_age if item.is_flow else self._refresh
+                    refresh(item, there[id_.text], draft.ages)
         new = [line for one in entries if one.id not in known for line in one.lines()]
         if new and items and section.is_flow:
             place = Place(self.name, section.line, 1)
@@ -177,6 +178,15 @@ class _Editor:
         age = draft.age if is_ours else self._age(pairs, ages)
         if "max_age" in open_ and age is not None:
             self._replace_line(pairs["max_age"], (age,), column)
+
+    def _refresh_age(self, item: Span, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
+        """Decide an open age limit of an entry in braces, where the source is decided."""
+        pairs = {key.text: (key, value) for key, value in item.entries() if key.text}
+        age = draft.age if self._takes(pairs, draft) else self._age(pairs, ages)
+        if "max_age" in pairs and self._is_open(pairs["max_age"][1]) and age is not None:
+            key, value = pairs["max_age"]
+            text, _, _ = age.partition("  #")  # a comment would end the braces
+            self.edits.append((key.start, len(self.edits), value.end, text))
 
     def _age(
         self, pairs: Mapping[str, tuple[Span, Span]], ages: Mapping[str, str | None]
@@ -227,6 +237,9 @@ class _Editor:
         self.replace(start, self._line_end(value.end), lines, column)
 
     def _is_open(self, value: Span) -> bool:
+        """Return whether a value is TODO, or a map of nothing else."""
+        if value.is_map and value.children:
+            return all(self._is_open(one) for _, one in value.entries())
         return self.text[value.start : value.end] == TODO
 
     def _line_start(self, offset: int) -> int:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Literal
 
 from eddi_scaffold.connect.access import Access
 from eddi_scaffold.connect.filters import objection
 from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.scoring import ALARM, Candidate, scored, weights
+from eddi_scaffold.connect.scoring import ALARM, Candidate, scored, unsaid, weights
 from eddi_scaffold.connect.topics import FieldsOf, Leaf, RobotTopic, leaves
-from eddi_scaffold.connect.words import best
+from eddi_scaffold.connect.words import words
 
 _SURE = ((50, 8), (32, 15))
 """Score and distance to the next candidate from which a topic is taken."""
@@ -57,11 +57,15 @@ class Offer:
     Attributes:
         field: path of the output in the message.
         why: for a comment.
+        key: name of the output.
+        is_sure: it fulfils the input; else a person decides.
     """
 
     topic: RobotTopic
     field: str
     why: str
+    key: str = ""
+    is_sure: bool = True
 
 
 def decide(
@@ -81,24 +85,37 @@ def decide(
     known = cache(lambda message: tuple(leaves(message, fields_of)))
     given = offers or {}
     return [
-        _offered(need, given[need.id]) if given.get(need.id) else _decide(need, topics, known)
+        _with_offers(need, given.get(need.id, ()), partial(_decide, need, topics, known))
         for need in needs
     ]
 
 
-def _offered(need: Need, offers: Sequence[Offer]) -> Decision:
-    """Return the decision for what is a matter of composition, not of names."""
-    found = tuple(
+def _with_offers(
+    need: Need, offers: Sequence[Offer], decide_by_name: Callable[[], Decision]
+) -> Decision:
+    """Return the decision: what fulfils an input is a matter of composition, not of names."""
+    found = [
         Candidate(
             one.topic,
             Leaf((one.field,), "bool", None),
             Access("field", one.field),
-            {"composition": _COMPOSED},
+            {"composition": _COMPOSED} if one.is_sure else {"name": _likeness(need, one)},
             (one.why,),
         )
         for one in offers
-    )
-    return Decision(need, "taken" if len(found) == 1 else "listed", found)
+    ]
+    if found and offers[0].is_sure:
+        return Decision(need, "taken" if len(found) == 1 else "listed", tuple(found))
+    decision = decide_by_name()
+    if decision.state == "taken" or not found:
+        return decision
+    every = sorted((*decision.candidates, *found), key=lambda one: -one.score)
+    return Decision(need, "listed", tuple(every[:_MOST]))
+
+
+def _likeness(need: Need, offer: Offer) -> int:
+    near = (*words(offer.key), *offer.topic.words)
+    return round(50 * sum(need.fit(one, near) for one in need.words) / len(need.words))
 
 
 def _decide(
@@ -129,7 +146,7 @@ def _decide(
     far = _SURE[-1][1] if lead is None else lead
     sure = any(top.score >= score and far >= distance for score, distance in _SURE)
     is_named = top.parts["name"] >= _LEAST_NAME and ALARM not in top.parts
-    if sure and is_named and top.access.is_complete:
+    if sure and is_named and not unsaid(need, top.topic, top.leaf) and top.access.is_complete:
         return Decision(need, "taken", listed, lead)
     return Decision(need, "listed", listed)
 
@@ -141,7 +158,7 @@ def _missed(
     weight = weights(need, topics)
 
     def near(topic: RobotTopic) -> float:
-        return sum(weight(word) * best(word, topic.words) for word in need.words)
+        return sum(weight(word) * need.fit(word, topic.words) for word in need.words)
 
     topic = min(topics, key=lambda one: (-near(one), one.id), default=None)
     if topic is None or not near(topic):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.connect.words import telling, words
+from eddi_scaffold.connect.words import Synonyms, best, telling, words
 from eddi_scaffold.kinds import InputType, ModelInput
 
 
@@ -19,6 +19,9 @@ class Need:
         description: of the model, for people.
         is_demand: only the output of another monitor can fulfil it.
         needs_age: a value that is too old would be dangerous.
+        states: names of the states of one that is a state.
+        timeout: seconds after which the model takes it as unknown.
+        synonyms: words that mean the same on this robot.
     """
 
     id: str
@@ -27,6 +30,9 @@ class Need:
     description: str = ""
     is_demand: bool = False
     needs_age: bool = True
+    states: tuple[str, ...] = ()
+    timeout: float | None = None
+    synonyms: Synonyms = frozenset()
 
     @cached_property
     def words(self) -> Sequence[str]:
@@ -44,10 +50,24 @@ class Need:
         return frozenset(words(f"{self.id} {self.description}"))
 
     @classmethod
-    def of(cls, item: ModelInput) -> Need:
+    def of(cls, item: ModelInput, synonyms: Synonyms = frozenset()) -> Need:
         """Return what an input of a model needs."""
         text = item.description or ""
-        return cls(item.id, item.type, item.unit, text, item.is_demand, item.safety)
+        return cls(
+            item.id,
+            item.type,
+            item.unit,
+            text,
+            item.is_demand,
+            item.safety,
+            item.states,
+            item.timeout,
+            synonyms,
+        )
+
+    def fit(self, word: str, others: Iterable[str]) -> float:
+        """Return the best match of a word among others, from 0 to 1."""
+        return best(word, others, self.synonyms)
 
     def says(self, *some: str) -> bool:
         """Return whether id or description has one of some words."""

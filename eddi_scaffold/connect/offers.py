@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.connect.draft import Age, age_of
 from eddi_scaffold.connect.matching import Offer
 from eddi_scaffold.connect.topics import RobotTopic
@@ -39,7 +38,9 @@ def offers(
     inputs: Sequence[ModelInput],
     robot: Sequence[RobotTopic],
 ) -> Offers:
-    """Return what fulfils the demands of a model, and evidence of the same id.
+    """Return what fulfils demands, and evidence: what has its id, or what the EDDI names for it.
+
+    For evidence that nothing fulfils, every claim of the others is one that a person may choose.
 
     Args:
         monitors: with their configurations.
@@ -50,23 +51,20 @@ def offers(
     by_topic = {one.topic: one for one in robot}
     new: list[RobotTopic] = []
     found = Offers({}, (), {})
-    for monitor in monitors:
-        config = monitor.config
-        if config is None:
-            continue
-        period = 1.0 / config.config.Model.frequency
-        for one in _claims(monitor, config):
-            fulfilled = [item for item in inputs if _fulfils(monitor, one.key, model, item)]
-            if not fulfilled:
-                continue
+    claims = [(one, claim) for one in monitors for claim in _claims(one)]
+    for item in inputs:
+        sure = [(one, claim) for one, claim in claims if _fulfils(one, claim.key, model, item)]
+        may_be = claims if item.type == "bool" and not item.is_demand else []
+        for monitor, one in sure or may_be:
             if one.topic not in by_topic:
                 name = free_name(attribute(one.output), {have.id for have in by_topic.values()})
                 by_topic[one.topic] = RobotTopic(name, one.type, one.topic)
                 new.append(by_topic[one.topic])
-            found.ages[one.topic] = age_of(period, 0.0, f"2.5 periods of {monitor.model.name}")
-            offer = Offer(by_topic[one.topic], one.field, f"{one.key} fulfils it")
-            for item in fulfilled:
-                found.by_input.setdefault(item.id, []).append(offer)
+            name = monitor.model.name
+            found.ages[one.topic] = age_of(one.period, 0.0, f"2.5 periods of {name}")
+            why = f"{one.key} fulfils it" if sure else f"{one.key} of {name}"
+            offer = Offer(by_topic[one.topic], one.field, why, one.key, is_sure=bool(sure))
+            found.by_input.setdefault(item.id, []).append(offer)
     return Offers(found.by_input, tuple(new), found.ages)
 
 
@@ -78,6 +76,7 @@ class _Claim:
         output: id of the output on which it is published.
         key: id of the guarantee, threshold or event.
         field: its path in the message.
+        period: seconds between two messages.
     """
 
     output: str
@@ -85,16 +84,22 @@ class _Claim:
     topic: str
     key: str
     field: str
+    period: float
 
 
-def _claims(monitor: BoundMonitor, config: ConfigFile) -> Iterator[_Claim]:
-    functions, document = monitor.kind.functions, json.loads(monitor.model_json)["model"]
+def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
+    config = monitor.config
+    if config is None:
+        return
+    period = 1.0 / config.config.Model.frequency
+    functions, document = monitor.kind.functions, json.loads(monitor.model_json)
     ids, parts = functions.ids(monitor.model), list(functions.parts(monitor.model))
+    own = {path: [path] for path in functions.support(document)}
     messages = {"": monitor.kind.output_message, **functions.beside(monitor.model)}
     for output in config.config.EDDIOutputs:
         if output.field is not None:
             continue
-        meanings = functions.meanings(document, output.event)
+        meanings = functions.meanings(document["model"], output.event)
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
         for name, message in messages.items():
@@ -104,14 +109,15 @@ def _claims(monitor: BoundMonitor, config: ConfigFile) -> Iterator[_Claim]:
                 if meaning.silent != _SILENT:
                     continue
                 head, is_list, tail = path.partition("[].")
-                for key in ids.get(head, ()) if is_list else only:
+                for key in ids.get(head, ()) if is_list else own.get(path, only):
                     field = f"{head}[{key_text(key)}].{tail}" if is_list else path
-                    yield _Claim(output.id, type_, topic, key, field)
+                    yield _Claim(output.id, type_, topic, key, field, period)
 
 
 def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:
     if not item.is_demand:
-        return item.type == "bool" and item.id == key
+        named = {claim for name, claim in monitor.model.observes if name == item.id}
+        return item.type == "bool" and (item.id == key or not named.isdisjoint((key, "")))
     unfulfilled = kinds()[model.kind].functions.unfulfilled
     if monitor.model.kind != model.kind or unfulfilled is None:
         return False

@@ -39,7 +39,7 @@ def _row(words: str, dimensions: str, points: str) -> Prior:
 _CELSIUS = "temperature in Celsius, temperature in Kelvin"
 _TABLE = (
     _row(
-        "obstacle distance clearance range proximity scan",
+        "obstacle distance clearance range proximity scan nearest closest",
         "length",
         "LaserScan 20, Range 20, MultiEchoLaserScan 15",
     ),
@@ -51,7 +51,7 @@ _TABLE = (
     _row("yaw rate turn angular", "angular rate", "Odometry 20, Imu 20, TwistStamped 12, Twist 6"),
     _row("acceleration tilt shock", "acceleration", "Imu 20"),
     _row("gps altitude latitude longitude height", "length, angle", "NavSatFix 20"),
-    _row("battery charge soc capacity", "ratio, charge, voltage, current", "BatteryState 20"),
+    _row("battery charge soc capacity level", "ratio, charge, voltage, current", "BatteryState 20"),
     _row("temperature temp", _CELSIUS, "Temperature 20, BatteryState 6"),
     _row("humidity", "ratio", "RelativeHumidity 20"),
     _row("pressure", "pressure", "FluidPressure 20"),

@@ -8,6 +8,7 @@ from typing import Any
 from eddi_scaffold.config.block import ConfigText
 from eddi_scaffold.config.message_types import Fields, declared
 from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.connect.words import Synonyms, words
 from eddi_scaffold.kinds import TODO
 from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, Scalar, read_map, value_11
 from eddi_scaffold.problems import EddiError
@@ -83,3 +84,15 @@ def declared_types(root: Map) -> dict[str, Fields]:
         for name, fields in (given.entries if isinstance(given, Map) else ())
         if isinstance(fields, Map)
     }
+
+
+def synonyms_of(root: Map) -> Synonyms:
+    """Return the words that a configuration says mean the same."""
+    section = root.get("connect")
+    groups = items(section.get("synonyms")) if isinstance(section, Map) else ()
+    return frozenset(
+        frozenset(
+            word for one in items(group) if isinstance(one, Scalar) for word in words(one.text)
+        )
+        for group in groups
+    )

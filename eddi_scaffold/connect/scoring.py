@@ -11,7 +11,7 @@ from eddi_scaffold.connect.access import Access, access, units_of
 from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.priors import TELLING, prior
 from eddi_scaffold.connect.topics import Leaf, RobotTopic
-from eddi_scaffold.connect.words import MEANS_THE_SAME, best, match, words
+from eddi_scaffold.connect.words import MEANS_THE_SAME, words
 
 _NAME = 50
 _COMMANDS = frozenset(("cmd", "command", "setpoint", "goal", "target", "desired", "reference"))
@@ -60,6 +60,29 @@ class Candidate:
         return sum(self.parts.values())
 
 
+def unsaid(need: Need, topic: RobotTopic, leaf: Leaf) -> list[str]:
+    """Return the words of an input without which a value may be something else.
+
+    Of a number, those that no name of it has: a temperature need not be that of the
+    motor. Of a flag among other fields, all, where the field has none of them: any flag of a
+    battery would say that there is power.
+    """
+    inside = words(leaf.text)
+    if leaf.type == "bool":
+        is_said = leaf.is_only or any(need.fit(one, inside) for one in need.words)
+        return [] if is_said else list(need.words)
+    near = (*topic.words, *inside, *words(topic.message))
+    usual, explained = prior(need, topic, leaf)
+    known = {*(explained if usual >= TELLING else ()), *_axis_words(leaf)}
+    return [one for one in need.words if one not in known and not need.fit(one, near)]
+
+
+def _doubt(leaf: Leaf, missing: Sequence[str]) -> str:
+    if leaf.type == "bool" and missing:
+        return f"{leaf.text} may be another flag"
+    return f"nothing says {' or '.join(missing)}" if missing else ""
+
+
 def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float]:
     """Return how much a word of an input tells among some topics: less, where many match it."""
     count = len(topics)
@@ -67,7 +90,7 @@ def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float
     def weight(word: str) -> float:
         if count <= 1:
             return 1.0
-        matching = sum(1 for one in topics if best(word, one.words) >= MEANS_THE_SAME)
+        matching = sum(1 for one in topics if need.fit(word, one.words) >= MEANS_THE_SAME)
         return 0.3 + math.log((count + 1) / (matching + 1)) / math.log(count + 1)
 
     found = {word: weight(word) for word in (*need.words, *need.described)}
@@ -89,6 +112,7 @@ def scored(need: Need, topic: RobotTopic, leaf: Leaf, weight: Callable[[str], fl
         in_unit,
         of_type,
         *(word for word in against if word != "rest"),
+        _doubt(leaf, unsaid(need, topic, leaf)),
     ]
     return Candidate(topic, leaf, taken, parts, [one for one in reasons if one])
 
@@ -105,9 +129,9 @@ def _name(
 
     def fit(word: str) -> float:
         return max(
-            best(word, near),
-            0.9 * best(word, inside),
-            0.7 * best(word, message),
+            need.fit(word, near),
+            0.9 * need.fit(word, inside),
+            0.7 * need.fit(word, message),
             0.6 if word in explained else 0.0,
         )
 
@@ -117,7 +141,7 @@ def _name(
 
     own = mean(need.words)
     both = max(own, 0.6 * own + 0.4 * mean(need.described)) if need.described else own
-    return _NAME * both, [word for word in need.words if best(word, near) > 0]
+    return _NAME * both, [word for word in need.words if need.fit(word, near) > 0]
 
 
 def _unit(need: Need, leaf: Leaf) -> tuple[int, str]:
@@ -171,7 +195,9 @@ def _against(need: Need, topic: RobotTopic, leaf: Leaf) -> dict[str, int]:
     if topic.message.startswith("Joint") and not need.says("joint", "joints", "torque", "effort"):
         found["of joints"] = -20
     unexplained = [
-        one for one in dict.fromkeys(words(topic.topic)) if all(not match(w, one) for w in asked)
+        one
+        for one in dict.fromkeys(words(topic.topic))
+        if all(not need.fit(w, (one,)) for w in asked)
     ]
     if unexplained:
         found["rest"] = -min(5, len(unexplained))
@@ -191,6 +217,15 @@ def _is_axis(need: Need, leaf: Leaf) -> bool:
         (one for one, some in _AXES[vector] if need.every_word & some), _USUAL_AXIS[vector]
     )
     return axis == wanted
+
+
+def _axis_words(leaf: Leaf) -> frozenset[str]:
+    """Return the words that the component of a velocity stands for."""
+    vector, axis = (leaf.path[-2], leaf.path[-1]) if len(leaf.path) > 1 else ("", "")
+    if vector not in _AXES:
+        return frozenset()
+    usual = ("speed", "velocity", *(("front",) if (vector, axis) == ("linear", "x") else ()))
+    return frozenset(usual).union(*(some for one, some in _AXES[vector] if one == axis))
 
 
 def _numbers_differ(need: Need, given: Sequence[str]) -> bool:

@@ -7,7 +7,9 @@ from collections.abc import Iterable
 from functools import cache
 from itertools import takewhile
 
-_SYNONYMS = tuple(
+Synonyms = frozenset[frozenset[str]]
+"""Groups of words; those of a group mean the same."""
+_SYNONYMS: Synonyms = frozenset(
     frozenset(group.split())
     for group in (
         "speed velocity vel",
@@ -39,7 +41,7 @@ _SAME = {"ahead": "front", "forward": "front", "fwd": "front", "back": "rear", "
 _SAYING_NOTHING = frozenset([
     "the", "is", "a", "of", "in", "to", "and", "an", "are", "data", "eddi", "input", "value",
     "state", "rt", "msg", "nearest", "minimum", "min", "max", "vehicle", "robot", "system",
-    "sensor", "monitor", "node", "topic", "measured", "actual",
+    "sensor", "monitor", "node", "topic", "measured", "actual", "ambient",
 ])  # fmt: skip
 _BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _LONG = 4
@@ -61,11 +63,11 @@ def telling(text: str) -> list[str]:
 
 
 @cache
-def match(first: str, second: str) -> float:
-    """Return how far two words mean the same, from 0 to 1."""
+def match(first: str, second: str, more: Synonyms = frozenset()) -> float:
+    """Return how far two words mean the same, from 0 to 1; ``more`` are synonyms of the robot."""
     if first == second:
         return 1.0
-    if any(first in group and second in group for group in _SYNONYMS):
+    if any(first in group and second in group for group in _SYNONYMS | more):
         return 0.8
     shorter = min(len(first), len(second))
     common = sum(
@@ -76,6 +78,6 @@ def match(first: str, second: str) -> float:
     return 0.6 if common >= _COMMON and 2 * common >= max(len(first), len(second)) else 0.0
 
 
-def best(word: str, others: Iterable[str]) -> float:
+def best(word: str, others: Iterable[str], more: Synonyms = frozenset()) -> float:
     """Return the best match of a word among others."""
-    return max((match(word, other) for other in others), default=0.0)
+    return max((match(word, other, more) for other in others), default=0.0)

@@ -1,1 +1,1 @@
-"""Deployments: several monitors, wired by topics, on one platform."""
+"""Deployments: several monitors, wired by topics, on one platform or on several robots."""

@@ -8,9 +8,11 @@ from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.fleet.reading import is_fleet
 from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.config.topic_types import check_types
+from eddi_scaffold.deployments.fleet.checking import check_fleet
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.check import members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
@@ -20,7 +22,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.choosing import without_model
 from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
-from eddi_scaffold.problems import EddiError, Problem, has_errors
+from eddi_scaffold.problems import EddiError, Problem, has_errors, info, listed
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
 
@@ -57,7 +59,15 @@ def check_files(
         EddiError: there is no such platform.
     """
     target = chosen(platform) if platform is not None else None
-    models, configs, problems = _read_files(files, default_guarantees, robot, target)
+    read = partial(_named, marks=default_guarantees)
+    files, fleets = _fleets(files)
+    problems: list[Problem] = []
+    for fleet in fleets:
+        found, named = check_fleet(fleet, read)
+        problems += found
+        files = [file for file in files if file.resolve() not in named]  # these are checked there
+    models, configs, found = _read_files(files, default_guarantees, robot, target)
+    problems += found
     alone = [] if models else [config for config in configs if not _names_its_model(config)]
     if not has_errors(problems):  # else what is wrong may be the file with their models
         problems += [found for config in alone for found in _check_without_model(config, target)]
@@ -65,6 +75,23 @@ def check_files(
     if target is None and configs:
         target = chosen(DEFAULT)
     return problems + _together(models, configs, target, default_guarantees)
+
+
+def _fleets(files: Iterable[Path]) -> tuple[list[Path], list[Source]]:
+    """Return the files that are no deployment files, and those that are."""
+    others: list[Path] = []
+    fleets: list[Source] = []
+    for path in files:
+        try:
+            source = read_source(path)
+        except EddiError:  # reported when it is read as what it is
+            others.append(path)
+            continue
+        if is_fleet(source):
+            fleets.append(source)
+        else:
+            others.append(path)
+    return others, fleets
 
 
 def _read_files(
@@ -144,7 +171,18 @@ def _together(
     monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
     problems += packages_of(monitors, platform, None)[1]
     problems += absent_publishers(deployment(members_of(monitors)))
-    return [*problems, *_by_hand(monitors)]
+    return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
+
+
+def _unbound(models: Sequence[Model], monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
+    """Name the models of an EDDI that should observe something, but run nowhere (X037)."""
+    bound = {(one.model.source.name, one.model.place.path) for one in monitors if one.config}
+    for model in models if bound else ():
+        if model.observes and (model.source.name, model.place.path) not in bound:
+            of = listed({name: None for name, _ in model.observes})
+            message = f"{of}: observed by {model.name}, for which no configuration is given"
+            hint = f"`connect --name {model.name}` drafts one"
+            yield info("X037", message, model.place, hint)
 
 
 def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:

@@ -42,8 +42,7 @@ def join(
         The monitors without errors, and all problems.
     """
     problems = list(check_neighbours(configs))
-    monitors: list[BoundMonitor] = []
-    joined: list[tuple[Model, _Joined]] = []
+    pairs: list[tuple[Model, ConfigFile | None]] = []
     for config in configs:
         try:
             reading = candidates(config, models, read)
@@ -52,15 +51,32 @@ def join(
         except EddiError as failure:
             problems += failure.problems
             continue
-        joined.append((model, _of(model, config, marks)))
+        pairs.append((model, config))
     if not configs:
-        joined = [(model, _of(model, None, marks)) for model in models]
+        pairs = [(model, None) for model in models]
+    monitors, found = join_pairs(pairs, marks)
+    return monitors, [*problems, *found, *check_wiring(members_of(monitors))]
+
+
+def join_pairs(
+    pairs: Sequence[tuple[Model, ConfigFile | None]], marks: Sequence[str] = ()
+) -> tuple[list[BoundMonitor], list[Problem]]:
+    """Join models with their configurations, but do not look at the wiring between them.
+
+    Args:
+        pairs: the models and configurations of one robot.
+        marks: the default guarantees that are marked.
+
+    Returns:
+        The monitors without errors, and all problems.
+    """
+    problems: list[Problem] = []
+    monitors: list[BoundMonitor] = []
+    joined = [(model, _of(model, config, marks)) for model, config in pairs]
     for monitor, found in _with_ages(joined, marks):
         problems += found
         monitors += [monitor] if monitor is not None else []
-    problems += check_ids(monitors)
-    problems += check_wiring(members_of(monitors))
-    return monitors, problems
+    return monitors, [*problems, *check_ids(monitors)]
 
 
 def packages_of(

@@ -9,8 +9,9 @@ Shape = Literal["box", "rounded", "ellipse", "hexagon", "table", "and", "or", "n
 """``table``: a heading with rows below. ``and``, ``or`` and ``not`` are the gates of fault trees
 (IEC 61025), with their output at the top; a vote is an ``or`` with ``2/3`` as its label."""
 
-Tone = Literal["output", "input", "demand", "gate", "neutral", "warning"]
-"""What something is, as a colour: given out, observed here, expected of others, logic, other."""
+Tone = Literal["output", "input", "demand", "gate", "neutral", "warning", "refused"]
+"""What something is, as a colour: given out, observed here, expected of others, logic, other, what
+needs a look, what is known not to hold."""
 
 Direction = Literal["up", "down"]
 """``up``: edges lead to what is above (ConSerts, fault trees); ``down``: below (networks)."""

@@ -16,6 +16,7 @@ _TONES: dict[Tone, tuple[str, str]] = {
     "gate": ("#ffffff", "#1f2933"),
     "neutral": ("#f5f7fa", "#52606d"),
     "warning": ("#fff4d6", "#b07c00"),
+    "refused": ("#fde8e6", "#9b1c13"),
 }
 _STYLE = (
     "text{font:12px sans-serif;fill:#1f2933;text-anchor:middle}"

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Generic, Literal, NoReturn, TypeAlias, TypeVar
 
 from eddi_scaffold.claims import Acceptance, Meanings, Use
 from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.verdicts import Listen
 
 if TYPE_CHECKING:
     from eddi_scaffold.diagrams import Diagram
@@ -56,6 +57,8 @@ class ModelInput:
         attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
             made of the id.
         sample: a value that it has while all is in order, for the example of a package.
+        states: names of the states of one that is a state, for a draft.
+        timeout: seconds after which the model takes it as unknown, for a draft.
         is_demand: what other systems have to fulfil.
         uses: how its value can bring a claim of the monitor nearer; by default any value that is
             known may.
@@ -72,6 +75,8 @@ class ModelInput:
     every_message: bool = False
     attribute: str | None = None
     sample: JsonValue = None
+    states: tuple[str, ...] = ()
+    timeout: float | None = None
     is_demand: bool = False
     uses: tuple[Use, ...] = (Use(),)
 
@@ -115,6 +120,8 @@ class TypedModel(Generic[D_co, C_co]):
         file_stem: what the model's own file is called, empty where that has several, or is known
             by the model's name: the package of a model without a configuration.
         links: path of an element -> what is linked with it in the EDDI.
+        observes: elements of the EDDI that name this model as what observes them, each with the
+            event or threshold that it names; empty for the only one.
     """
 
     kind: str
@@ -125,6 +132,7 @@ class TypedModel(Generic[D_co, C_co]):
     options: C_co | None = None
     file_stem: str = ""
     links: Links = field(default_factory=dict)
+    observes: tuple[tuple[str, str], ...] = ()
 
 
 Model = TypedModel[object, object]
@@ -409,6 +417,7 @@ class Kind(Generic[M]):
         in_eddi: XPath, below a root of an EDDI, of all that its models may be read from; empty
             for a kind of which an EDDI has none.
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
+        between_robots: the same for what robots tell each other, of a kind that has guarantees.
         output_message: name of the message that the monitor publishes.
         topic: last part of the topic that a drafted configuration publishes it on.
         options: keys of ``Model:`` in a configuration that this kind understands.
@@ -418,6 +427,7 @@ class Kind(Generic[M]):
         aliases: generated modules with the names of SESAME D7.2.
         requirements: what the runtime of this kind needs from PyPI.
         named_by_config: its files hold one model without a name; the configuration's id is one.
+        verdicts: ROS message name -> what a message of it says, for who only looks on.
         load: imports the functions of the kind, with all that they need.
     """
 
@@ -431,12 +441,19 @@ class Kind(Generic[M]):
     topic: str = "result"
     in_eddi: str = ""
     options: tuple[str, ...] = ()
+    between_robots: Mapping[str, str] = field(default_factory=dict)
     respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = _nothing
     inputs_of_model: bool = True
     without_input: str = "nothing that needs it becomes known"
     aliases: tuple[Alias, ...] = ()
     requirements: tuple[str, ...] = ()
     named_by_config: bool = False
+    verdicts: Mapping[str, Listen] = field(default_factory=dict)
+
+    @property
+    def all_messages(self) -> Mapping[str, str]:
+        """The messages of its monitors, and those between robots."""
+        return {**self.messages, **self.between_robots}
 
     @property
     def functions(self) -> Functions[M]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from eddi_scaffold.compiling.expressions.form import BUFFERED, MAX_CAPACITY
-from eddi_scaffold.compiling.expressions.form import WINDOWS as WINDOW_OPS
+from eddi_scaffold.compiling.expressions.form import MAX_CAPACITY
+from eddi_scaffold.compiling.program.instructions import BUFFERED
+from eddi_scaffold.compiling.program.instructions import WINDOWS as WINDOW_OPS
 from eddi_scaffold.language.alignment import Pair, Value, aligned
+from eddi_scaffold.language.bounds import Bounds, bounds, decided
 from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.form_builder import GraphBuilder, capacity
 from eddi_scaffold.language.reductions import Elements, elements_of, reduced, unit_of_list
@@ -170,7 +172,7 @@ class Checker:
             if not variable.declared and node.text not in self._reported:
                 self._reported.add(node.text)
                 message = f"the type of {node.text!r} is not known"
-                hint = _VAR_ADVICE.format(node.text)
+                hint = variable.advice or _VAR_ADVICE.format(node.text)
                 self._findings.error("E008", node.start, message, hint)
             return None
         used = self.used if self._inside is None else self._inside.used
@@ -242,6 +244,8 @@ class Checker:
             if pair is None:
                 return None
             args = list(pair)
+            if op in (*_ORDER, "eq", "ne"):
+                self._warn_decided(node, args)
             unit = args[0].unit or args[1].unit if op in _UNIT_OF_BOTH else None
         if op == "hypot":
             return self._hypot(args, unit, at)
@@ -257,6 +261,33 @@ class Checker:
             unit = root(args[0].unit)
         made = self._builder.operation(op, tuple(arg.node for arg in args), at)
         return Value(result_of(op), unit, made)
+
+    def _warn_decided(self, node: SyntaxNode, args: list[Value]) -> None:
+        """Warn of a comparison that the declared range of its variable decides alone."""
+        both = [self._bounds(k, arg) for k, arg in zip(node.args, args, strict=True)]
+        truth = decided(node.op, *both)
+        if truth is None or all(self._builder.is_constant(arg.node) for arg in args):
+            return
+        left, right = (
+            f"{low:g} .. {high:g}" if low < high else f"{low:g}" for low, high in filter(None, both)
+        )
+        unit = args[0].unit or args[1].unit
+        message = (
+            f"this is always {'TRUE' if truth else 'FALSE'} while it is known: "
+            f"{left} {OPERATORS[node.op]} {right}{f', in {unit}' if unit else ''}"
+        )
+        hint = "the RANGE decides alone: check the limit, the RANGE and their units"
+        self._findings.warning("W007", node.at, message, hint)
+
+    def _bounds(self, k: int, arg: Value) -> Bounds | None:
+        if self._builder.is_constant(arg.node):
+            value = self._builder.value(arg.node)
+            return None if value is None else (value, value)
+        return bounds(self._file.nodes, self._file.nodes[k], self._range)
+
+    def _range(self, name: str) -> Bounds | None:
+        found = self._scope.variables.get(name)
+        return None if found is None or found.infinite else found.range
 
     def _number_of(self, node: SyntaxNode, arg: Value) -> Value | None:
         operand = self._file.nodes[node.args[0]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 
 from eddi_scaffold.language.cursor import Wrong
@@ -17,6 +17,7 @@ from eddi_scaffold.language.syntax import (
     VarDeclaration,
 )
 from eddi_scaffold.language.tokens import Token, tokens_of
+from eddi_scaffold.problems import did_you_mean
 
 MAX_TEXT = 64 * 1024
 ANONYMOUS = "event"
@@ -69,7 +70,8 @@ class _Parser(ExpressionParser):
                 readers.get(self._declaration(), bare)()
                 if not self._at_declaration():
                     message = f"unexpected {self._token.shown}: the text before is complete"
-                    self._fail("E003", message, hint=self._comparison_hint())
+                    hint = self._comparison_hint() or self._misspelt(before, readers)
+                    self._fail("E003", message, hint=hint)
             except Wrong:
                 broken.add(self._declared)
                 self._skip(before)
@@ -81,6 +83,16 @@ class _Parser(ExpressionParser):
             tuple(events),
             frozenset(broken),
         )
+
+    def _misspelt(self, first: int, keywords: Collection[str]) -> str | None:
+        """Return the hint at the keyword that a text of one word may be meant to be."""
+        word = self._tokens[first]
+        if self._k != first + 1 or word.kind != "word" or self._token.kind != "word":
+            return None
+        hint = did_you_mean(word.word, keywords)
+        if hint is not None:
+            self._declared = word.text  # it is no variable that is missing
+        return hint
 
     def _at_declaration(self) -> bool:
         """Return whether a declaration, or a bare expression after them, may begin here."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.expressions.form import BOOL
+from eddi_scaffold.compiling.program.instructions import BOOL
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.syntax import is_list_path
 
@@ -57,8 +57,8 @@ def play(
         yield (
             t,
             {
-                output.id: verdict(value, engine.form.nodes[output.node].type)
-                for output, value in zip(engine.form.outputs, found, strict=True)
+                one.id: verdict(value, engine.program.operations[one.operation].type)
+                for one, value in zip(engine.program.results, found, strict=True)
             },
         )
 

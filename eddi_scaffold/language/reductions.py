@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from eddi_scaffold.compiling.expressions.reduction import OPERATIONS, TRUTHS
+from eddi_scaffold.compiling.program.reduction import OPERATIONS, TRUTHS
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.form_builder import GraphBuilder

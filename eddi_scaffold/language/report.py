@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.compiling.expressions.form import BUFFERED, LEAVES, WINDOWS, Node, read_form
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.compiling.program.instructions import BUFFERED, LEAVES, WINDOWS, Operation
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.canonical import duration_text
 from eddi_scaffold.language.scope import Variable
@@ -57,10 +58,10 @@ def as_text(analysis: Analysis) -> list[str]:
 
 def cost_line(document: Mapping[str, Any]) -> str:
     """Return one line on memory (of the C target) and operations in a step."""
-    form = read_form(document)
-    operations = sum(node.op not in LEAVES for node in form.nodes)
-    windows = sum(node.op in WINDOWS for node in form.nodes)
-    memory = sum(_bytes(node) for node in form.nodes)
+    done = read_form(document).operations
+    operations = sum(one.op not in LEAVES for one in done)
+    windows = sum(one.op in WINDOWS for one in done)
+    memory = sum(map(_bytes, done))
     size = f"{memory / 1024:.1f} KiB" if memory >= 1024 else f"{memory} bytes"
     return f"a step: {_counted(operations, 'operation')}, {_counted(windows, 'window')}, {size}"
 
@@ -69,12 +70,12 @@ def _counted(number: int, what: str) -> str:
     return f"{number} {what}{'s' if number != 1 else ''}"
 
 
-def _bytes(node: Node) -> int:
-    """Return what a node remembers in C, about."""
-    if node.op in BUFFERED:
-        covered = 0 if node.coverage is None else 9 * node.capacity + _RING_BYTES
-        return 8 * _ARRAYS.get(node.op, 2) * node.capacity + _RING_BYTES + covered
-    return 0 if node.op in LEAVES else 16
+def _bytes(one: Operation) -> int:
+    """Return what an operation remembers in C, about."""
+    if one.op in BUFFERED:
+        covered = 0 if one.coverage is None else 9 * one.capacity + _RING_BYTES
+        return 8 * _ARRAYS.get(one.op, 2) * one.capacity + _RING_BYTES + covered
+    return 0 if one.op in LEAVES else 16
 
 
 def _variable_json(variable: Variable) -> dict[str, Any]:

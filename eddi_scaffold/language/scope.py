@@ -55,6 +55,7 @@ class Variable:
         within: names of the numbers between which its finite values are measurements.
         reduction: how it is made of lists, as in the intermediate form.
         parts: what it is made of.
+        advice: how to say its type, where that is not for a VAR.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Variable:
     within: tuple[str, str] | None = None
     reduction: Mapping[str, Any] | None = None
     parts: tuple[Variable, ...] = ()
+    advice: str = ""
 
 
 @dataclass

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from eddi_scaffold.compiling.expressions.form import SIGNATURES
-from eddi_scaffold.compiling.expressions.reduction import TRUTHS
+from eddi_scaffold.compiling.program.reduction import TRUTHS
 from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type
 from eddi_scaffold.language.syntax import REDUCTIONS
 

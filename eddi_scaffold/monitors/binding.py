@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from eddi_scaffold import units
@@ -18,12 +18,14 @@ from eddi_scaffold.config.message_types import (
     Fields,
     MessageFields,
     declared,
+    element,
+    is_primitive,
     known_messages,
     python_type,
 )
 from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
-from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
+from eddi_scaffold.config.schema import FleetSection, InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
@@ -143,7 +145,8 @@ def monitor_of(
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
-    bindings, found = _bind(model, kind, config, _known_types(config))
+    known = known_types(config, known_messages())
+    bindings, found = bind_inputs(model, kind, config, known)
     problems = [*problems, *found]
     if config is not None:
         used = {source.id for binding in bindings for source in binding.requires}
@@ -165,14 +168,14 @@ def monitor_of(
     return monitor, problems
 
 
-def _known_types(config: ConfigFile | None) -> MessageFields:
+def known_types(config: ConfigFile | None, known: MessageFields) -> MessageFields:
     """Return all known types, and those that a configuration declares itself; its word counts."""
     given = config.config.MessageTypes if config is not None else {}
     own = {
         name: declared(((of, field) for field, of in fields.items()), name.partition("/")[0])
         for name, fields in given.items()
     }
-    return {**known_messages(), **own}
+    return {**known, **own}
 
 
 def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str, JsonValue]:
@@ -205,9 +208,17 @@ def _check_model_section(model: Model, kind: Kind[Model], config: ConfigFile) ->
         yield warning("K012", message, config.place("Model", "id"))
 
 
-def _bind(
+def bind_inputs(
     model: Model, kind: Kind[Model], config: ConfigFile | None, known: MessageFields
 ) -> tuple[list[InputBinding], list[Problem]]:
+    """Return how each input of a configured model gets its value, and what does not fit.
+
+    Args:
+        model: what is monitored.
+        kind: of the model.
+        config: how it is connected, if it is.
+        known: the types of messages.
+    """
     inputs = kind.functions.inputs(model)
     if config is None:
         return [_unconfigured(item) for item in inputs], []
@@ -357,7 +368,11 @@ class _InputBinder:
             self._error("K016", message, "type")
 
     def _max_age(self) -> float | str | None:
-        max_age = self.entry.max_age if self.entry.max_age is not None else _shortest(self.requires)
+        max_age = (
+            self.entry.max_age
+            if self.entry.max_age is not None
+            else _shortest(self.requires, self.config.config.Fleet)
+        )
         if max_age is None and self.item.safety and self.requires:
             topics = ", ".join(source.topic for source in self.requires)
             message = (
@@ -389,9 +404,21 @@ class _InputBinder:
             return None
         argument = self.arguments[0]
         of_type = self.fields.get(argument)
+        peers = self.requires[0].peers
+        if entry.field is None and peers is not None and "guarantees" in (of_type or {}):
+            field = f"guarantees[{peers.guarantee}].active"
+            return self._taken(argument, self.requires[0].type, field)
         if entry.field is None:
+            self._warn_unfit(self.requires[0].type)
             return _only_fitting_field(argument, of_type, self.item.type)
         return self._taken(argument, self.requires[0].type, entry.field)
+
+    def _warn_unfit(self, message: str) -> None:
+        """Warn of a message without any value of the type of the input."""
+        if holds(message, self.item.type, self._fields_of) is False:
+            text = f"{self.item.id!r} is of type {self.item.type}, and no field of {message} is"
+            hint = "is it the right topic? An `expression:` or code in EDDIInput.py can convert it"
+            self.problems.append(warning("K062", text, self._place("requires"), hint))
 
     def _numbers(self) -> str | None:
         """Return the expression for a list of numbers, joined where several messages hold it.
@@ -474,9 +501,10 @@ class _InputBinder:
             return None
         factor = (self.item.units or {}).get(given)
         if factor is None:
-            fitting = ", ".join(unit or '""' for unit in self.item.units or {})
+            fitting = [unit or '""' for unit in self.item.units or {}]
             message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
-            self._error("K022", message, "unit", f"units that can be: {fitting}")
+            hint = NearNames(fitting, "units that can be").hint(given)
+            self._error("K022", message, "unit", hint)
             return None
         return None if factor[0] == factor[1] else factor
 
@@ -502,8 +530,13 @@ class _InputBinder:
         self._error("K024", message, "default", hint)
 
 
-def _shortest(requires: Sequence[SimulatorOutput]) -> float | str | None:
-    ages = [source.max_age for source in requires if source.max_age is not None]
+def _shortest(
+    requires: Sequence[SimulatorOutput], fleet: FleetSection | None
+) -> float | str | None:
+    """Return the least age that the sources allow; the word of a robot has a lease."""
+    lease = fleet.lease if fleet is not None else None
+    allowed = (lease if one.peers and one.max_age is None else one.max_age for one in requires)
+    ages = [age for age in allowed if age is not None]
     numbers = [age for age in ages if not isinstance(age, str)]
     return min(numbers) if numbers else (ages[0] if ages else None)
 
@@ -515,6 +548,23 @@ def _only_fitting_field(
         return None
     ((name, of),) = of_type.items()
     return f"{argument}.{name}" if fits(python_type(of), wanted) else None
+
+
+def holds(message: str, wanted: str, fields_of: Callable[[str], Fields | None]) -> bool | None:
+    """Return whether a message has a value for an input, ``None`` where that is not known."""
+    types, is_known = [message], True
+    for one in types:  # grows: a type is looked into once, however often it occurs
+        inside = fields_of(one)
+        is_known = is_known and inside is not None
+        for name, of in (inside or {}).items():
+            single = element(of) or of
+            if name == "header":
+                continue
+            if not is_primitive(single):
+                types += [single] if single not in types else []
+            elif fits(python_type(of), wanted) or fits(python_type(single), wanted):
+                return True
+    return False if is_known else None
 
 
 def fits(given: str, wanted: str) -> bool:

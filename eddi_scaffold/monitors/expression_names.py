@@ -88,7 +88,9 @@ class ExpressionNames:
             message = f"{name} is a {of}; an expression needs a number or a boolean"
             self.problems.append(error("K020", message, locate(at)))
             return None
-        variable = Variable(name, _TYPES.get(of or ""), timeout=timeout, declared=of is not None)
+        advice = f"declare the fields of {source.type} below MessageTypes"
+        type_, known = _TYPES.get(of or ""), of is not None
+        variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
         return self._documented(variable, found.path, source)
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
@@ -115,10 +117,17 @@ class ExpressionNames:
         head = head_of(name)
         if head not in self._sources and not (head in self._inputs and head == name):
             names = [*self._sources, *self._inputs]
-            hint = did_you_mean(head, names) or f"there are: {', '.join(names) or 'none'}"
+            fields = [
+                f"{of}.{name}" for of, source in self._sources.items() if self._has(source, head)
+            ]
+            hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
+            hint = hint or f"there are: {', '.join(names) or 'none'}"
             message = f"there is no simulator output {head!r}"
             self.problems.append(error("E008", message, locate(at), hint))
         return self._sources.get(head)
+
+    def _has(self, source: SimulatorOutput, field: str) -> bool:
+        return field in (self._fields_of(source.type) or {})
 
     def _resolve(
         self, name: str, source: SimulatorOutput, locate: Locate, at: int

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from eddi_scaffold.config.fleet.reading import is_fleet
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros
 from eddi_scaffold.positioned_yaml.nodes import read_map
@@ -42,10 +43,10 @@ def _is_ours(path: Path) -> bool:
 
 
 def _may_be(source: Source) -> bool:
-    """Return whether a file is an EDDI or a configuration, or too damaged to tell."""
+    """Return whether a file is an EDDI, a configuration or a deployment, or too damaged to tell."""
     if is_xml(source):
         document, _ = read_document(source)
         return document is None or foreign(document) is None
     if source.name.lower().endswith(YAML_SUFFIXES):
-        return is_config(source) or read_map(source, "K001")[0] is None
+        return is_config(source) or is_fleet(source) or read_map(source, "K001")[0] is None
     return False

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from eddi_scaffold.config.fleet.reading import is_fleet
 from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
 from eddi_scaffold.positioned_yaml.nodes import read_map
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
@@ -63,6 +64,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         hint = "name the EDDI XML or ConSert YAML that it belongs to"
         message = "this is an eddi_config.yml, not a model"
         return Reading((), (error("F008", message, Place(source.name), hint),))
+    if is_fleet(source):
+        hint = "`check`, `generate` and `diagram` read it"
+        message = "this is a deployment file, not a model"
+        return Reading((), (error("F008", message, Place(source.name), hint),))
     if is_mros(source):
         message = "this describes the robot's nodes, it is not a model of its dependability"
         hint = "parse-rossystem, or generate --system with --models, reads it"
@@ -94,7 +99,14 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
     seen = observed(document)
     problems = [*problems, *seen.problems]
     links = links_of(document, seen) if models else {}
-    models = [replace(model, links=links_in(document, model.place, links)) for model in models]
+    models = [
+        replace(
+            model,
+            links=links_in(document, model.place, links),
+            observes=seen.by_model(document, model.place.path),
+        )
+        for model in models
+    ]
     found = foreign(document) if not models else None
     if found is not None:
         return Reading((), (found,))

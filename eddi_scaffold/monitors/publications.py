@@ -124,3 +124,10 @@ def _value_at(path: FieldPath, message: str) -> ResolvedPath:
 def _std_msgs(end: ResolvedPath) -> str:
     assert end.type is not None
     return f"std_msgs/{_OF_STD_MSGS[end.type]}"
+
+
+def read_respelt(message: str, place: Place) -> Problem:
+    """Return the error of a monitor that reads a message of ours by the usual names (G026)."""
+    text = f"it reads {message}, whose fields get other names for another monitor"
+    hint = "let it read the status message of that monitor, on `<topic>/status`"
+    return error("G026", text, place, hint)

@@ -122,7 +122,11 @@ class System:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """A publisher, subscriber, ... of a node as its model names it."""
+    """A publisher, subscriber, ... of a node as its model names it.
+
+    Attributes:
+        deadline: of its quality of service, as it is written; empty for none.
+    """
 
     kind: InterfaceKind
     name: str
@@ -132,6 +136,7 @@ class Interface:
     col: int
     type_line: int
     type_col: int
+    deadline: str = ""
 
 
 @dataclass(frozen=True, slots=True)

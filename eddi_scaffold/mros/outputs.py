@@ -134,6 +134,7 @@ class _Entry:
     type: str
     kind: TopicKind
     components: list[str]
+    deadlines: list[str]
 
 
 @dataclass
@@ -178,9 +179,9 @@ class _Collected:
         self, topic: str, one: ResolvedInterface, name: str, type_: str, kind: TopicKind
     ) -> None:
         known = self.topics.get(topic)
-        provider = one.component.name
+        provider, deadline = one.component.name, one.definition.interface.deadline
         if known is None:
-            self.topics[topic] = _Entry(one, name, type_, kind, [provider])
+            self.topics[topic] = _Entry(one, name, type_, kind, [provider], [deadline])
             return
         if known.type != type_:
             message = (
@@ -191,6 +192,7 @@ class _Collected:
             self.problems.append(level("M014", message, one.place))
         if known.kind == kind and provider not in known.components:
             known.components.append(provider)
+            known.deadlines.append(deadline)
 
 
 def _loses_topics(problem: Problem) -> bool:
@@ -215,6 +217,7 @@ def _with_ids(
             tuple(entry.components),
             entry.first.place.file,
             entry.first.place.line or 0,
+            tuple(entry.deadlines),
         )
         for name, (topic, entry) in zip(ids, order, strict=True)
     ]

@@ -26,6 +26,7 @@ class Topic:
         components: who provides it (or, of kind ``subscribed``, who waits for it).
         file: of the system that names it first.
         line: of the interface there, or of its component.
+        deadlines: of those who publish it, as they are written; empty for none.
     """
 
     id: str
@@ -35,6 +36,7 @@ class Topic:
     components: tuple[str, ...]
     file: str
     line: int
+    deadlines: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

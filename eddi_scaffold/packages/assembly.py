@@ -25,7 +25,14 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import existing, is_compiled
-from eddi_scaffold.platforms import RUNTIME, SINGLE_PROCESS, Choices, PackageAnswers, Platform
+from eddi_scaffold.platforms import (
+    RUNTIME,
+    SINGLE_PROCESS,
+    Choices,
+    PackageAnswers,
+    Platform,
+    owner_of,
+)
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.regions.generated import recorded_generated
 
@@ -251,7 +258,8 @@ def support(
         gone: packages that are there, but will have another name.
 
     Raises:
-        EddiError: a monitor of an older release would stop working (G024).
+        EddiError: a monitor of an older release would stop working (G024), or one of another
+            platform has these packages (G027).
 
     The maintainer of a shared package was set when it was first generated, and is kept.
     """
@@ -267,6 +275,7 @@ def support(
         hint = "first run `eddi-scaffold upgrade` for the whole workspace; hand edits stay"
         raise EddiError(error("G024", message, Place(str(root)), hint))
     packages = platform.support({**there, **monitors}, config)
+    _refuse_other_platform(platform, root, present, [package.folder for package in packages])
     shared = {
         package.folder: {**package.answers, **_kept_identity(present.get(package.folder, {}))}
         for package in packages
@@ -277,6 +286,18 @@ def support(
         if answers["template"] in platform.templates.support and folder not in shared
     }
     return [PackageAnswers(folder, answers) for folder, answers in {**shared, **leaving}.items()]
+
+
+def _refuse_other_platform(
+    platform: Platform, root: Path, present: Mapping[str, Mapping[str, Any]], shared: Sequence[str]
+) -> None:
+    """Refuse to make the shared packages of another platform ours: its monitors need them."""
+    for folder in shared:
+        owner = owner_of(present[folder]["template"]) if folder in present else platform
+        if owner is not platform:
+            message = f"this is a package of {owner.name}, and one of {platform.name} has its name"
+            hint = f"give {platform.name} a workspace of its own: -w OTHER"
+            raise EddiError(error("G027", message, Place(str(root / folder)), hint))
 
 
 def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:

@@ -9,16 +9,13 @@ from eddi_scaffold.packages.rendering import Template, read_answers
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.regions.check import broken_files, unfit_files
-from eddi_scaffold.regions.generated import (
-    is_placed,
-    recorded_rendering,
-    rendering_digest,
-)
-from eddi_scaffold.regions.store import without_sentinel
+from eddi_scaffold.regions.generated import is_placed
+from eddi_scaffold.regions.manifest import recorded_rendering, rendering_digest
+from eddi_scaffold.regions.store import PRISTINE
 
 UNCOMMITTED = ".eddi/uncommitted"
 """Says that the templates were not exactly those of the commit in the answers."""
-_PRISTINE, _BASE = ".eddi/pristine/", ".eddi/base/"
+_BASE = ".eddi/base/"
 
 
 def is_current(target: Path, package: PackageAnswers, template: Template, source: Unpacked) -> bool:
@@ -53,18 +50,9 @@ def _is_whole(target: Path, tree: transaction.FolderContent) -> bool:
     """Return whether all that the last rendering made is there, merged, and as it was made."""
     if not is_placed(target):
         return False
-    rendered, merged = _below(tree, _PRISTINE), _below(tree, _BASE)
+    merged = {name.removeprefix(_BASE) for name in tree.files if name.startswith(_BASE)}
     return (
-        {name: without_sentinel(text) for name, text in rendered.items()} == merged
-        and merged.keys() <= tree.files.keys()
-        and not any(name.startswith(".eddi/orphans/") for name in tree.files)
+        merged <= tree.files.keys()
+        and not any(name.startswith((f"{PRISTINE}/", ".eddi/orphans/")) for name in tree.files)
         and all(one.executable for one in tree.files.values() if one.data.startswith(b"#!"))
     )
-
-
-def _below(tree: transaction.FolderContent, folder: str) -> dict[str, str]:
-    return {
-        name.removeprefix(folder): state.data.decode("utf-8", "replace")
-        for name, state in tree.files.items()
-        if name.startswith(folder)
-    }

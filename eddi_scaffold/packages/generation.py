@@ -29,13 +29,15 @@ from eddi_scaffold.packages.unpacking import unpacked
 from eddi_scaffold.packages.workspace import linked_package, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.check import broken_files, unfit_files
+from eddi_scaffold.regions.check import broken_files, needs_a_look, unfit_files
 from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.python_text import parse_python
-from eddi_scaffold.regions.store import SAVED, save_orphan, save_reject
+from eddi_scaffold.regions.store import PRISTINE, SAVED, in_scratch, save_orphan, save_reject
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
+
+_UNCHANGED = FileState(b"")
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,7 @@ def write_packages(
             elif package.folder not in renames.involved and is_current(
                 target, package, template, source
             ):
+                work.attention = work.attention or needs_a_look(target)
                 continue
             else:
                 progress(package.folder)
@@ -181,11 +184,11 @@ def _merge_package(
     stop = found.at_records(ANSWERS_FILE)
     if stop is None:
         written = tree.others or any(not path.startswith(SAVED) for path in tree.files)
-        if written and package.folder not in renames.former:
-            _refuse_foreign(target)
+        was = read_answers(root / renames.former.get(package.folder, package.folder))
+        if written and was is None:
+            raise _foreign(target)
         before = {path: state for path, state in tree.files.items() if path not in found.skipped}
-        was = read_answers(root / renames.former.get(package.folder, package.folder)) or {}
-        merged = _merged(target, package, before, rendered, found.skipped, was)
+        merged = _merged(target, package, before, rendered, found.skipped, was or {})
         stop = found.before(merged.changes)
     if stop is not None:
         work.left.append(found.stop(stop))
@@ -207,7 +210,7 @@ def _merge_package(
     work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
     work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in merged.report.notes]
     work.notes += found.untouched()
-    work.attention = work.attention or bool(merged.look) or merged.report.needs_attention
+    work.attention = work.attention or merged.is_open
 
 
 @dataclass(frozen=True)
@@ -218,11 +221,13 @@ class _Merged:
         changes: path -> new state, ``None`` for a removed file.
         look: inputs without their sources, files that do not fit their base.
         report: what happened to hand edits.
+        is_open: a person must look at hand edits, because of this run or of an earlier one.
     """
 
     changes: Mapping[str, FileState | None]
     look: Sequence[str]
     report: SyncReport
+    is_open: bool
 
 
 def _merged(
@@ -248,7 +253,7 @@ def _merged(
         _copy(before, staged)
         _refuse(broken_files(staged), target)
         # outside edits are merged per definition, which text that is not Python does not have
-        editable = {p for p in before if f".eddi/pristine/{p}" in before}
+        editable = {p for p in before if f".eddi/base/{p}" in before}
         _check_python(before, editable, target)
     _copy_rendering(rendered, staged, skipped)
     for body in package.saved:
@@ -260,9 +265,10 @@ def _merged(
         state = before.get(path)
         return committed_text(target, path) if state is None else state.text
 
-    report = sync_package(staged, earlier)
+    with in_scratch():
+        report = sync_package(staged, earlier)
     _refuse(report.refused, target)
-    for name in _names(rendered / ".eddi" / "pristine"):
+    for name in _names(rendered / PRISTINE):
         header = package.headers.get(Path(name).name)
         if header:
             (staged / name).write_text(header + (staged / name).read_text("utf-8"), "utf-8")
@@ -271,7 +277,7 @@ def _merged(
         for path, state in transaction.tree_of(staged).items()
         if package.answers or not _is_record(path)
     }
-    ours = {*_names(rendered / ".eddi" / "pristine"), *_names(rendered / GENERATED)}
+    ours = {*_names(rendered / PRISTINE), *_names(rendered / GENERATED)}
     _check_python(after, ours, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
     lost = lost_sources(staged, was, package.answers)
@@ -280,7 +286,8 @@ def _merged(
         *(f"{package.folder}: {one}" for one in lost),
         *(f"{package.folder}/{one.file}: {'; '.join(one.notes)}" for one in unfit),
     ]
-    return _Merged(changed, look, report)
+    is_open = bool(look) or report.needs_attention or needs_a_look(staged)
+    return _Merged(changed, look, report, is_open)
 
 
 def _is_record(path: str) -> bool:
@@ -288,12 +295,11 @@ def _is_record(path: str) -> bool:
     return path == ANSWERS_FILE or (path.startswith(".eddi/") and not path.startswith(SAVED))
 
 
-def _refuse_foreign(target: Path) -> None:
-    if read_answers(target) is None:
-        hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
-        raise EddiError(
-            error("H012", "the folder exists and was not generated", Place(str(target)), hint)
-        )
+def _foreign(target: Path) -> EddiError:
+    hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
+    return EddiError(
+        error("H012", "the folder exists and was not generated", Place(str(target)), hint)
+    )
 
 
 def _copy(files: Mapping[str, FileState], folder: Path) -> None:
@@ -321,7 +327,8 @@ def _write(root: Path, work: _Work, within: Path | None = None) -> transaction.A
     meanwhile = {
         base.replace("/.eddi/base/", "/.eddi/next/", 1): FileState(next_base(text.data, new.data))
         for base, file in follows.items()
-        if (text := changes.get(file)) is not None and (new := changes[base]) is not None
+        if (text := changes.get(file, _UNCHANGED)) is not None
+        and (new := changes[base]) is not None
     }
     top, place = _places(root, work.links, within)
     return transaction.write(
@@ -360,12 +367,12 @@ def _turn(path: str, state: FileState | None) -> int:
 
 def _copy_rendering(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:
     """Put a rendering over a package; an editable file that is there stays for the merge."""
-    for folder in (".eddi/pristine", GENERATED):
+    for folder in (PRISTINE, GENERATED):
         shutil.rmtree(staged / folder, ignore_errors=True)
-    (staged / GENERATED).mkdir(parents=True, exist_ok=True)  # maybe without any file
+        (staged / folder).mkdir(parents=True)  # maybe without any file
     for record in (UNCOMMITTED, ".eddi/generated.txt"):  # the second is of version 0.1
         (staged / record).unlink(missing_ok=True)
-    editable = set(_names(rendered / ".eddi" / "pristine"))
+    editable = set(_names(rendered / PRISTINE))
     for name in _names(rendered):
         target = staged / name
         if name in skipped or (name in editable and target.exists()):

@@ -180,4 +180,4 @@ def accept_regions(folder: Path, words: Iterable[str]) -> Sequence[str]:
 def _name_in(package: Path, word: str) -> str:
     """Return a file's name in a package, any other word as it is."""
     place = Path(os.path.relpath(word, package))
-    return place.as_posix() if (package / EDDI / "pristine" / place).is_file() else word
+    return place.as_posix() if (package / EDDI / "base" / place).is_file() else word

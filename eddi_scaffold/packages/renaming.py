@@ -192,10 +192,11 @@ def _mover(package: Path, new: str, tree: FolderContent) -> Callable[[str], str]
 def _moved_manifest(data: bytes, moved: Callable[[str], str]) -> bytes:
     try:
         record = json.loads(data)
-        digests = {moved(name): digest for name, digest in record["sha256"].items()}
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        parts = {key: part for key, part in record.items() if isinstance(part, dict)}
+    except (ValueError, AttributeError, RecursionError):
         return data  # damaged: all counts as generated, as without a rename
-    return json.dumps({**record, "sha256": digests}).encode()
+    renamed = {key: {moved(name): d for name, d in part.items()} for key, part in parts.items()}
+    return json.dumps({**record, **renamed}).encode()
 
 
 def _moved_orphan(data: bytes, moved: Callable[[str], str]) -> bytes:

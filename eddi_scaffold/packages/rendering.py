@@ -178,24 +178,44 @@ class Renderer:
         )
 
     def _run(self, answers: dict[str, Any], folder: Path) -> None:
-        import copier  # noqa: PLC0415
-
-        if self._first is not None:
+        if self._first is None:
+            self._first = _worker()(
+                src_path=str(self._source.folder),
+                dst_path=folder,
+                data=answers,
+                defaults=True,
+                overwrite=True,
+                unsafe=True,
+                quiet=True,
+                skip_tasks=True,
+            )
+            _compile_once(self._first.jinja_env)
+            worker = self._first
+        else:
             worker = replace(self._first, dst_path=folder, data=answers)
             worker.template, worker.jinja_env = self._first.template, self._first.jinja_env
-            worker.run_copy()
-            return
-        self._first = copier.run_copy(
-            str(self._source.folder),
-            folder,
-            data=answers,
-            defaults=True,
-            overwrite=True,
-            unsafe=True,
-            quiet=True,
-            skip_tasks=True,
-        )
-        _compile_once(self._first.jinja_env)
+        worker.run_copy()
+
+
+def _worker() -> type[Worker]:
+    """Return a worker of Copier's that gathers all answers only for names with a template in them.
+
+    For each other one, of each folder above a file, this is most of Copier's time.
+    """
+    from copier._main import Worker  # noqa: PLC0415
+
+    class PlainNames(Worker):
+        def _render_string(self, string: str, extra_context: dict[str, Any] | None = None) -> str:
+            if "{" in string:
+                return super()._render_string(string, extra_context)
+            self.jinja_env.preprocess(string)  # in which Copier forgets the `yield` of another one
+            return string
+
+        @property
+        def answers_relpath(self) -> Path:
+            return Path(self._render_string(ANSWERS_FILE))
+
+    return PlainNames
 
 
 def _compile_once(environment: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ from eddi_scaffold.packages.assembly import (
     wiring_with,
     with_choices,
 )
-from eddi_scaffold.packages.rendering import read_answers
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
@@ -81,11 +82,23 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     found = [PackageGroup(root, existing(root), linked(root), place) for root in places]
     found = [group for group in found if group.present or group.links]
     if not found:
+        above = _workspace_above(place)
         hint = "name a workspace with -w, or the folder of a package"
+        if above is not None:
+            hint = f"name the workspace above: -w {above}"
         raise EddiError(
             error("U001", "there are no generated packages here", Place(str(place)), hint)
         )
     return found
+
+
+def _workspace_above(place: Path) -> Path | None:
+    """Return the nearest folder above that has packages where workspaces have them."""
+    roots = {one.root for one in platforms().values() if one.workspace is not None}
+    for above in place.resolve().parents:
+        if any(any((above / root).glob(f"*/{ANSWERS_FILE}")) for root in roots):
+            return Path(os.path.relpath(above))
+    return None
 
 
 def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
@@ -184,7 +197,8 @@ def _newer_models(
             raise EddiError(*first.problems)
         known = ", ".join(sorted({name for _, name in made_of.values()})) or "none"
         message = "no package here was generated from a model in this file"
-        hint = f"the packages here were generated from: {known}"
+        here = ", ".join(sorted(name for _, name in names)) or "none"
+        hint = f"its models are: {here}; the packages here were generated from: {known}"
         raise EddiError(error("U006", message, Place(source.name), hint))
     marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
     reading = checked_models(model_file, tuple(marks))

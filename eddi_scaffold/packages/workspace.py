@@ -129,7 +129,8 @@ def packages_root(platform: Platform, place: Path) -> Path:
     inside = expected is not None and place.resolve().name == expected.sources
     if expected is not None and inside and not (place / expected.sources).exists():
         message = f"this is the `{expected.sources}` of a workspace"
-        hint = f"name the folder above: -w {place.parent}"
+        above = ".." if place == Path() else place.parent  # `.` has no parent
+        hint = f"name the folder above: -w {above}"
         raise EddiError(error("G007", message, Place(str(place)), hint))
     return root_below(place, platform.root)
 

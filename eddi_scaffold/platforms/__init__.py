@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path, PurePosixPath
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import EddiError, error
@@ -36,10 +37,25 @@ Choices = Mapping[str, "str | bool"]
 """What a person chose for the monitors of a workspace: some of these answers."""
 
 
+def built_in(place: Path, command: str) -> str:
+    """Return what a person types to build a workspace."""
+    return command if place == Path() else f"cd {quote(str(place))} && {command}"
+
+
 def choices(runtime: str | None, single_process: bool | None) -> Choices:
     """Return what is to be otherwise than it was; None is as it was."""
     given = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
     return {name: value for name, value in given.items() if value is not None}
+
+
+def runtime_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> str:
+    """Return where the runtime library of a workspace is: beside the monitors if one needs it.
+
+    Args:
+        monitors: package -> its answers.
+    """
+    where = [one.get(RUNTIME, VENDORED) for one in monitors.values()]
+    return VENDORED if VENDORED in where else INSTALLED
 
 
 @dataclass(frozen=True)
@@ -71,6 +87,39 @@ class Workspace:
     def sources(self) -> str:
         """Return the folder of all sources in it."""
         return PurePosixPath(self.root).parts[0]
+
+
+@dataclass(frozen=True)
+class MeetingPlace:
+    """A place where robots hear each other.
+
+    Attributes:
+        key: what names it in a deployment file: ``master`` or ``domain``.
+        name: of the place; empty for the default one.
+        partition: of DDS, inside the domain; empty for that of ROS 2.
+    """
+
+    key: str
+    name: str
+    partition: str = ""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Where the nodes of several robots find each other.
+
+    Attributes:
+        key: of a robot in a deployment file, which names that place: ``master`` or ``domain``.
+        default: what is meant where none is named.
+        next_steps: that place, workspace or folder of a robot, its namespace (empty for none) and
+            its monitor packages -> shell commands that build these, and start them there.
+        has_partitions: a robot may also have a ``partition``.
+    """
+
+    key: str
+    default: str
+    next_steps: Callable[[MeetingPlace, Path, str, Sequence[str]], Sequence[str]]
+    has_partitions: bool = False
 
 
 @dataclass(frozen=True)
@@ -111,6 +160,7 @@ class Platform:
             why.
         next_steps: workspace or folder, and monitor packages -> shell commands that build and
             start them.
+        meeting: of the robots that it is for; ``None`` where they cannot hear each other.
     """
 
     name: str
@@ -121,6 +171,7 @@ class Platform:
     support: Callable[[Mapping[str, Mapping[str, JsonValue]], Config | None], list[PackageAnswers]]
     taken_names: Callable[[Path | None], Mapping[str, str]]
     next_steps: Callable[[Path, Sequence[str]], Sequence[str]]
+    meeting: Meeting | None = None
 
     @property
     def root(self) -> str:

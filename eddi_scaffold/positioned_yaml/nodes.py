@@ -163,6 +163,9 @@ def _scalar_11(text: str) -> Any:
         return text
 
 
+_NOT = "put the text in quotes, and write NOT for `!`"
+
+
 @dataclass
 class _Open:
     """A list or map that is still being read."""
@@ -219,14 +222,24 @@ class _Composer:
                 message = "this is not YAML: a tab indents this line"
                 raise _Stop(message, place, "indent with spaces") from None
             parts = [part for part in (problem.context, problem.problem) if part]
-            raise _Stop(f"this is not YAML: {': '.join(parts)}", place) from None
+            hint = None if mark is None else self._quotes(problem.context or "", mark.line)
+            raise _Stop(f"this is not YAML: {': '.join(parts)}", place, hint) from None
         except yaml.reader.ReaderError as problem:
             raise _Stop(*self._unreadable(problem)) from None
 
     def _has_tab(self, line: int) -> bool:
         """Return whether a line, counted from 0, is indented with a tab."""
-        text = next(itertools.islice(yaml_lines(self.text), line, None), "")
+        text = self._line(line)
         return "\t" in text[: len(text) - len(text.lstrip(" \t"))]
+
+    def _quotes(self, context: str, line: int) -> str | None:
+        """Return the hint for an operator of expressions that YAML takes for its own."""
+        if "alias" in context:
+            return "put the text with `*` in quotes"
+        return _NOT if re.search(r"[:,\[-]\s+!", self._line(line)) else None
+
+    def _line(self, number: int) -> str:
+        return next(itertools.islice(yaml_lines(self.text), number, None), "")
 
     def _unreadable(self, problem: yaml.reader.ReaderError) -> tuple[str, Place]:
         bad = re.search(
@@ -256,7 +269,8 @@ class _Composer:
     def _check_tag(self, event: Any) -> None:
         if event.tag is not None and event.tag not in _CORE_TAGS:
             place = self._place(event.start_mark)
-            raise _Stop(f"the tag {event.tag!r} is not supported here", place)
+            hint = _NOT if event.tag.startswith("!") else None
+            raise _Stop(f"the tag {event.tag!r} is not supported here", place, hint)
 
     def _scalar(self, event: Any) -> None:
         if event.tag is not None:

@@ -1,7 +1,8 @@
 """What this project adds to an EDDI: ``keyValueMaps`` whose key begins with ``eddi.``.
 
 Every tool that is made of the metamodel keeps such maps when it reads and writes a file; elements,
-attributes and comments of ours it would refuse or drop. ``docs/eddi.md`` describes the keys.
+attributes and comments of ours it would refuse or drop. ``docs/reference/eddi.md`` describes the
+keys.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from eddi_scaffold.readers.extensions import (
     unknown_tags,
 )
 from eddi_scaffold.readers.spelling import Spelling, fold
-from eddi_scaffold.readers.survey import MONITORED, kind_of_model
+from eddi_scaffold.readers.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.readers.xmi import feature_of
 
 if TYPE_CHECKING:
@@ -55,14 +55,24 @@ class Observed:
     """What observes what, with paths in place of names.
 
     Attributes:
-        by: element -> paths of the models, or of the events, that observe it.
+        by: element, path of the model or of the event that observes it, and name of what the model
+            claims of it; empty where it claims only one thing.
         events: path of an event -> paths of the events that it is made of.
         problems: names that mean nothing (X033), unknown tags (X031).
     """
 
-    by: list[tuple[Element, str]] = field(default_factory=list)
+    by: list[tuple[Element, str, str]] = field(default_factory=list)
     events: dict[str, list[str]] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+
+    def by_model(self, document: EddiDocument, path: str | None) -> tuple[tuple[str, str], ...]:
+        """Return what the model at a path observes: names of elements, each with its claim."""
+        found = (
+            (name_of(document, element) or feature_of(element), claim)
+            for element, by, claim in self.by
+            if path is not None and f"{by}/".startswith(f"{path}/")
+        )
+        return tuple(dict.fromkeys(found))
 
 
 def observed(document: EddiDocument) -> Observed:
@@ -89,10 +99,12 @@ def observed(document: EddiDocument) -> Observed:
         for value in one.of("event"):
             _observe_event(document, owner, value, events, found)
         for value in one.of("safeml", *_KINDS):
-            model = value.text.partition("/")[0] if value.tag in _KINDS else value.text
+            model, _, claim = (
+                value.text.partition("/") if value.tag in _KINDS else (value.text, "", "")
+            )
             known = models.get(value.tag, {})
             if model in known:
-                found.by.append((owner, known[model]))
+                found.by.append((owner, known[model], claim))
             else:
                 found.problems.append(_unknown(value, model, known))
     return found
@@ -139,7 +151,7 @@ def _observe_event(
         message = f"{value.text!r} is an EVIDENCE: it does not tell that the hazard is there"
         hint = "name a HAZARD event"
         found.problems.append(warning("X033", message, value.place, hint))
-    found.by.append((owner, event.path))
+    found.by.append((owner, event.path, name))
 
 
 def _subject(

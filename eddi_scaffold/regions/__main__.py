@@ -1,4 +1,4 @@
-"""Command line for Copier's tasks and migrations: ``python <this folder> sync|check``.
+"""Command line for Copier's tasks and migrations, ``python <this folder> sync|check``, and people.
 
 Old templates call this for years: the two words and their meaning stay. The working directory is
 the package. ``sync`` ends with 0 whatever it finds, because a failing task would make Copier drop
@@ -30,17 +30,19 @@ if sys.argv[1:2] == ["--folder"] and __package__ == "copier_regions":
     names.choose(*sys.argv[2:3])
     del sys.argv[1:3]
 
-from .check import broken_files, mixed_renderings
+from .check import accept, broken_files, list_regions, mixed_renderings
 from .driver import merge_driver
 from .generated import keep_edits_of_old_layout
 from .git import committed_text
-from .interrupted import ANSWERS, begin_update
+from .interrupted import begin_update
 from .lock import BusyError, locked
+from .manifest import ANSWERS
 from .sync import AGAIN, SyncReport, sync_package
 
 _WAIT_S = 10.0
 _USAGE = """\
-usage: python <this folder> [--folder .NAME] sync|check   (in the package's folder)
+usage: python <this folder> [--folder .NAME] sync|check|status   (in the package's folder)
+       python <this folder> [--folder .NAME] accept ID|FILE ...   (in the package's folder)
        python <this folder> [--folder .NAME] merge-driver %O %A %B %P   (by git)
 """
 
@@ -67,6 +69,18 @@ def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> in
             lines = [f"{root}: error: {busy}: nothing was changed; when it has ended, update again"]
         sys.stderr.write("".join(f"{line}\n" for line in lines))
         return 1 if lines else 0
+    if words == ["status"]:
+        lines = _to_be_reviewed(root)
+        sys.stdout.write("".join(f"{line}\n" for line in lines))
+        return 3 if lines else 0
+    if words[:1] == ["accept"] and len(words) > 1:
+        try:
+            with locked(root.parent, _WAIT_S):
+                missing = {*words[1:]} - {*accept(root, words[1:])}
+        except BusyError as busy:
+            missing = {str(busy)}
+        sys.stderr.write("".join(f"{word}: error: not accepted\n" for word in sorted(missing)))
+        return 1 if missing else 0
     if len(words) == 5 and words[0] == "merge-driver":
         base, ours, theirs = (root / word for word in words[1:4])
         return merge_driver(base, ours, theirs, words[4])
@@ -82,6 +96,15 @@ def _check(root: Path) -> list[str]:
         stop = begin_update(root, lambda: mixed_renderings(root, partial(committed_text, root)))
         return [f"{ANSWERS}:1: error: {stop}"] if stop else []
     return [f"{refusal.file}:{refusal.line}: error: {refusal.reason}" for refusal in broken]
+
+
+def _to_be_reviewed(root: Path) -> list[str]:
+    return [
+        f"{one.file}{f':{one.line}' if one.line else ''}: {one.state}: "
+        f"{': '.join(filter(None, (one.id, '; '.join(one.notes))))}"
+        for one in list_regions(root)
+        if one.review
+    ]
 
 
 def describe(report: SyncReport) -> list[str]:

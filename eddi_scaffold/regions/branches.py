@@ -61,7 +61,8 @@ def join_renderings(path: str, base: str, ours: str, theirs: str) -> str:
 def join_manifests(base: str, ours: str, theirs: str) -> str | None:
     """Return the digests of two branches, ``None`` where one is damaged.
 
-    That of the whole rendering fits no package where both branches have a new one.
+    That of the whole rendering fits no package where both branches have a new one. A base that
+    both have anew is merged, and has none of their digests.
     """
     try:
         old, own, new = ({} if not text else json.loads(text) for text in (base, ours, theirs))
@@ -73,6 +74,12 @@ def join_manifests(base: str, ours: str, theirs: str) -> str | None:
                 for name in {*mine, *other}
                 if (digest := _chosen(before.get(name), mine.get(name), other.get(name)))
             }
+        before, mine, other = (dict(one.get("base", {})) for one in (old, own, new))
+        record["base"] = {
+            name: digests if other.get(name) in (digests, before.get(name)) else None
+            for name in {*mine, *other}
+            if (digests := _chosen(before.get(name), mine.get(name), other.get(name)))
+        }
     except (ValueError, TypeError, AttributeError, RecursionError):
         return None
     return json.dumps(record, indent=1, sort_keys=True) + "\n"

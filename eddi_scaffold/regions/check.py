@@ -13,16 +13,10 @@ from .bodies import same_body
 from .conflicts import CONFLICT, conflict_lines, separator_lines
 from .files import entries, read_regular, stays
 from .fitting import made_of, missing_parts
-from .generated import (
-    ANSWERS,
-    GENERATED,
-    listed_generated,
-    recorded_generated,
-    recorded_rendering,
-    rendering_digest,
-)
+from .generated import GENERATED, listed_generated, recorded_generated
 from .git import former_texts
 from .lost import lost_markers
+from .manifest import ANSWERS, changed_bases, recorded_rendering, rendering_digest
 from .marked_file import Fault, MarkedFile, Region, parse
 from .markers import with_sig
 from .merge import check_text, dissolve, kind_of
@@ -33,9 +27,11 @@ from .review import doubtful_names
 from .store import (
     EDDI,
     SAVED,
+    editable_files,
     files_below,
     load_accepted,
     load_orphans,
+    newest_rendering,
     read_text,
     refuse_changed,
     save_accepted,
@@ -46,6 +42,8 @@ from .sync import Refusal, linked_folders
 
 _PROBE = 8000
 """Bytes in which git looks for a zero byte, to tell that a file is no text."""
+_OTHER = "written for other inputs or states; look at it, then accept it"
+_LANGUAGES = {"python": "Python", "xml": "XML"}
 State = Literal["untouched", "edited", "orphaned", "rejected", "broken", "unfit"]
 
 
@@ -58,7 +56,7 @@ class RegionStatus:
         file: file relative to the package; of saved bodies the file they came from.
         line: line of the begin marker, ``None`` when it is in no file.
         state: ``untouched`` holds the default; ``unfit``: file and records are of different
-            renderings.
+            renderings, or no program can read the file.
         notes: what to look at.
         review: whether a person must look (``regions --check`` fails).
     """
@@ -96,14 +94,21 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     return (*found, *_conflicts(root, broken))
 
 
+def needs_a_look(root: Path) -> bool:
+    """Return whether what a merge reported is still open: nobody accepted, placed or removed it."""
+    if linked_folders(root):
+        return True
+    saved = load_orphans(root) or files_below(root / EDDI / "rejects")
+    return bool(saved) or any(_OTHER in status.notes for status in _regions(root))
+
+
 def regions_of(root: Path) -> list[RegionStatus]:
     """Return the regions of the editable files, and damaged markers; no other file is read."""
     return [] if linked_folders(root) else _regions(root)
 
 
 def _regions(root: Path) -> list[RegionStatus]:
-    names = files_below(root / EDDI / "pristine")
-    return [status for name in names for status in _of_file(root, name)]
+    return [status for name in editable_files(root) for status in _of_file(root, name)]
 
 
 def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
@@ -131,31 +136,40 @@ def _conflict_lines(root: Path, name: str) -> Sequence[int]:
 
 def _has_lost_renderings(root: Path) -> bool:
     """Return whether renderings of editable files are gone; some templates have no such file."""
-    has_none = recorded_generated(root) and not files_below(root / EDDI / "base")
-    return not has_none and not (root / EDDI / "pristine").is_dir()
+    return not recorded_generated(root) and not editable_files(root)
 
 
 def unfit_files(
     root: Path, former: Callable[[str], Mapping[str, str]] = lambda _: {}
 ) -> list[RegionStatus]:
-    """Return the files that were not made of what the records of the package say.
+    """Return the files that cannot be read, or were not made of what the records say.
 
     Args:
         root: the package.
         former: versions of a file in the history, by commit; none where that is not known.
     """
     found = []
-    if not _is_of_one_rendering(root):
-        note = (
-            "answers and renderings are not of one run, of two branches, or were changed by hand:"
-            " look at `git diff .eddi`; generated text and yours cannot be told apart where both"
-            " were changed alike; then generate again"
-        )
-        found.append(_unfit(ANSWERS, note))
+    changed = changed_bases(root)
+    if not changed and not _is_of_one_rendering(root):
+        note = "answers and renderings are not of one run, of two branches, or were changed by hand"
+        found.append(_unfit(ANSWERS, f"{note}: look at `git diff .eddi`, then generate again"))
     if listed_generated(root):
         found.append(_unfit(GENERATED, "these renderings are not in their places; generate again"))
-    for name in files_below(root / EDDI / "pristine"):
+    for name in editable_files(root):
+        text = read_text(root / name)
+        fault = check_text(name, text) if isinstance(text, str) else None
+        if fault is not None:
+            note = f"it is not valid {_LANGUAGES[kind_of(name)]}: {fault.reason}"
+            found.append(RegionStatus("", name, fault.line, "unfit", (note,), review=True))
         notes = _misfits(root, name, former)
+        if name in changed:
+            notes.insert(
+                0,
+                f"{EDDI}/base/{name} is not what was recorded, as after a replacement over many"
+                " files or a merge: your lines and generated ones look alike; `git checkout --"
+                f" {EDDI}` puts back what was changed by hand, else generate again: lines that go"
+                " are kept",
+            )
         if notes:
             found.append(_unfit(name, *notes))
     return found
@@ -163,9 +177,9 @@ def unfit_files(
 
 def _misfits(root: Path, name: str, former: Callable[[str], Mapping[str, str]]) -> list[str]:
     pristine, merged = (read_text(root / EDDI / kind / name) for kind in ("pristine", "base"))
-    if isinstance(pristine, Fault) or isinstance(merged, Fault) or pristine is None:
+    if isinstance(pristine, Fault) or isinstance(merged, Fault):
         return []
-    rendered = without_sentinel(pristine)
+    rendered = merged if pristine is None else without_sentinel(pristine)
     if rendered is None:
         return ["its rendering is not whole (interrupted, or of two branches); generate again"]
     if rendered != merged:
@@ -228,11 +242,13 @@ def mixed_renderings(root: Path, committed: Callable[[str], str | None]) -> str 
     texts = {name: read_text(records / "pristine" / name) for name in files_below(records / "base")}
     whole = {n: without_sentinel(text) for n, text in texts.items() if isinstance(text, str)}
     merged = all(text == read_text(records / "base" / name) for name, text in whole.items())
-    if None not in whole.values() and (not merged or _is_of_one_rendering(root)):
+    one = _is_of_one_rendering(root) and not changed_bases(root)
+    if None not in whole.values() and (not merged or one):
         return None
     return (
-        "answers and renderings are of two branches, or of a run that was interrupted: run `copier"
-        " recopy --trust --force` or `eddi-scaffold upgrade`, which bring all to one, and commit"
+        "answers and renderings are of two branches, of a run that was interrupted, or changed by"
+        " hand: run `copier recopy --trust --force` or `eddi-scaffold upgrade`, which bring all to"
+        " one, and commit"
     )
 
 
@@ -261,7 +277,7 @@ def accept(root: Path, words: Iterable[str]) -> tuple[str, ...]:
     wanted, accepted = set(words), []
     if linked_folders(root):
         return ()
-    for name in files_below(root / EDDI / "pristine"):
+    for name in editable_files(root):
         if name in wanted and (parts := _all_strange_parts(root, name)):
             save_accepted(root, name, parts)
             accepted.append(name)
@@ -295,9 +311,8 @@ def _documents(
 ) -> tuple[str | None, MarkedFile | None, MarkedFile | None, list[Fault]]:
     """Return a file's text, it and its rendering split at the markers, and what is wrong."""
     text = read_text(root / name)
-    pristine = read_text(root / EDDI / "pristine" / name)
-    rendered = without_sentinel(pristine) if isinstance(pristine, str) else None
-    theirs = parse(rendered.replace("\r\n", "\n"))[0] if rendered is not None else None
+    rendered = newest_rendering(root, name)
+    theirs = parse(rendered.replace("\r\n", "\n"))[0] if isinstance(rendered, str) else None
     if isinstance(text, Fault):
         return None, None, theirs, [text]
     if text is None:
@@ -349,5 +364,5 @@ def _broken(found: Refusal) -> RegionStatus:
 def _edited(name: str, region: Region, new: Region | None, doubts: Iterable[str]) -> RegionStatus:
     notes = list(doubts)
     if new is not None and new.sig is not None and region.sig != new.sig:
-        notes.insert(0, "written for other inputs or states; look at it, then accept it")
+        notes.insert(0, _OTHER)
     return RegionStatus(region.id, name, region.line, "edited", tuple(notes), review=bool(notes))

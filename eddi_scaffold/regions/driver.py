@@ -18,7 +18,7 @@ from .branches import (
     join_text,
 )
 from .files import read_regular
-from .generated import MANIFEST
+from .manifest import MANIFEST
 from .store import EDDI, without_sentinel
 
 CONFLICT = 1

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from .manifest import ANSWERS
 from .store import EDDI, read_text, remove_file, write_file
 
-ANSWERS = ".copier-answers.yml"
 _BEFORE = f"{EDDI}/updating.yml"
 
 

@@ -122,7 +122,7 @@ def claim_bodies(
                 text = f"the saved body of region {saved.id!r} is back in region {region.id!r}"
                 notes.append(Note(path, None, text, attention=False))
                 taken.append(saved)
-                notes.extend(_report_changes(path, claim, None, old.get(region.id)))
+                notes.extend(_report_changes(path, claim, None, None))
         claims[region.id] = claim
     taken.extend(o for o in orphans if o not in taken and _is_restored(o, claims.get(o.id)))
     lost = tuple(
@@ -131,6 +131,13 @@ def claim_bodies(
         if region.id not in claimed and not is_empty(region.body)
     )
     notes.extend(_report_lost(path, own[o.id], sources.get(o.id)) for o in lost)
+    known = {*own, *(orphan.id for orphan in orphans)}
+    notes.extend(
+        Note(path, None, f"region {name!r} is to come from {was!r}, but nothing of that id is here")
+        for name, names in former.items()
+        for was in names
+        if lost and name not in own and was not in known
+    )
     notes.extend(
         Note(path, own[name].line, f"region {name!r} is another one now, with the generated text")
         for name in new
@@ -196,7 +203,14 @@ def _saved(names: Iterable[str], orphans: Sequence[Orphan]) -> Orphan | None:
 
 
 def _is_restored(orphan: Orphan, claim: Placement | None) -> bool:
-    return claim is not None and claim.edited and same_body(orphan.body, claim.body)
+    """Return whether a saved body is in a region again: a person may have written more below it."""
+    if claim is None or not claim.edited:
+        return False
+    saved, there = (
+        "".join(f"{line.strip()}\n" for line in body.strip().split("\n"))
+        for body in (orphan.body, claim.body)
+    )
+    return f"\n{saved}" in f"\n{there}" or same_body(orphan.body, claim.body)
 
 
 def _report_lost(path: str, region: Region, heir: str | None) -> Note:

@@ -1,4 +1,4 @@
-"""Names that a hand-written body assigns and nothing else knows: left over after a rename."""
+"""Names of a hand-written body that nothing else knows: left over after a rename, or misspelt."""
 
 from __future__ import annotations
 
@@ -9,12 +9,21 @@ from collections.abc import Iterable, Iterator
 from .marked_file import Region
 from .python_text import parse_python
 
+_BASE = "EDDIInputBase"
+_INHERITED = (
+    *("bind", "begin_step", "expression", "processing", "states"),
+    *("update", "update_each", "update_expression"),
+    *dir(object),
+)
+_SETTERS = {"__dict__", "setattr", "vars"}
+
 
 def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str, ...]]:
-    """Return for each region what its body assigns in vain.
+    """Return for each region what its body assigns in vain, or reads though nothing sets it.
 
-    ``self.x`` that neither the class outside of this region assigns nor anything in it reads, and
-    local names that the function never reads. Empty for a file that does not parse.
+    ``self.x`` that neither the class outside of this region assigns nor anything in it reads,
+    ``self.x`` of an ``EDDIInput`` that nothing in the class sets, and local names that the function
+    never reads. Empty for a file that does not parse.
 
     Args:
         text: the file.
@@ -33,6 +42,7 @@ def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str,
         owner, function = classes.around(lines), functions.around(lines)
         notes = [
             *(_attributes(owner, lines) if owner else ()),
+            *(_unset(owner, lines) if owner else ()),
             *(_locals(function, lines) if function else ()),
         ]
         if notes:
@@ -53,6 +63,9 @@ class _Scope:
             and isinstance(one.value, ast.Name)
             and one.value.id == "self"
         )
+        known = _known(node, inside) if isinstance(node, ast.ClassDef) else None
+        read_only = self.attributes.read - self.attributes.written
+        self.unset: set[str] = set() if known is None else read_only - known
         self.names = _Uses(
             (one.lineno, one.id, _reads(one)) for one in inside if isinstance(one, ast.Name)
         )
@@ -65,6 +78,7 @@ class _Uses:
         found = list(uses)
         self.places = sorted((line, number, name) for number, (line, name, _) in enumerate(found))
         self.read = {name for _, name, reads in found if reads}
+        self.written = {name for _, name, reads in found if not reads}
         self.first: dict[str, int] = {}
         self.last: dict[str, int] = {}
         for line, _, name in self.places:
@@ -103,6 +117,29 @@ def _attributes(owner: _Scope, lines: range) -> Iterator[str]:
         inside = lines.start <= uses.first[name] and uses.last[name] < lines.stop
         if inside and name not in uses.read:
             yield f"'self.{name}' is assigned, but nothing else in the class knows it"
+
+
+def _unset(owner: _Scope, lines: range) -> Iterator[str]:
+    for name in owner.attributes.within(lines):
+        if name in owner.unset:
+            yield f"'self.{name}' is read, but nothing in the class sets it"
+
+
+def _known(owner: ast.ClassDef, inside: Iterable[ast.AST]) -> set[str] | None:
+    """Return what an ``EDDIInput`` has without an assignment; None where nobody can tell."""
+    own = [base.id for base in owner.bases if isinstance(base, ast.Name)] == [_BASE]
+    names = {getattr(one, "id", getattr(one, "attr", None)) for one in inside}
+    methods = {one.name for one in owner.body if isinstance(one, ast.FunctionDef)}
+    if len(owner.bases) != 1 or not own or names & _SETTERS or "__getattr__" in methods:
+        return None
+    assigned = {
+        one.id
+        for line in owner.body
+        if isinstance(line, ast.Assign | ast.AnnAssign)
+        for one in ast.walk(line)
+        if isinstance(one, ast.Name)
+    }
+    return {*methods, *assigned, *_INHERITED}
 
 
 def _locals(function: _Scope, lines: range) -> Iterator[str]:

@@ -1,10 +1,10 @@
 """Files of a package: read them, replace them atomically, keep what has no place.
 
-Layout below ``.eddi/``: ``pristine/F`` (Copier's rendering of F), ``generated/F`` (the same of a
-file that must not be edited), ``base/F`` (the rendering of the last finished sync), ``next/F``
-(what becomes the base of a sync under way), ``accepted/F`` (in what F may differ from that base
-though it looks like another one's), ``orphans/<id>`` (bodies without a region),
-``rejects/F.patch`` (outside edits without a place), ``rejects/F.edited`` (whole files).
+Layout below ``.eddi/``: ``pristine/F`` (Copier's rendering of F until it is merged),
+``generated/F`` (the same of a file that must not be edited), ``base/F`` (the rendering of the last
+finished sync), ``next/F`` (what becomes the base of a sync under way), ``accepted/F`` (in what F
+may differ from that base though it looks like another one's), ``orphans/<id>`` (bodies without a
+region), ``rejects/F.patch`` (outside edits without a place), ``rejects/F.edited`` (whole files).
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from itertools import chain, count
 from pathlib import Path
 from urllib.parse import quote
@@ -30,12 +31,30 @@ from .result import Orphan
 EDDI = names.folder
 SAVED = (f"{EDDI}/orphans/", f"{EDDI}/rejects/")
 """Folders of records that a person may work in: text of theirs that has no place."""
+PRISTINE = f"{EDDI}/pristine"
+"""Folder into which Copier renders the editable files."""
+_PLACED = f"{EDDI}/placed"
+"""What a folder of renderings is called while it is removed."""
 _TEMPORARY = ".eddi-tmp"
 # The last line of a rendering; before the colon stands the name of the template or its generator.
 _SENTINEL_LINE = re.compile(
     r"^[ \t]*(?:#|<!--)\s*[\w-]+: end of rendering\s*(?:-->\s*)?\Z", re.MULTILINE
 )
 _HEAD = "# saved body of a region that is gone; it comes back with the region"
+
+
+_durable = True
+
+
+@contextmanager
+def in_scratch() -> Iterator[None]:
+    """Do not wait for the disk: what is written within goes with the process."""
+    global _durable  # noqa: PLW0603 - one process merges one package at a time
+    _durable = False
+    try:
+        yield
+    finally:
+        _durable = True
 
 
 class ChangedMeanwhileError(OSError):
@@ -47,6 +66,32 @@ def files_below(folder: Path) -> list[str]:
     return sorted(
         name for name, kind in entries(folder) if kind is None and not name.endswith(_TEMPORARY)
     )
+
+
+def editable_files(root: Path) -> list[str]:
+    """Return the editable files of a package, sorted: merged, or with a rendering to be merged."""
+    folders = (root / EDDI / "base", root / PRISTINE)
+    return sorted({name for folder in folders for name in files_below(folder)})
+
+
+def newest_rendering(root: Path, name: str) -> str | Fault | None:
+    """Return the newest rendering of an editable file, merged or not; ``None``: it is not whole."""
+    text = read_text(root / PRISTINE / name)
+    if text is None:
+        return read_text(root / EDDI / "base" / name)
+    return without_sentinel(text) if isinstance(text, str) else text
+
+
+def is_hidden(root: Path, folder: str) -> bool:
+    """Return whether git, and so Copier, is told not to look into a folder of the records."""
+    text = read_text(root / EDDI / ".gitignore")
+    return isinstance(text, str) and f"/{folder.rpartition('/')[2]}/" in text.splitlines()
+
+
+def discard(root: Path, folder: str) -> None:
+    """Remove a folder of renderings by one rename: half of one must not pass for a rendering."""
+    (root / folder).rename(root / _PLACED)
+    shutil.rmtree(root / _PLACED)
 
 
 def linked_records(root: Path) -> list[str]:
@@ -108,6 +153,7 @@ def write_file(
     if _holds(path, data):
         return False
     path.parent.mkdir(parents=True, exist_ok=True)
+    durable = durable and _durable
     temporary = path.with_name(f".{path.name}{_TEMPORARY}")
     models = [path, *([root / like] if like is not None else [])]
     model = next((one for one in models if one.is_file()), None)
@@ -160,6 +206,7 @@ def remove_file(path: Path) -> bool:
 
 def clean_temporaries(root: Path, paths: list[str]) -> None:
     """Remove what a killed process left next to the files that sync writes."""
+    shutil.rmtree(root / _PLACED, ignore_errors=True)
     found = {root / EDDI / name for name, _ in entries(root / EDDI) if name.endswith(_TEMPORARY)}
     for path in (resolved(root, root / name) for name in paths):
         if path is not None:

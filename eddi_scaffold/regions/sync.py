@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -17,16 +18,21 @@ from pathlib import Path
 
 from .conflicts import other_side
 from .files import read_regular, stays
-from .generated import listed_generated, place_generated, recorded_generated
+from .generated import GENERATED, listed_generated, place_generated, recorded_generated
 from .interrupted import end_update
+from .manifest import changed_bases, record_bases
 from .marked_file import Fault, parse
 from .merge import may_return, merge, retire
 from .result import Merged, Note, Orphan, RefusedFile
 from .store import (
     EDDI,
+    PRISTINE,
     ChangedMeanwhileError,
     clean_temporaries,
+    discard,
+    editable_files,
     files_below,
+    is_hidden,
     linked_records,
     load_orphans,
     read_text,
@@ -85,6 +91,7 @@ class _Texts:
     base: str | None
     there: str | None  # what the file holds
     mine: str | None  # the same, or what the last commit has
+    alike: bool  # base and file may have been changed alike
     theirs: str | None  # None: not rendered any more
 
 
@@ -123,6 +130,8 @@ def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) 
             refused.clear()
             _sync(root, committed, refused, touched, notes)
         notes.extend(place_generated(root))
+        if not refused:
+            _clear(root)
         end_update(root)
     except OSError as problem:
         reason = f"{problem.strerror or problem}; nothing is lost; remove the reason, {AGAIN}"
@@ -142,25 +151,39 @@ def _sync(
     Raises:
         ChangedMeanwhileError: a person saved a file in between; it is merged again from there.
     """
-    names = sorted({*files_below(root / EDDI / "pristine"), *files_below(root / EDDI / "base")})
+    names = editable_files(root)
     clean_temporaries(root, [*names, *listed_generated(root), *recorded_generated(root)])
     _settle_renderings(root)
+    changed = changed_bases(root)
     _finish_interrupted(root)
-    found = [_read(root, name, committed, refused, notes) for name in names]
+    if not (root / PRISTINE).is_dir():  # then the bases are the newest renderings
+        names = [name for name in names if name not in changed]
+    found = [_read(root, name, committed, refused, notes, name in changed) for name in names]
     texts = [text for text in found if text is not None]
     stored = load_orphans(root)
     plan = _plan(texts, list(stored.values()), refused)
     notes.extend(note for planned in plan for note in planned.merged.notes)
+    notes.extend(_keep(root, planned) for planned in plan if _may_drop(planned))
     _write(root, plan, stored, touched)
 
 
 def _settle_renderings(root: Path) -> None:
     """Take the newest side where Copier or git merged renderings, for instance formatted ones."""
-    folder = f"{EDDI}/pristine"
-    for name in files_below(root / folder):
-        data = read_regular(root / folder / name)
+    for name in files_below(root / PRISTINE):
+        data = read_regular(root / PRISTINE / name)
         if (settled := other_side(data)) != data:
-            write_file(root, f"{folder}/{name}", settled)
+            write_file(root, f"{PRISTINE}/{name}", settled)
+
+
+def _clear(root: Path) -> None:
+    """Remove the renderings, which are the bases now.
+
+    They stay where git sees them: Copier would take them for files that a person removed, and never
+    render them again; and beside a file in ``generated`` that could not be placed yet.
+    """
+    waits = (root / GENERATED).is_dir() or not (root / PRISTINE).is_dir()
+    if not waits and is_hidden(root, PRISTINE):
+        discard(root, PRISTINE)
 
 
 def linked_folders(root: Path) -> tuple[Refusal, ...]:
@@ -175,6 +198,7 @@ def _read(
     committed: Callable[[str], str | None],
     refused: list[Refusal],
     notes: list[Note],
+    alike: bool,
 ) -> _Texts | None:
     places = [path, *(f"{EDDI}/{folder}/{path}" for folder in ("base", "next", "pristine"))]
     away = [name for name in places if not stays(root, root / name)]
@@ -183,11 +207,11 @@ def _read(
         return None
     base, there, pristine = (
         read_text(place)
-        for place in (root / EDDI / "base" / path, root / path, root / EDDI / "pristine" / path)
+        for place in (root / EDDI / "base" / path, root / path, root / PRISTINE / path)
     )
     if isinstance(base, Fault):
         base = None
-    for found, name in ((there, path), (pristine, f"{EDDI}/pristine/{path}")):
+    for found, name in ((there, path), (pristine, f"{PRISTINE}/{path}")):
         if isinstance(found, Fault):
             refused.append(Refusal(name, found.line, found.reason))
             return None
@@ -195,9 +219,11 @@ def _read(
     assert not isinstance(pristine, Fault)
     mine = there
     theirs = without_sentinel(pristine) if pristine is not None else None
+    if not (root / PRISTINE).is_dir():
+        theirs = base  # it is merged
     if pristine is not None and theirs is None:
         reason = "the rendering was interrupted (its last line is missing); render again"
-        refused.append(Refusal(f"{EDDI}/pristine/{path}", pristine.count("\n") + 1, reason))
+        refused.append(Refusal(f"{PRISTINE}/{path}", pristine.count("\n") + 1, reason))
         return None
     if mine is None and base is not None:
         mine = committed(path)  # Copier removes files that the template dropped
@@ -206,7 +232,7 @@ def _read(
             text = f"the committed text has damaged markers ({faults[0].reason}); it is in git only"
             notes.append(Note(path, faults[0].line, text))
             mine = None
-    return _Texts(path, base, there, mine, theirs)
+    return _Texts(path, base, there, mine, alike, theirs)
 
 
 def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal]) -> list[_Planned]:
@@ -246,6 +272,23 @@ def _merge(texts: _Texts, orphans: Sequence[Orphan]) -> Merged | RefusedFile:
     return retire(texts.path, texts.base, texts.mine)
 
 
+def _may_drop(planned: _Planned) -> bool:
+    """Return whether lines leave a file that only seem to be generated."""
+    texts = (planned.texts.mine or "", planned.merged.text or "")
+    own, new = (Counter(line.strip() for line in text.splitlines()) for text in texts)
+    return planned.texts.alike and any((own - new).keys())
+
+
+def _keep(root: Path, planned: _Planned) -> Note:
+    path, text = planned.texts.path, planned.texts.mine or ""
+    copy = save_reject(root, path, text.encode(), ".edited").relative_to(root)
+    reason = (
+        f"{EDDI}/base/{path} is not what was recorded, as after a replacement over many files: "
+        f"your lines and generated ones looked alike, so all of the file is kept in {copy}"
+    )
+    return Note(path, None, reason)
+
+
 def _write(
     root: Path, plan: Sequence[_Planned], stored: dict[Path, Orphan], touched: list[str]
 ) -> None:
@@ -274,8 +317,7 @@ def _write(
     for planned in plan:
         for orphan in planned.merged.taken:
             remove_file(places[orphan])
-    for planned in plan:
-        _commit(root, planned.texts.path, planned.texts.theirs)
+    _commit(root, {planned.texts.path: planned.texts.theirs for planned in plan})
 
 
 def _write_one(root: Path, planned: _Planned) -> bool:
@@ -284,7 +326,7 @@ def _write_one(root: Path, planned: _Planned) -> bool:
     if text is None:
         check()
         return remove_file(root / path)
-    return write_file(root, path, text.encode(), f"{EDDI}/pristine/{path}", check)
+    return write_file(root, path, text.encode(), f"{PRISTINE}/{path}", check)
 
 
 def _write_next(root: Path, planned: _Planned) -> None:
@@ -300,14 +342,18 @@ def next_base(text: bytes, base: bytes) -> bytes:
     return hashlib.sha256(text).hexdigest().encode() + b"\n" + base
 
 
-def _commit(root: Path, path: str, theirs: str | None) -> None:
-    if theirs is None:
-        changed = remove_file(root / EDDI / "base" / path)
-    else:
-        changed = write_file(root, f"{EDDI}/base/{path}", theirs.encode())
-    if changed:
-        remove_file(root / EDDI / "accepted" / path)
-    remove_file(root / EDDI / "next" / path)
+def _commit(root: Path, made: Mapping[str, str | None]) -> None:
+    """Make these renderings the base of their files; ``None``: they have none any more."""
+    for path, theirs in made.items():
+        if theirs is None:
+            changed = remove_file(root / EDDI / "base" / path)
+        else:
+            changed = write_file(root, f"{EDDI}/base/{path}", theirs.encode())
+        if changed:
+            remove_file(root / EDDI / "accepted" / path)
+    record_bases(root, made)
+    for path in made:
+        remove_file(root / EDDI / "next" / path)
 
 
 def _finish_interrupted(root: Path) -> None:
@@ -316,17 +362,18 @@ def _finish_interrupted(root: Path) -> None:
     Without this, a new rendering after the kill would be merged against a base that is one
     rendering older than the file.
     """
+    made: dict[str, str | None] = {}
     for path in files_below(root / EDDI / "next"):
         text, mine = read_text(root / EDDI / "next" / path), read_text(root / path)
+        base = read_text(root / EDDI / "base" / path)
+        made[path] = base if isinstance(base, str) else None
         if isinstance(text, str) and isinstance(mine, str):
             digest, _, theirs = text.partition("\n")
-            base = read_text(root / EDDI / "base" / path)
             replaced = digest == hashlib.sha256(mine.encode()).hexdigest()
             # a person may have edited the file between the kill and now
             if replaced or (isinstance(base, str) and _nearer(mine, theirs, base)):
-                _commit(root, path, theirs)
-                continue
-        remove_file(root / EDDI / "next" / path)
+                made[path] = theirs
+    _commit(root, made)
 
 
 def _nearer(mine: str, theirs: str, base: str) -> bool:

@@ -1,4 +1,4 @@
-"""ROS 1 bags as inputs of monitors: the messages that their nodes would have received.
+"""Bags of ROS 1 and ROS 2 as inputs of monitors: the messages that their nodes would have received.
 
 Needs the extra ``bags`` (rosbags), and no ROS.
 """
@@ -13,9 +13,13 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+from eddi_scaffold.config.message_types import MessageFields
+from eddi_scaffold.config.message_types.ros2 import ros2_fields
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.identifiers import full_topic
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.monitors.binding import BoundMonitor, known_types
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.problems import (
     EddiError,
     Place,
@@ -31,6 +35,9 @@ from eddi_scaffold.replay.recordings import Sample, Tape
 
 _absolute = partial(full_topic, namespace="", package="")
 """A bag has no private names."""
+
+_NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
+"""Packages of the messages that monitors publish, and those of ROS about itself."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,7 @@ def read_bag(
     Times are nanoseconds since the first message of the bag, of any topic.
 
     Args:
-        path: a ROS 1 bag.
+        path: a ROS 1 bag, or the folder (or single `.mcap` file) of a ROS 2 bag.
         monitors: they have configurations.
         own: topics that one of the monitors publishes itself: what was recorded of them is not
             played.
@@ -65,7 +72,7 @@ def read_bag(
     place = Place(str(path))
     wanted = _wanted(monitors)
     outside = {topic: of for topic, of in wanted.items() if topic not in own}
-    with _opened(path) as reader:
+    with opened(path, monitors) as reader:
         found = [one for one in reader.connections if _absolute(one.topic) in outside]
         _refuse(_wrong_types(found, outside))
         known = tables(reader.typestore.fielddefs)
@@ -87,42 +94,82 @@ def read_bag(
         return tape, [*_absent(place, tape, outside), *_computed(place, twice)]
 
 
-def read_times(path: Path) -> Mapping[str, Sequence[int]]:
-    """Return full name of a topic -> when its messages were recorded, in nanoseconds, ascending.
+@dataclass(frozen=True)
+class Contents:
+    """What a bag tells of a robot.
+
+    Attributes:
+        topics: full name -> type, of those that are not the monitors' own.
+        types: message type -> fields.
+        times: full name of a topic -> when its messages were recorded, in nanoseconds, ascending.
+    """
+
+    topics: Mapping[str, str]
+    types: MessageFields
+    times: Mapping[str, Sequence[int]]
+
+
+def read_contents(path: Path) -> Contents:
+    """Return topics, types and times of a bag.
 
     Raises:
         EddiError: rosbags is not installed (I010), or the bag cannot be read (I011).
     """
-    found: dict[str, list[int]] = {}
-    with _opened(path) as reader:
+    times: dict[str, list[int]] = {}
+    topics: dict[str, str] = {}
+    with opened(path) as reader:
         for connection, t, _ in reader.messages():
-            found.setdefault(_absolute(connection.topic), []).append(t)
-    return {topic: sorted(times) for topic, times in found.items()}
+            topic, of = _absolute(connection.topic), connection.msgtype.replace("/msg/", "/")
+            times.setdefault(topic, []).append(t)
+            if of.partition("/")[0] not in _NO_SENSORS:
+                topics[topic] = of
+        types = tables(reader.typestore.fielddefs)
+    return Contents(topics, types, {topic: sorted(one) for topic, one in times.items()})
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
     """Open a bag; whatever is wrong with it while it is read is a problem.
+
+    Up to Humble, bags in SQLite have no definitions of messages: the configurations have them.
 
     Raises:
         EddiError: rosbags is not installed (I010), or the bag cannot be read (I011).
     """
     try:
         from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
-        from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra
+        from rosbags.typesys import (  # noqa: PLC0415 - an extra
+            Stores,
+            get_types_from_msg,
+            get_typestore,
+        )
     except ImportError:
-        hint = "pip install 'eddi-scaffold[bags]'"
+        hint = "`pipx inject eddi-scaffold rosbags`, or pip in its environment"
         raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
     place = Place(str(path))
     _refuse_special(path, place)
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS1_NOETIC)) as reader:
+        ros1 = path.suffix == ".bag"
+        store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+        for name, text in () if ros1 else _own_messages(monitors).items():
+            store.register(get_types_from_msg(text, name.replace("/", "/msg/")))
+        with AnyReader([path], default_typestore=store) as reader:
             yield reader
     except EddiError:
         raise
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything
         reason = " ".join(str(failed).split()) or type(failed).__name__
         raise EddiError(error("I011", f"cannot read the bag: {reason}", place)) from None
+
+
+def _own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
+    """Return the texts of our messages, and of those that configurations define."""
+    own = (item for kind in kinds().values() for item in kind.all_messages.items())
+    texts = {f"{MESSAGE_PACKAGE}/{name}": text for name, text in own}
+    for one in monitors:
+        for name, fields in known_types(one.config, {}).items():
+            texts[name] = "\n".join(f"{of} {field}" for field, of in ros2_fields(fields).items())
+    return texts
 
 
 def _wanted(monitors: Sequence[BoundMonitor]) -> Mapping[str, Sequence[_Wanted]]:
@@ -138,8 +185,9 @@ def _wanted(monitors: Sequence[BoundMonitor]) -> Mapping[str, Sequence[_Wanted]]
 def _refuse_special(path: Path, place: Place) -> None:
     """Refuse what would let rosbags wait or read for ever; it reports all other faults."""
     try:
-        open_regular(path).close()
-    except NotRegularError as special:
+        for one in path.iterdir() if path.is_dir() else [path]:
+            open_regular(one).close()
+    except (NotRegularError, FileNotFoundError) as special:
         raise EddiError(error("I011", f"cannot read the bag: {special.strerror}", place)) from None
     except OSError:
         pass

@@ -88,6 +88,9 @@ class ReplayedNode:
         eddi_input: an ``EDDIInput`` as a package has it: with a method ``processing``.
         running: the monitor; it should have been reset.
         step: what takes the place of ``running.execute_step``, where a package wraps it.
+
+    Attributes:
+        raised: input id -> the first exception of its hand-written lines and its traceback.
     """
 
     def __init__(
@@ -98,6 +101,7 @@ class ReplayedNode:
         self._eddi_input = eddi_input
         self._eddi_input.bind(running.inputs)
         self._latest: dict[str, Received] = {}
+        self.raised: dict[str, tuple[str, str]] = {}
         for spec in running.inputs:
             setattr(self._eddi_input, spec.attribute, spec.default)
 
@@ -116,6 +120,9 @@ class ReplayedNode:
         now = t if clock is None else clock
         self._eddi_input.begin_step(self._ages(t), new, now)
         self._eddi_input.processing({name: one.message for name, one in self._latest.items()})
+        for name, state in self._eddi_input.states.items():
+            if state.state == "invalid" and getattr(state, "detail", ""):
+                self.raised.setdefault(name, (state.reason, state.detail))
         output = self._execute(self._eddi_input, now)
         values = {
             one.id: getattr(self._eddi_input, one.attribute, None) for one in self._running.inputs

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import json
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout
@@ -28,12 +29,15 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
 from eddi_scaffold.replay.message_trees import Message, blank
 from eddi_scaffold.replay.node import Frame, Received, ReplayedNode
+from eddi_scaffold.replay.playing import Play
 from eddi_scaffold.source import Source
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
 _INPUT = "input:"
+_CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
+"""A line of a traceback."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +48,13 @@ class Packaged:
         monitor: as far as the package remembers it.
         by_hand: ids of the inputs that hand-written lines make of their messages.
         new: makes an ``EDDIMonitor`` and an ``EDDIInput``.
+        folder: as it was named.
     """
 
     monitor: BoundMonitor
     by_hand: frozenset[str]
     new: Callable[[], tuple[Any, Any]]
+    folder: Path
 
     def from_messages(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
         """Return its monitor, and a node that is given messages."""
@@ -85,6 +91,26 @@ class Packaged:
             return []
         message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
         return [warning("I021", f"{message}: they are not used", hint="use --bag")]
+
+    def raising(self, play: Play, report: Callable[[Problem], None]) -> Play:
+        """Warn of the first exception of each hand-written method when it was raised (I023)."""
+        said: set[str] = set()
+        for part, frame in play:
+            for name in sorted(part.node.raised.keys() - said):
+                said.add(name)
+                report(self._raised(name, *part.node.raised[name], frame.t))
+            yield part, frame
+
+    def _raised(self, name: str, reason: str, traceback: str, t: float) -> Problem:
+        called = [(Path(path), int(line)) for path, line in _CALL.findall(traceback)]
+        root = self.folder.resolve()
+        own = [(path, line) for path, line in called if path.is_relative_to(root)]
+        place = Place(str(self.folder))
+        if own:
+            path, line = own[-1]
+            place = Place(str(self.folder / path.relative_to(root)), line)
+        message = f"the hand-written lines of {name} raise, first at {t:.3f} s: {reason}"
+        return warning("I023", message, place, "the input is unknown then, on the robot as well")
 
     def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
         name = binding.attribute
@@ -147,18 +173,20 @@ def load(folder: Path) -> Packaged:
     if not isinstance(name, str) or not is_package_name(name):
         raise EddiError(error("I020", f"{name!r} cannot be the name of a package", place))
     try:
-        new = _loaded(folder.resolve(), name, ros=answers["template"] == "ros1_monitor")
+        new = _loaded(folder.resolve(), name)
         new()
     except Exception as problem:  # noqa: BLE001 - whatever hand-written code raises
         message = f"its code cannot be loaded: {one_line(problem)}"
         raise EddiError(error("I020", message, place)) from None
-    return Packaged(monitor, by_hand, new)
+    return Packaged(monitor, by_hand, new, folder)
 
 
-def _loaded(folder: Path, name: str, *, ros: bool) -> Callable[[], tuple[Any, Any]]:
+def _loaded(folder: Path, name: str) -> Callable[[], tuple[Any, Any]]:
     """Import the package as its node or a program would, and leave no file behind."""
-    package = name if ros else folder.name
-    with _importing(folder / "src" if ros else folder.parent, package):
+    around = (one for one in (folder / "src", folder) if (one / name / "EDDIMonitor.py").is_file())
+    inside = next(around, None)  # else the folder is the Python package itself
+    package = folder.name if inside is None else name
+    with _importing(inside or folder.parent, package):
         monitor_class = importlib.import_module(f"{package}.EDDIMonitor").EDDIMonitor
         input_class = importlib.import_module(f"{package}.EDDIInput").EDDIInput
     return lambda: (monitor_class(), input_class())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -34,16 +35,22 @@ def watched(play: Play, report: Callable[[str], None]) -> Play:
 
 
 def steps(play: Play) -> Iterator[dict[str, Any]]:
-    """Yield time in seconds and output as JSON for each step; a step without output has the reason.
+    """Yield time in seconds, inputs and output as JSON for each step.
 
-    With several monitors, each entry has the name of its monitor.
+    A step without output has the reason, and ``blocked`` is there while it is not empty: input ->
+    what is not given because this input is not known. Lists are left out of the inputs. With
+    several monitors, each entry has the name of its monitor.
     """
     for part, frame in play:
         running = part.running
         row: dict[str, Any] = {"t": frame.t}
         if part.name:
             row["monitor"] = part.name
+        row["inputs"] = {k: _plain(v) for k, v in frame.inputs.items() if not _is_list(v)}
         row["outputs"] = running.as_json(frame.output)
+        blocked = running.blocked()
+        if blocked:
+            row["blocked"] = {name: list(outputs) for name, outputs in blocked.items()}
         why = getattr(running, "status_name", None)
         if row["outputs"] is None and why is not None:
             row["status"] = why()
@@ -136,6 +143,13 @@ def _beside(running: RuntimeMonitor[Any], reason: str) -> str:
     if not reason or hasattr(running, "omission") or reason == _NO_OTHER:
         return ""
     return f"  not valid: {reason}"
+
+
+def _plain(value: object) -> Value:
+    """Return a value as JSON has it; what is not finite is not known, as for the monitor."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, bool | int | str) else repr(value)
 
 
 def _is_list(value: object) -> bool:

@@ -27,7 +27,7 @@ except ImportError:
 else:
     settings.register_profile(
         "quick",
-        max_examples=50,
+        max_examples=25,
         deadline=None,
         derandomize=True,
         suppress_health_check=list(HealthCheck),

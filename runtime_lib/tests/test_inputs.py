@@ -91,7 +91,15 @@ def test_none_is_invalid():
         one.front = None
 
     assert one.go(BOTH, None, forgets) == (None, "invalid")
-    assert one.states["front left"].reason == "left at None"
+    assert one.states["front left"].reason == "its method left it at None"
+
+
+def test_a_value_is_of_this_step():
+    """A method that finds nothing in a message leaves no value of an earlier message behind."""
+    one = Input()
+    assert one.go(BOTH) == (True, "ok")
+    assert one.go(BOTH, {"a": 0.1, "b": 0.1}, lambda a, b: None) == (None, "invalid")
+    assert one.states["front left"].reason == "its method left it at None"
 
 
 def test_without_bind_the_id_is_the_attribute():
@@ -112,7 +120,7 @@ def test_no_limit_is_never_stale():
 
     one.begin_step({"topic": 1e9})
     one.update("free", process, {"topic": 3}, ("topic",))
-    assert one.states["free"] == ("ok", "", 1e9, "")
+    assert one.states["free"][:3] == ("ok", "", 1e9)
 
 
 class Each(EDDIInputBase):

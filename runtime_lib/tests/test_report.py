@@ -8,6 +8,7 @@ from eddi_runtime.node.report import (
     OK,
     STALE,
     WARN,
+    GraphFact,
     InputFact,
     MonitorFact,
     NodeFact,
@@ -18,7 +19,7 @@ from eddi_runtime.node.report import (
     standing_text,
 )
 
-CALM = NodeFact(5, 0, 0, 0.001, "", "ok", ())
+CALM = NodeFact(5, 0, 0, 0.001, "")
 NONE = MonitorFact()
 KNOWN = InputFact("K", "ok", age=0.1, received=3, limit="none")
 A, B, C = SourceFact("/a", 0.1), SourceFact("/b", 1.25), SourceFact("/c", None)
@@ -39,7 +40,7 @@ def test_nothing_to_say():
 def test_the_worst_finding_comes_first():
     waiting = InputFact("M", "waiting", blocks=("G1", "G2"), sources=(C,))
     late = InputFact("S", "stale", age=2.0, limit=0.5, sources=(B,))
-    node = CALM._replace(recent_overruns=1, master="lost")
+    node = CALM._replace(recent_overruns=1, graph=GraphFact(warnings=("ROS master lost",)))
     found = said(waiting, late, KNOWN, node=node)
     assert found.level == STALE
     assert found.message == (
@@ -73,6 +74,18 @@ def test_the_worst_finding_comes_first():
             "/b was latched, its age is not known",
         ),
         ("stale", (A,), 1.0, "as it was told"),  # a message has come since the step
+        (
+            "missing",
+            (A, C._replace(reason="no one")),
+            1.0,
+            "never received since start: /c (no one)",
+        ),
+        (
+            "stale",
+            (B._replace(reason="gone"),),
+            1.0,
+            "/b is late, 1.25 s old, the limit is 1 s (gone)",
+        ),
         ("latched", (A,), None, "age unknown"),
         ("invalid", (B,), 1.0, "as it was told"),
     ],

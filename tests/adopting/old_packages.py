@@ -7,7 +7,11 @@ from pathlib import Path
 EDDI_INPUT = '''import math
 import rospy
 
+LIMIT = 20  # degrees; the wheels lift at 28
 
+
+# measured on the old rover
+@staticmethod
 def level(message):
     return message.data
 

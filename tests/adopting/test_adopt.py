@@ -47,7 +47,8 @@ def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
     ) in text
     compile(text, "EDDIInput.py", "exec")
     kept = (package / ".eddi" / "rejects" / "EDDIInput.py.adopted").read_text("utf-8")
-    assert "def level(message):" in kept
+    assert "\nLIMIT = 20  # degrees; the wheels lift at 28\n" in kept
+    assert "# measured on the old rover\n@staticmethod\ndef level(message):\n" in kept
     assert "this import is not carried over: import math" in result.err
     assert "old/scripts/EDDIMonitor.py" in result.err
     config = yaml.safe_load((folder / "ws" / "conserta_config.yml").read_text("utf-8"))

@@ -16,16 +16,21 @@ MODEL = "two_conserts.xml"
 NOT_IN_THE_FILES = {
     "G001 no configuration": "a model by itself is asked for no platform without `--platform`",
     "G006 no workspace": "an option is missing",
+    "G006 the folder of another platform": "an option is missing",
     "G006 no folder": "an option is missing",
     "G007 no such workspace": "about the destination",
     "G007 the folder of the sources": "about the destination",
     "G008 no such platform": "about an option",
     "G014 workspace and folder": "about options",
+    "G006 a deployment file without a folder": "an option is missing",
+    "G014 a deployment file and a model": "options that exclude each other",
     "G015 nothing to generate from": "no file at all",
     "G015 a configuration without its model": "a warning without `--platform`",
     "G017 a system without the models of its nodes": "an option is missing",
+    "G028 a configuration in place of a deployment file": "an option is missing",
     "G024 a monitor of an older release": "about a package that is there",
     "G026 a monitor reads what another one wants spelt differently": "about a package there",
+    "G027 ROS 2 in a workspace of ROS 1": "about a package that is there",
     "H010 a marker has gone": "about a package that is there",
     "H011 no Python any more": "about a package that is there",
     "H011 a slip outside the regions": "about a package that is there",
@@ -89,7 +94,7 @@ def test_a_platform_asks_whether_monitors_can_be_generated(tmp_path: Path) -> No
     asked = run("check", "consert_a_config.yml", "--platform", "ros1", cwd=tmp_path)
     assert asked.status == 1
     assert "error: the configuration does not name its model [G015]" in asked.err
-    assert run("check", MODEL, "--platform", "ros2", cwd=tmp_path).status == 2
+    assert run("check", MODEL, "--platform", "ros3", cwd=tmp_path).status == 2
 
 
 def test_what_is_not_for_plain_python_is_not_asked(tmp_path: Path) -> None:

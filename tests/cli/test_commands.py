@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -15,30 +16,17 @@ import pytest
 from eddi_scaffold import __version__, cli
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.packages.examples import names
+from eddi_scaffold.platforms import chosen
 from tests.cli.command import ROOT, Result, example, files_below, run
 from tests.diagnosed import assert_example
 
 pytestmark = pytest.mark.slow
 
 COMMANDS = [
-    *(
-        "example",
-        "check",
-        "show",
-        "parse-rossystem",
-        "connect",
-        "run",
-        "generate",
-        "upgrade",
-        "adopt",
-        "status",
-        "trace",
-        "regions",
-        "merge-driver",
-        "diagram",
-        "compose",
-    ),
-    *("export", "answers", "event", "explain"),
+    *("example", "check", "show", "run", "generate"),
+    *("connect", "parse-rossystem", "regions", "status", "upgrade", "watch", "explain"),
+    *("diagram", "compose", "export", "event", "trace"),
+    *("adopt", "merge-driver", "answers"),
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"
@@ -85,11 +73,11 @@ def test_the_help_of_a_command_has_an_example(command: str, tmp_path: Path) -> N
     assert f"Example: eddi-scaffold {command} " in short.out
 
 
-def test_help_lists_the_commands_in_the_order_of_the_work(tmp_path: Path) -> None:
+def test_help_lists_the_commands_by_when_they_are_needed(tmp_path: Path) -> None:
     result = run("--help", cwd=tmp_path)
     assert (result.status, result.err) == (0, "")
-    listed = result.out.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
-    assert [line.split()[0] for line in listed if line[2] != " "] == COMMANDS
+    listed = result.out.partition("Start here:\n")[2].partition("  Start with:")[0]
+    assert re.findall(r"(?m)^  (\S+)  ", listed) == COMMANDS
     assert "eddi-scaffold example two-conserts demo" in " ".join(result.out.split())
 
 
@@ -100,7 +88,7 @@ def test_version(tmp_path: Path) -> None:
 def test_nothing_to_do_is_wrong_usage_with_help(tmp_path: Path) -> None:
     result = run(cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
-    assert "Commands:" in result.err
+    assert "Start here:" in result.err
 
 
 @pytest.mark.parametrize(
@@ -261,12 +249,37 @@ def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
 # packages
 
 
+def test_a_configuration_without_its_option(folder: Path) -> None:
+    for command in (["generate"], ["answers", "-m", MODEL, "-o", "out"]):
+        assert "a configuration is -c FILE" in run(*command, CONFIG, cwd=folder).err
+
+
+def test_the_folder_above_the_one_in_which_one_works(folder: Path) -> None:
+    (folder / "src").mkdir()
+    result = run("generate", "-w", ".", "-c", CONFIG, "-m", MODEL, cwd=folder / "src")
+    assert "name the folder above: -w ..\n" in result.err
+
+
+def test_an_active_virtual_environment_is_left_before_ros_is_started(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("VIRTUAL_ENV", raising=False)
+    without = chosen("ros1").next_steps(Path("ws"), [])
+    monkeypatch.setenv("VIRTUAL_ENV", "/venv")
+    first, *rest = chosen("ros1").next_steps(Path("ws"), [])
+    assert first.startswith("deactivate ")
+    assert rest == without
+
+
 def test_generate_says_what_was_written_and_what_to_do(folder: Path) -> None:
     (folder / "my ws" / "src").mkdir(parents=True)
     command = ("generate", "-w", "my ws", "-c", CONFIG, "-m", MODEL)
     first = run(*command, cwd=folder)
     assert (first.status, first.out) == (0, "")
-    assert "    + scripts/RosNode.py\n" in first.err
+    files = first.err.partition("files\n")[2]
+    assert files.startswith("  yours to edit:\n    + conserta/src/conserta/EDDIInput.py\n")
+    assert files.count("    + ") == files.count("    + conserta/") == 4
+    assert re.search(r"\n  generated: \d+ new, in conserta, eddi_messages, .*\nnext:\n", files)
     assert "  cd 'my ws' && catkin_make" in first.err
     before = files_below(folder)
     again = run(*command, cwd=folder)
@@ -306,6 +319,14 @@ def test_status_and_regions_of_a_fresh_package(package: Path, folder: Path) -> N
     )
 
 
+def test_packages_are_found_where_generate_was_told_to_put_them(
+    package: Path, folder: Path
+) -> None:
+    for command in ("status", "trace", "regions", "upgrade"):
+        results = {run(command, word, "out", cwd=folder) for word in ("-w", "-o", "--output")}
+        assert [(one.status, "[U001]" in one.err) for one in results] == [(0, False)], command
+
+
 def test_drift_is_a_no(package: Path, folder: Path) -> None:
     with (package / "EDDIMonitor.py").open("a") as file:
         file.write("# by hand\n")
@@ -322,6 +343,9 @@ def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
     result = run("upgrade", package, "-m", "v2.xml", cwd=folder)
     assert result.status == 3, result.err
     assert "hand edits need a look" in result.err
+    again = run("upgrade", package, "-m", "v2.xml", cwd=folder)
+    assert again.status == 3, again.err
+    assert "hand edits need a look" in again.err
     assert run("regions", package, "--check", cwd=folder).status == 3
     assert "bool(RtE_A_E0)" in "".join(
         data.decode() for name, data in files_below(package).items() if "orphans" in name

@@ -53,6 +53,20 @@ def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package
     assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
 
 
+def test_an_attribute_that_nobody_sets_is_looked_at(package: Path) -> None:
+    """It would raise in every step, and the input stay unknown."""
+    edit(package, BODY, "        self.RtE_A_E0 = RtE_E0.data and self.enabled\n")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    assert "'self.enabled' is read, but nothing in the class sets it" in shown.out
+    for known in ("self.RtE_A_D0", "self.states", "self.processing", "self.__class__"):
+        edit(package, "self.enabled", known)
+        assert run("regions", "--check", cwd=package).status == 0, known
+        edit(package, f"and {known}", "and self.enabled")
+    edit(package, "super().__init__()\n", "super().__init__(); vars(self)\n")
+    assert run("regions", "--check", cwd=package).status == 0  # nobody can tell
+
+
 def test_a_broken_marker_is_looked_at(package: Path) -> None:
     edit(package, "'''-----Manual edit end-----'''  # region: input:RtE_A_E0\n", "\n")
     shown = run("regions", "--check", cwd=package)
@@ -69,3 +83,15 @@ def test_a_file_that_does_not_fit_its_records_is_looked_at(package: Path) -> Non
     assert "is called by the newest rendering, not by the file" in shown.out
     told = run("status", package, cwd=package)
     assert (told.status, "is called by the newest rendering" in told.out) == (1, True)
+
+
+def test_a_body_that_is_not_python_is_looked_at(package: Path) -> None:
+    """The node could not start: nobody should learn that on the robot."""
+    edit(package, BODY, "        self.RtE_A_E0 = (RtE_E0.data\n")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    lines = (package / FILE).read_text().split("\n")
+    assert f"{FILE}:{lines.index('        self.RtE_A_E0 = (RtE_E0.data') + 1}" in shown.out
+    assert "it is not valid Python: '(' was never closed" in shown.out
+    told = run("status", package, cwd=package)
+    assert (told.status, "[H011]" in told.err) == (2, True)

@@ -27,6 +27,10 @@ def package(tmp_path: Path) -> Path:
         (package / RENDERED / name).parent.mkdir(parents=True, exist_ok=True)
         rendering = (package / name).read_bytes().replace(b"# fmt: off\n", b"", 1)
         (package / RENDERED / name).write_bytes(rendering)
+    for base in (path for path in (package / ".eddi/base").rglob("*") if path.is_file()):
+        place = package / ".eddi/pristine" / base.relative_to(package / ".eddi/base")
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(f"{base.read_text('utf-8')}# x: end of rendering\n", "utf-8")
     return package
 
 

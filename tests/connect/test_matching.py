@@ -39,12 +39,15 @@ def decided(need: Need, offers: list[Offer] | None = None) -> Decision:
     [
         ("Speed", "float", "m/s", "odom", "field", "twist.twist.linear.x", None),
         ("YawRate", "float", "deg/s", "odom", "field", "twist.twist.angular.z", "rad/s"),
+        ("AngularSpeed", "float", "rad/s", "odom", "field", "twist.twist.angular.z", None),
         ("RearClearance", "float", "m", "scan_rear", "expression", "MIN(", None),
         ("GripperClosed", "bool", None, "gripper_closed", "field", "data", None),
         ("FrontStandby", "bool", None, "front_standby", "field", "data", None),
         ("BatteryCharge", "float", "percent", "battery", "field", "percentage", "fraction"),
+        ("battery_level", "float", "percent", "battery", "field", "percentage", "fraction"),
         ("MotorTemperature", "float", "degC", "temperature", "field", "temperature", None),
         ("CameraFeatures", "float[]", None, "features", "field", "data", None),
+        ("BatteryPresent", "bool", None, "battery", "field", "present", None),
     ],
 )
 def test_what_is_clear_is_taken(
@@ -66,6 +69,10 @@ def test_what_is_clear_is_taken(
         (Need("ClimbSpeed", "float", "m/s"), "odom", "twist.twist.linear.z"),
         (Need("RadioLink", "bool"), "link_lost", "data"),
         (Need("MarkerVisible", "bool"), "gone", "TODO"),
+        (Need("FrontScanMatch", "float"), "scan_front", "ranges[TODO]"),  # no distance
+        (Need("PowerHolds", "bool"), "battery", "present"),  # says nothing of its power
+        (Need("CpuTemperature", "float", "degC"), "temperature", "temperature"),  # of the motor
+        (Need("DistanceToRearGoal", "float", "m"), "scan_rear", "MIN(scan_rear.ranges[*], "),
         (Need("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
     ],
 )
@@ -88,6 +95,13 @@ def test_the_nearest_miss_is_named(need: Need, topic: str, why: str) -> None:
     missed = decision.missed
     assert missed is not None
     assert (missed.topic.id, missed.why) == (topic, why)
+
+
+def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
+    topics = [one for one in TOPICS if one.id != "scan_rear"]
+    (decision,) = decide([Need("nearest", "float", "m")], topics, known_messages().get)
+    assert decision.state == "taken"
+    assert decision.candidates[0].access.text == "MIN(scan_front.ranges[*], COVERAGE 0.9)"
 
 
 def test_a_demand_takes_the_only_guarantee_that_fulfils_it() -> None:

@@ -31,7 +31,7 @@ from tests.deployments.world import Observer, World
 
 SIZE = 250
 """Deployments of one test."""
-SHARDS = 400 if settings.default.max_examples > 1000 else 8
+SHARDS = 400 if settings.default.max_examples > 1000 else 5
 FAULTS = (*BAD, *UNSOUND, "cycle", *RUNTIME)
 PATIENCE = 60
 """Deployments with a fault of which one at least must be found."""

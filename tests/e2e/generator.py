@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.checkouts import keep_compiled
+
 HERE = Path(__file__).parents[2]
 # Newer than any release that the clone brings along: copier takes the newest tag.
 FIRST, SECOND = "v900.0.0", "v900.1.0"
@@ -41,6 +43,7 @@ class Generator:
         self.path = Path(folder)
         git(HERE, "clone", "--quiet", str(HERE), str(self.path))
         git(self.path, "tag", FIRST)
+        keep_compiled(self.path)
         self.examples = self.path / "examples" / "two-conserts"
 
     def release_second_version(self):

@@ -14,6 +14,7 @@ from tests.ros1.world import Process, free_port, until
 
 CLEAN_PATH = "/usr/sbin:/usr/bin:/sbin:/bin"
 COLOURS = re.compile(r"\x1b\[[0-9;]*m|\x1b\][^\x07]*\x07")
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 STARTED = re.compile(r"process\[(\S+)-\d+\]: started with pid \[(\d+)\]")
 
 
@@ -97,6 +98,7 @@ class Run:
         self.folder.mkdir()
         self.processes = []
         self.echoes = {}
+        self.read = {}  # topic -> messages: what is asked for again and again is parsed once
         self.launch = None
 
     def __enter__(self):
@@ -132,7 +134,9 @@ class Run:
         """Return the complete messages that ``rostopic echo`` has printed so far."""
         text = self.echoes[topic].text
         whole = "".join(line for line in text.splitlines(True) if not line.startswith("WARNING"))
-        return [yaml.safe_load(part) for part in whole.split("---\n")[:-1]]
+        read, parts = self.read.setdefault(topic, []), whole.split("---\n")[:-1]
+        read += [yaml.load(part, _LOADER) for part in parts[len(read) :]]
+        return list(read)
 
     def states(self, topic):
         """Return guarantee id -> active for each message of a topic."""

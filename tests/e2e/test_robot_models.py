@@ -1,64 +1,53 @@
-"""From the models of a real robot to a built workspace: parse-rossystem, one input, generate."""
-
-import subprocess
+"""From the models of a real robot to a running monitor: connect, its TODO lines, generate."""
 
 import pytest
 
+from tests.connect.test_robots import consert, decided
+from tests.e2e.robot import Run
 from tests.e2e.workspace import Workspace
 from tests.shared_data import shared
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
-CONSERT = """guarantees:
-  - id: Drives
-    dimensions:
-      - Binary: {type: Drives}
-demands: []
-evidence:
-  - id: Forward
-    dimension:
-      Numeric: {type: Speed, covered: [Inclusive: {start: 0, end: 1}], subset: Demand, uom: m/s}
-gates: []
-tree_propagations:
-  - {from: Forward, to: Drives}
-required_services: []
-provided_services: []
-"""
-CONFIG = """Model:
-  id: Base
-  type: ConSert
-EDDIInputs:
-  - id: Forward
-    requires: [odometry_controller_odometry]
-    field: twist.twist.linear.x
-    max_age: 0.5
-EDDIOutputs:
-  - id: base
-    topic: /base/guarantees
-"""
+GUARANTEES = "/base/guarantees"
+INPUTS = {"RightLaserStandby": None, "LeftLaserStandby": None, "DistanceAhead": "m"}
+SCAN = "{range_max: 30.0, angle_increment: 0.1, angle_max: 0.2, ranges: [1.0, 1.5, 9.0]}"
 
 
-def test_a_real_system_becomes_a_workspace_that_builds(generator, folder, home):
+class BaseRun(Run):
+    TOPICS = (GUARANTEES,)
+
+    def scan(self):
+        """Let a scan come ten times a second; return the process."""
+        command = ("rostopic", "pub", "-r", "10", "/base_laser_front/scan")
+        return self._start(*command, "sensor_msgs/LaserScan", SCAN)
+
+
+@pytest.fixture(scope="module")
+def built(generator, folder, home):
     models = shared("mros/expected/cob4_ros_tool_test.models")
     system = models / "cob4_ros_tool_test.rossystem"
     config, model = folder / "eddi_config.yml", folder / "Base.yml"
-    generator.run("parse-rossystem", "-s", system, "-m", models, "-c", config)
-    entries = config.read_text()
-    assert entries.count("topic: ") == 41
-    config.write_text(entries + CONFIG)
-    model.write_text(CONSERT)
-    generator.run("check", model, config, system, "--models", models)
-    workspace = Workspace(folder / "rover", home)
-    generator.generate(workspace.path, model, config)
-    text = workspace.eddi_input("base").read_text()
-    assert "self.Forward = odometry_controller_odometry.twist.twist.linear.x" in text
-    assert (
-        "<exec_depend>nav_msgs</exec_depend>"
-        in (workspace.packages / "base" / "package.xml").read_text()
+    model.write_text(consert(INPUTS))
+    robot = ("--system", system, "--models", models)
+    generator.run("connect", model, *robot, "-o", config)
+    text, count = decided(
+        config.read_text(), {"DistanceAhead": "MIN(base_laser_front_scan.ranges[*])"}
     )
+    assert (text.count("topic: /"), count) == (41, 4)
+    config.write_text(text)
+    workspace = Workspace(folder / "cob4", home)
+    generator.generate(workspace.path, model, config)
     output = workspace.catkin_make()
     assert "CMake Warning" not in output, output
-    subprocess.run(
-        ["/usr/bin/python3", "-c", "import eddi_runtime, base.EDDIInput, base.EDDIMonitor"],
-        env=workspace.devel_env(),
-        check=True,
-    )
+    return workspace
+
+
+def test_a_real_system_becomes_a_monitor_that_runs(built, roscore, tmp_path):
+    with BaseRun(roscore, built.devel_env(), tmp_path / "run") as run:
+        run.wait_for(GUARANTEES, {"Fine": False}, 30.0)
+        for side in ("left", "right"):
+            run.publish(f"/base_laser_{side}/scan_standby")
+        scan = run.scan()
+        run.wait_for(GUARANTEES, {"Fine": True}, 30.0)
+        scan.end()
+        run.wait_for(GUARANTEES, {"Fine": False}, 10.0)

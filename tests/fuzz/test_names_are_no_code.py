@@ -190,6 +190,7 @@ def shown(markdown: bytes) -> Iterator[str]:
 @settings(max_examples=FEW)
 @given(texts=some(9))
 @example(texts=["a.b", "a'b", 'c"d', "-->", "mm", "{{ x }}", "t\nimport os", "a-b", "file"])
+@example(texts=[*WORDS[:5], "\x80", *WORDS[6:9]])
 def test_yaml_and_configuration(
     tmp_path_factory: pytest.TempPathFactory, platform: str, texts: list[str]
 ) -> None:

@@ -18,6 +18,8 @@ pytestmark = pytest.mark.slow
 
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 PLAIN = HERE / "tests" / "golden" / "plain"
+DDS = HERE / "tests" / "golden" / "dds"
+ROS2 = HERE / "tests" / "golden" / "ros2"
 MODELS = HERE / "tests" / "golden" / "models"
 RUNTIME = ("src/eddi_runtime/", "eddi_runtime/")
 
@@ -70,6 +72,19 @@ def compare(packages: Path, golden: Path, request: pytest.FixtureRequest) -> Non
 
 def test_workspace_of_the_example(both: Path, request: pytest.FixtureRequest) -> None:
     compare(both, WORKSPACE, request)
+
+
+def test_dds_package(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    words = ("-m", clone.example / "two_conserts.xml", "-c", clone.example / "consert_b_config.yml")
+    clone.eddi("-q", "generate", "--platform", "dds", "-o", tmp_path, *words)
+    compare(tmp_path, DDS, request)
+
+
+def test_ros2_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    words = ("-m", clone.example / "two_conserts.xml", "-c", clone.example / "consert_b_config.yml")
+    (tmp_path / "src").mkdir()
+    clone.eddi("-q", "generate", "--platform", "ros2", "-w", tmp_path, *words)
+    compare(tmp_path / "src" / "eddi_monitor", ROS2, request)
 
 
 def test_plain_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from tests.checkouts import Checkout, checkout, git, tree, without_origin
 from tests.generated.conftest import generate
+from tests.quick_copier import copier_here
 
 pytestmark = pytest.mark.slow
 
@@ -56,7 +57,7 @@ def test_own_files_stay_and_edits_of_generated_ones_are_kept(
     ignored = packages / "conserta" / ".gitignore"
     ignored.write_text("*.bag\n")
     generate(clone, tmp_path, "a", status=3)
-    generate(clone, tmp_path, "a")
+    generate(clone, tmp_path, "a", status=3)  # until somebody looks at it
     assert own.read_text() == "bool mine\n"
     kept = packages / "conserta" / ".eddi" / "rejects" / ".gitignore.edited"
     assert kept.read_text() == "*.bag\n"
@@ -68,15 +69,17 @@ def test_plain_copier_joins_the_second_monitor(clone: Checkout, both: Path, tmp_
     for letter in "ab":
         for file in answers(clone, tmp_path / letter, tmp_path, letter):
             words = ("--trust", "--quiet", "--defaults", "--overwrite", "--data-file", file)
-            clone.copier("copy", *words, clone.path, file.stem, cwd=packages)
+            assert copier_here("copy", *words, clone.path, file.stem, cwd=packages).returncode == 0
     assert tree(packages) == tree(both)
 
 
-def test_plain_platform(clone: Checkout, tmp_path: Path) -> None:
-    model = ("-m", clone.example / "two_conserts.xml", "--name", "ConSertB")
-    clone.eddi("-q", "generate", "--platform", "plain", "-o", tmp_path / "ours", *model)
+@pytest.mark.parametrize("platform", ["plain", "dds"])
+def test_platforms_without_a_workspace(clone: Checkout, platform: str, tmp_path: Path) -> None:
+    model = ("-m", clone.example / "two_conserts.xml", "--platform", platform)
+    model += ("-c", clone.example / "consert_b_config.yml")
+    clone.eddi("-q", "generate", "-o", tmp_path / "ours", *model)
     file = tmp_path / "answers.yml"
-    clone.eddi("-q", "answers", "--platform", "plain", "-o", file, *model)
+    clone.eddi("-q", "answers", "-o", file, *model)
     words = ("--trust", "--quiet", "--data-file", file, clone.path, "consertb")
     clone.copier("copy", *words, cwd=tmp_path)
     assert tree(tmp_path / "consertb") == tree(tmp_path / "ours" / "consertb")
@@ -91,7 +94,7 @@ def test_plain_copier_takes_the_runtime_out_and_back(tmp_path: Path) -> None:
         clone.eddi("-q", "generate", "-o", ours, *model, "--runtime", runtime)
         clone.eddi("-q", "answers", "-o", file, *model, "--runtime", runtime)
         words = ("--trust", "--quiet", "--defaults", "--data-file", file, "--vcs-ref", "v0.0.1")
-        clone.copier("copy", *words, clone.path, "consertb", cwd=tmp_path)
+        assert copier_here("copy", *words, clone.path, "consertb", cwd=tmp_path).returncode == 0
         trees[runtime] = tree(tmp_path / "consertb")
         for one in (trees[runtime], expected := tree(ours / "consertb")):
             file, text = ".copier-answers.yml", one[".copier-answers.yml"][1]
@@ -107,7 +110,7 @@ def test_plain_copier_takes_the_runtime_out_and_back(tmp_path: Path) -> None:
         git(package, "add", "--all")
         git(package, "commit", "--quiet", "--message", "Before")
         words = ("--trust", "--quiet", "--defaults", "-d", f"runtime={runtime}")
-        clone.copier("update", *words, str(package), cwd=tmp_path)
+        assert copier_here("update", *words, package, cwd=tmp_path).returncode == 0
         found, wanted = tree(package, ".git"), trees[runtime]
         assert set(found) == set(wanted)
         different = {name for name in found if found[name] != wanted[name]}

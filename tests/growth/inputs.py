@@ -566,6 +566,26 @@ _SYNC = {
     ),
 }  # fmt: skip
 
+# deployments
+
+_ROBOT = "  - {name: arm#, monitors: [{config: arm_config.yml}]}\n"
+_CART = "  - {name: cart, monitors: [{config: cart_config.yml}]}\n"
+_DEPLOYMENT = {
+    "robots": lambda n: "Robots:\n" + _each(_ROBOT, n),
+    "robots that fulfil a demand": lambda n: (
+        f"Robots:\n{_CART}{_each(_ROBOT, n)}Bindings: [{{demand: ArmIsParked}}]\n"
+    ),
+    "overrides": lambda n: (
+        "Robots:\n  - name: arm\n    monitors:\n      - config: arm_config.yml\n"
+        "        override:\n          SimulatorOutputs:\n"
+        + _each("            - {id: s#, type: std_msgs/Bool, topic: t#}\n", n)
+    ),
+    "bindings": lambda n: (
+        f"Robots:\n{_CART}{_each(_ROBOT, 1)}Bindings:\n"
+        + _each("  - {robot: cart, demand: ArmIsParked#}\n", n)
+    ),
+}
+
 # packages of the old tools
 
 _CLASS = "class EDDIInput:\n    def __init__(self):\n        pass\n"
@@ -597,6 +617,7 @@ _FAMILIES: list[tuple[str, str, dict[str, Callable[[int], str]]]] = [
     ("Hugin", "n.net", _HUGIN),
     ("configuration", "two-conserts/damaged_consert_a_config.yml", _CONFIG),
     ("configuration", "motor-watch/damaged_motor_config.yml", _CONFIG_EVENT),
+    ("deployment", "deployment.yml", _DEPLOYMENT),
     ("reliability YAML", "r.yml", _RELIABILITY),
     ("Open-PSA", "t.xml", _MEF),
     ("events", "m.events", _EVENTS),

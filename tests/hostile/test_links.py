@@ -14,6 +14,7 @@ import pytest
 from eddi_scaffold.packages.transaction import FileState, apply, write
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.__main__ import main as regions_tool
+from eddi_scaffold.regions.manifest import record_bases
 from tests.cli.command import Result, example, files_below, run
 from tests.diagnosed import assert_example
 from tests.hostile import special
@@ -39,12 +40,18 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = run("generate", "--platform", "plain", "-o", "ws", "-m", MODEL, "-c", CONFIG, cwd=folder)
     assert made.status == 0, made.err
     package = folder / "ws" / PACKAGE
-    for file in (package / INPUT, package / ".eddi/base" / INPUT):
+    make_older(package, INPUT)
+    (package / "README.md").unlink()
+    return folder
+
+
+def make_older(package: Path, name: str) -> None:
+    """Put what another template would have rendered into a file and its base."""
+    for file in (package / name, package / ".eddi/base" / name):
         text = file.read_text()
         assert DOCSTRING in text
         file.write_text(text.replace(DOCSTRING, "Attributes."))
-    (package / "README.md").unlink()
-    return folder
+    record_bases(package, {name: file.read_text()})
 
 
 @pytest.fixture
@@ -79,6 +86,15 @@ def states(folder: Path) -> dict[str, tuple[int, int, bytes | str]]:
             content = str(path.readlink())
         found[str(path.relative_to(folder))] = (kind.st_mode, kind.st_mtime_ns, content)
     return found
+
+
+def render_anew(package: Path) -> None:
+    """Do what Copier does before it starts the merge."""
+    for base in (path for path in (package / ".eddi/base").rglob("*") if path.is_file()):
+        place = package / ".eddi/pristine" / base.relative_to(package / ".eddi/base")
+        place.parent.mkdir(parents=True, exist_ok=True)
+        text = base.read_text().replace("Attributes.", DOCSTRING)
+        place.write_text(f"{text}# x: end of rendering\n")
 
 
 def move_out(place: Path, outside: Path) -> None:
@@ -185,6 +201,7 @@ def generate(package: Path) -> Result:
 
 def sync(package: Path) -> Result:
     """Do what plain Copier does after a rendering."""
+    render_anew(package)
     return Result(regions_tool(["sync"], package), "", "")
 
 
@@ -228,9 +245,7 @@ def test_a_link_out_of_the_packages_of_a_catkin_workspace_gets_the_merge(tmp_pat
     words = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
     assert run(*words, cwd=folder).status == 0
     package = folder / "ws/src/eddi_monitor" / PACKAGE
-    text = (package / "src" / PACKAGE / INPUT).read_text()
-    for file in (package / "src" / PACKAGE / INPUT, package / ".eddi/base/src" / PACKAGE / INPUT):
-        file.write_text(text.replace(DOCSTRING, "Attributes."))
+    make_older(package, f"src/{PACKAGE}/{INPUT}")
     place = leads_to(package / "src" / PACKAGE, folder / "ws/src/hand/scripts/rover.py")
     before = files_below(folder)
     named = run("upgrade", package, cwd=folder)
@@ -357,7 +372,8 @@ def test_a_special_file_in_the_place_of_ours_waits(
     ],
 )  # fmt: skip
 def test_records_behind_a_link_are_none(package: Path, outside: Path, name: str) -> None:
-    (package / ".eddi/generated").mkdir()  # a command on its way has it
+    (package / ".eddi/generated").mkdir()  # a command on its way has both
+    render_anew(package)
     move_out(package / name, outside)
     (outside / "notes.txt").write_text("mine")
     before = states(outside), states(package)
@@ -477,6 +493,7 @@ def test_a_program_can_be_run_again_by_those_who_can_read_it(tmp_path: Path) -> 
 def test_sync_writes_and_deletes_nothing_behind_a_link(
     package: Path, outside: Path, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    render_anew(package)
     if not (package / name).exists():
         place = package / name
         place.parent.mkdir(exist_ok=True)

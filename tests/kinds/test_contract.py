@@ -172,7 +172,7 @@ def test_it_says_what_its_messages_mean(kind: Kind[Model]) -> None:
     document = json.loads(monitor.model_json)
     assert kind.output_message in kind.messages
     for message in kind.functions.meanings(document["model"], None):
-        assert message in kind.messages
+        assert message in kind.all_messages
     inputs = {binding.model.id for binding in monitor.inputs}
     for rests_on in kind.functions.support(document).values():
         assert rests_on <= inputs

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from eddi_runtime import expressions
 
-from eddi_scaffold.compiling.expressions.form import Form, Variable
-from eddi_scaffold.language.targets.c import c_files
-from eddi_scaffold.language.targets.monitor_model import MonitorModel
+from eddi_scaffold.compiling.program.instructions import Program, Read
+from eddi_scaffold.targets.c import c_files
+from eddi_scaffold.targets.monitor_model import MonitorModel
 from tests.language.formulas import Step
 
 FLAGS = [
@@ -58,7 +58,7 @@ def compile_c(arguments: Sequence[str]) -> None:
 
 def harness(model: MonitorModel) -> str:
     arguments, reads = ["t"], []
-    for k, variable in enumerate(model.form.variables):
+    for k, variable in enumerate(model.program.reads):
         kind, form = ("double", "%la") if variable.type == "number" else ("int", "%d")
         reads.append((f"    {kind} v{k};", f'scanf("{form}", &v{k}) == 1'))
         arguments.append(f"v{k}")
@@ -95,17 +95,17 @@ def harness(model: MonitorModel) -> str:
     )
 
 
-def clean(form: Form, step: Step) -> list[object]:
+def clean(form: Program, step: Step) -> list[object]:
     """Return the arguments of ``evaluate`` behind the time."""
     found: list[object] = []
-    for variable in form.variables:
+    for variable in form.reads:
         found.append(_converted(variable, step.values.get(variable.name)))
         if variable.stamped:
             found.append(step.stamps.get(variable.name, step.t))
     return found
 
 
-def run(program: Path, form: Form, steps: Sequence[Step]) -> list[str]:
+def run(program: Path, form: Program, steps: Sequence[Step]) -> list[str]:
     """Return the line that the program prints for each step."""
     lines = []
     for step in steps:
@@ -124,7 +124,7 @@ def as_number(text: str) -> float:
     return math.nan if "nan" in text else float.fromhex(text)
 
 
-def _converted(variable: Variable, raw: object) -> float | int:
+def _converted(variable: Read, raw: object) -> float | int:
     """Return what the text of a package makes of a raw value."""
     if variable.type == "enum":
         return expressions.literal(raw, variable.literals)

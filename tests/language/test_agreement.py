@@ -15,8 +15,8 @@ from eddi_scaffold.language import analyse
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
-from eddi_scaffold.language.targets.monitor_model import monitor_model
-from eddi_scaffold.language.targets.python import python_module
+from eddi_scaffold.language.standalone import monitor_model
+from eddi_scaffold.targets.python import python_module
 from tests.language import c_program
 from tests.language.formulas import DECLARATIONS, INPUTS, PERIOD, RATE, Formulas, Step, recording
 from tests.language.reference import NearTie, Reference
@@ -70,14 +70,14 @@ def compare(text: str, steps: list[Step], c_lines: list[list[int]] | None) -> tu
     compared = ties = 0
     for number, step in enumerate(steps):
         wanted = reference.step(step.t, step.values, step.stamps)
-        values = [step.values[variable.name] for variable in form.variables]
-        stamps = [step.stamps.get(variable.name) for variable in form.variables]
+        values = [step.values[variable.name] for variable in form.reads]
+        stamps = [step.stamps.get(variable.name) for variable in form.reads]
         found = engine.step(step.t, values, stamps)
         generated = python.evaluate(step.t, *c_program.clean(form, step))
         assert generated == found, number
         if c_lines is not None:
             assert list(found) == c_lines[number], number
-        for k, output in enumerate(form.outputs):
+        for k, output in enumerate(form.results):
             expected = wanted[output.id]
             if expected is NearTie:
                 ties += 1

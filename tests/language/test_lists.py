@@ -14,8 +14,8 @@ from eddi_scaffold.language import analyse
 from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
+from eddi_scaffold.language.standalone import generate
 from eddi_scaffold.language.syntax import File, SyntaxNode, is_list_path
-from eddi_scaffold.language.targets import generate
 from eddi_scaffold.problems import EddiError
 from tests.language.reference import NearTie, aggregate, combine
 

@@ -17,9 +17,9 @@ from eddi_scaffold.language.canonical import canonical
 from eddi_scaffold.language.findings import TextFindings, in_text
 from eddi_scaffold.language.parser import parse
 from eddi_scaffold.language.scope import BOOL, NUMBER
-from eddi_scaffold.language.targets.monitor_model import monitor_model
-from eddi_scaffold.language.targets.python import python_module
-from eddi_scaffold.language.targets.values import BoolVal, NumVal
+from eddi_scaffold.language.standalone import monitor_model
+from eddi_scaffold.targets.python import python_module
+from eddi_scaffold.targets.values import BoolVal, NumVal
 from tests.language import c_program
 from tests.language.formulas import Step
 from tests.shared_data import shared
@@ -142,7 +142,7 @@ def test_traces(oracle: Any, name: str, tmp_path: Path) -> None:
     ]
     lines = c_program.run(c_program.build(model, tmp_path), form, steps)
     for step, line, (*_, wanted) in zip(steps, lines, trace["steps"], strict=True):
-        (found,) = engine.step(step.t, [step.values[v.name] for v in form.variables])
+        (found,) = engine.step(step.t, [step.values[v.name] for v in form.reads])
         (printed,) = generated.evaluate(step.t, *c_program.clean(form, step))
         if trace["type"] == "bool":
             assert found == printed == int(line) == TRUTH[wanted], step

@@ -16,7 +16,8 @@ from urllib.parse import urlencode
 import pytest
 
 from eddi_scaffold.cli.event import _read_signal
-from eddi_scaffold.language.page.server import MAX_BODY, open_server
+from eddi_scaffold.language.page.server import open_server
+from eddi_scaffold.loopback.handler import MAX_BODY
 from eddi_scaffold.problems import EddiError
 from tests.diagnosed import assert_example
 

@@ -16,11 +16,10 @@ from hypothesis import settings
 from eddi_scaffold.compiling.expressions.engine import build_engine
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.language import analyse
-from eddi_scaffold.language.targets import generate
-from eddi_scaffold.language.targets.kept_bodies import keep_in_folder
-from eddi_scaffold.language.targets.monitor_model import monitor_model
-from eddi_scaffold.language.targets.names import module_name, unique_names
+from eddi_scaffold.language.standalone import generate, monitor_model
 from eddi_scaffold.problems import EddiError
+from eddi_scaffold.targets.kept_bodies import keep_in_folder
+from eddi_scaffold.targets.names import module_name, unique_names
 from tests.interpreters import old_python
 from tests.language import c_program
 from tests.language.formulas import DECLARATIONS, recording
@@ -176,8 +175,8 @@ def test_c_has_neither_undefined_behaviour_nor_differences(tmp_path: Path) -> No
     lines = c_program.run(program, form, played)
     seen: list[set[float]] = [set() for _ in EACH]
     for step, line in zip(played, lines, strict=True):
-        values = [step.values[variable.name] for variable in form.variables]
-        stamps = [step.stamps.get(variable.name) for variable in form.variables]
+        values = [step.values[variable.name] for variable in form.reads]
+        stamps = [step.stamps.get(variable.name) for variable in form.reads]
         found = engine.step(step.t, values, stamps)
         assert found == tuple(map(int, line.split()))
         seen = [one | {value} for one, value in zip(seen, found, strict=True)]

@@ -12,7 +12,7 @@ from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.source import Source
 
-PAGE = Path(__file__).parents[2] / "docs" / "consert-yaml.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "consert-yaml.md"
 MODEL = PAGE.read_text(encoding="utf-8").partition("```yaml\n")[2].partition("```")[0]
 CONFIG = """
 Model: {{id: {id}, type: ConSert}}

@@ -19,6 +19,7 @@ from tests.cli.command import ROOT, files_below, run, template
 pytestmark = pytest.mark.slow
 
 ROS1, PLAIN = ("ros1", "ws/src/eddi_monitor", "-w"), ("plain", "ws", "-o")
+ROS2 = ("ros2", *ROS1[1:])
 ROBOT = ("--system", "rover.rossystem", "--models", "nodes")
 CASES = [
     ("rover-events", "rover", "Rover.yml", "eddi_config.yml", PLAIN),
@@ -28,6 +29,7 @@ CASES = [
     ("drone", "missionloss", "drone.xml", "reliability_config.yml", PLAIN),
     ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", PLAIN),
     ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", ROS1),
+    ("pedestrian", "pedestrian_prediction_example", "pedestrian.xml", "eddi_config.yml", ROS2),
 ]
 
 
@@ -70,5 +72,5 @@ def test_every_kind_and_every_example(
     )
     assert ours.keys() == theirs.keys()
     assert [name for name in ours if ours[name] != theirs[name]] == []
-    if where is PLAIN:
+    if where is not ROS1:
         load(tmp_path / package).new()

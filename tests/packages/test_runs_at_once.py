@@ -258,6 +258,10 @@ def test_a_killed_run_is_finished_before_the_next_one_looks(tmp_path: Path) -> N
 def render_anew(package: Path) -> bytes:
     """Do what Copier does before it starts the merge; return what the file was."""
     pristine = package / ".eddi/pristine/src/consertb/EDDIInput.py"
+    for base in (path for path in (package / ".eddi/base").rglob("*") if path.is_file()):
+        place = package / ".eddi/pristine" / base.relative_to(package / ".eddi/base")
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(f"{base.read_text()}# eddi-scaffold: end of rendering\n")
     pristine.write_text(pristine.read_text().replace("One attribute", "Just one attribute"))
     return (package / "src/consertb/EDDIInput.py").read_bytes()
 

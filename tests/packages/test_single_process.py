@@ -33,7 +33,7 @@ def test_it_comes_and_goes_for_all_monitors(tmp_path: Path) -> None:
     generate(tmp_path, "a")
     launch = packages / "eddi_monitor_launcher" / "launch" / "eddi.launch"
     code = packages / "conserta" / "src" / "conserta" / "EDDIInput.py"
-    mine = "        self.RtE_A_E0 = RtE_E0.data and not self.tilted\n"
+    mine = "        self.RtE_A_E0 = RtE_E0.data is True\n"
     text = code.read_text("utf-8")
     code.write_text(text.replace("        self.RtE_A_E0 = RtE_E0.data\n", mine), "utf-8")
     separate = own_files(packages)

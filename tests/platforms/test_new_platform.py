@@ -78,9 +78,9 @@ def test_it_is_offered(clone: Checkout) -> None:
         clone.path,
         {"PYTHONPATH": str(clone.path), "COLUMNS": "200", "TERM": "dumb"},
     ).stdout
-    assert "amiga_500 or plain or ros1" in help_text
+    assert "amiga_500 or dds or plain or ros1 or ros2" in help_text
     said = clone.eddi("generate", "--platform", "atari", "-o", ".", "-m", "nothing.xml", status=2)
-    assert "platforms: amiga_500, plain, ros1" in said
+    assert "platforms: amiga_500, dds, plain, ros1, ros2" in said
     model = clone.example / "two_conserts.xml"
     said = clone.eddi("generate", "--platform", "amiga_500", "-w", "no", "-m", model, status=2)
     assert "there is no such box of floppy disks" in said

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions
+from eddi_scaffold.regions.store import write_file
 from eddi_scaffold.regions.sync import sync_package
 from tests.regions.rendering import INPUT, Package, elements, render
 from tests.regions.test_sync import body, git, write_hand
@@ -34,6 +35,7 @@ def commit(root: Path, message: str = "work") -> None:
 def root(tmp_path: Path) -> Path:
     """A package in version 1 on two branches, of which `side` has edits outside of regions."""
     root = tmp_path / "work" / "pkg"
+    write_file(root, ".eddi/.gitignore", b"")  # a template that has the renderings in git
     generate(root, Package((A, B)))
     git(root.parent, "init", "-q", "-b", "main")
     commit(root)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import random
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.branches import join_branches, join_manifests
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.marked_file import parse
+from eddi_scaffold.regions.store import write_file
 from eddi_scaffold.regions.sync import sync_package
 from tests.regions.rendering import (
     CMAKE,
@@ -35,6 +37,7 @@ FILES = f"/.eddi/** merge=regions\n/{INPUT} merge=regions\n/{NETWORK} merge=regi
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
     root = tmp_path / "work" / "pkg"
+    write_file(root, ".eddi/.gitignore", b"")  # a template that has the renderings in git
     generate(root, Package((A, B)))
     attributes = FILES + f"/{MANIFEST} merge=regions\n/{CMAKE} merge=regions\n"
     (root / ".gitattributes").write_text(attributes)
@@ -152,6 +155,26 @@ def test_the_order_is_that_of_the_new_rendering(swapped: bool) -> None:
     assert not joined.conflict
     assert list(parse(joined.text)[0].regions) == ["input:c", "input:b", "input:a"]
     assert "import EDDIInputBase, x\n" in joined.text
+
+
+def test_base_that_both_branches_have_anew_has_no_digest() -> None:
+    one, ours, theirs = (
+        json.dumps({"base": {"both": {"sha256": side}, "same": {"sha256": side}, **own}})
+        for side, own in (
+            ("1", {"ours": "1", "theirs": "1", "gone": "1"}),
+            ("2", {"ours": "2", "theirs": "1", "gone": "1", "new": "2"}),
+            ("3", {"ours": "1", "theirs": "3"}),
+        )
+    )
+    theirs = theirs.replace('"same": {"sha256": "3"}', '"same": {"sha256": "2"}')
+    merged = json.loads(join_manifests(one, ours, theirs) or "")
+    assert merged["base"] == {
+        "ours": "2",
+        "theirs": "3",
+        "both": None,
+        "same": {"sha256": "2"},
+        "new": "2",
+    }
 
 
 def test_digests_of_two_renderings() -> None:

@@ -185,8 +185,8 @@ class ForeignLife(Life):
     def _ignore(self, path: str) -> None:
         """Do what a Copier does that leaves regions alone and merges the rest."""
         base = self.root / self.records / "base" / path
-        if not base.exists():
-            return
+        if not base.exists() or any(token in base.read_text() for token in self.replaced):
+            return  # Copier's own is never touched
         theirs = rendering.RENDER[path](self.package)
         mine = (self.root / path).read_bytes().decode()
         merged = merge(path, base.read_text(), mine, theirs)

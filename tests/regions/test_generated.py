@@ -85,7 +85,7 @@ def test_a_rendering_is_on_its_way_to_its_place(tmp_path: Path) -> None:
 def test_half_of_a_removed_rendering_is_no_rendering(tmp_path: Path) -> None:
     render(tmp_path, a=FIRST, b=FIRST)
     with (  # killed while it removes them
-        patch("eddi_scaffold.regions.generated.shutil.rmtree", side_effect=KeyboardInterrupt),
+        patch("eddi_scaffold.regions.store.shutil.rmtree", side_effect=KeyboardInterrupt),
         pytest.raises(KeyboardInterrupt),
     ):
         sync_package(tmp_path)

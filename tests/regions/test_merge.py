@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from eddi_scaffold.regions.generated import digests_of
+from eddi_scaffold.regions.manifest import digests_of
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.merge import merge, retire
 from eddi_scaffold.regions.result import Merged, Orphan, RefusedFile
@@ -426,6 +426,24 @@ def test_a_rename_may_be_declared_later() -> None:
     gone = merged(text(A), edit(text(A), "a", "hand = 1\n"), text(z))
     back = merged(text(z), gone.text, text(renamed(A, "z")), orphans=gone.orphans)
     assert body(back, "input:z") == "        hand = 1\n"
+    assert not any(note.attention for note in back.notes)
+
+
+def test_a_body_that_comes_back_for_other_inputs_is_looked_at() -> None:
+    """As one is whose rename was declared at once."""
+    z = Element("z", states=("On", "Off"))
+    gone = merged(text(A), edit(text(A), "a", "hand = 1\n"), text(z))
+    back = merged(text(z), gone.text, text(replace(z, was=("a",))), orphans=gone.orphans)
+    assert [note.attention for note in back.notes] == [False, True]
+    assert "was written for other inputs" in back.notes[1].text
+
+
+def test_a_rename_from_what_never_was_is_told_where_a_body_goes() -> None:
+    base, wrong = text(A), Element("z", was=("aa",))
+    gone = merged(base, edit(base, "a", "hand = 1\n"), text(wrong))
+    assert "'input:z' is to come from 'input:aa', but nothing" in gone.notes[-1].text
+    fresh = merged(base, base, text(A, wrong))  # nothing of a person's goes
+    assert not fresh.notes
 
 
 @pytest.mark.parametrize(

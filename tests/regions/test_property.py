@@ -66,6 +66,7 @@ class Life:
         self.package = Package(elements(*NAMES[:3]))
         self.inside: dict[str, set[str]] = {}  # token -> ids under which its region was known
         self.outside: dict[str, str] = {}  # token -> function that holds it, "" for anywhere
+        self.replaced: list[str] = []  # tokens in generated lines, of the base too
         self.count = 0
         self.crlf = False
         self.update(kill=False)
@@ -209,6 +210,17 @@ class Life:
             self.outside.setdefault(token, "")
         self._write(path, text)
 
+    def replace(self) -> None:
+        """Change a generated line in the records, too."""
+        token, base = self._token(), self.root / self.records / "base" / INPUT
+        known = {line for line in base.read_text().splitlines() if "Manual edit" not in line}
+        line = self.chance.choice([one for one in self._text(INPUT).splitlines() if one in known])
+        for path in (self.root / INPUT, base):
+            old = rf"(?m)^{re.escape(line)}(?=\r?$)"
+            text = re.sub(old, lambda found: f"{found[0]}  # {token}", path.read_bytes().decode())
+            path.write_bytes(text.encode())
+        self.replaced.append(token)
+
     def damage(self) -> None:
         path = self.chance.choice([f for f in FILES if (self.root / f).exists()])
         text = self._text(path)
@@ -300,6 +312,10 @@ class Life:
         rejects = "".join(
             p.read_bytes().decode() for p in (self.root / self.records).glob("rejects/**/*.patch")
         )
+        kept = [*texts.values(), *(orphan.body for orphan in orphans)]
+        kept += [p.read_text() for p in (self.root / self.records).glob("rejects/**/*.edited")]
+        for token in self.replaced:
+            assert any(token in text for text in kept), token
         everything = "\n".join(texts.values())
         for token, ids in self.inside.items():
             word = re.compile(rf"\b{token}\b")
@@ -347,7 +363,7 @@ class Life:
 
 PERSON = ("edit", "edit", "edit", "edit_outside", "edit_outside", "edit_elsewhere")
 MODEL = ("add", "remove", "rename", "reorder", "retype", "both", "nothing")
-ACTIONS = (*PERSON, *MODEL, "template", "files", "line_ends", "damage", "format")
+ACTIONS = (*PERSON, *MODEL, "template", "files", "line_ends", "damage", "format", "replace")
 
 
 @settings(deadline=None, suppress_health_check=list(HealthCheck))

@@ -232,6 +232,29 @@ def test_killed_and_rendered_again(
     assert ("by hand" in body(package, "input:a")) is edited
 
 
+def test_what_a_killed_run_saved_goes_when_the_region_stays_and_has_more(
+    package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    render(package, Package((B,)))
+    real = os.replace
+
+    def dying(source: Path, target: Path) -> None:
+        if Path(target).name == Path(INPUT).name:
+            raise Killed
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", dying)
+    with pytest.raises(Killed):
+        sync_package(package)
+    monkeypatch.undo()
+    assert load_orphans(package)
+    write_hand(package, "input:a", "hand = 1\n        more = 2")
+    render(package, Package((A, B), 2))
+    sync_package(package)
+    assert body(package, "input:a") == "hand = 1\n        more = 2"
+    assert not load_orphans(package)
+
+
 @pytest.mark.parametrize("place", range(8))
 def test_full_disk_is_reported_and_repaired(
     package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: int
@@ -344,6 +367,7 @@ def test_a_method_that_a_person_removed_comes_back(package: Path) -> None:
 
 
 def test_interrupted_rendering_is_refused(package: Path) -> None:
+    render(package, Package((A, B)))
     pristine = package / ".eddi/pristine" / INPUT
     pristine.write_text(pristine.read_text()[:200])
     before = (package / INPUT).read_bytes()
@@ -452,6 +476,21 @@ def test_states_and_review(package: Path) -> None:
     assert sync_package(package).touched == ()
 
 
+def test_a_person_reviews_with_the_command_alone(
+    package: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_hand(package, "input:a", "self.a = 1")
+    assert command.main(["status"], package) == 0
+    render(package, Package((replace(A, states=("x",)), B)))
+    assert command.main(["sync"], package) == 0
+    assert command.main(["status"], package) == 3
+    assert f"{INPUT}:13: edited: input:a: written for other inputs" in capsys.readouterr().out
+    assert command.main(["accept", "input:a"], package) == 0
+    assert command.main(["status"], package) == 0
+    assert command.main(["accept", "input:b", "input:none"], package) == 1
+    assert capsys.readouterr().err.endswith("input:none: error: not accepted\n")
+
+
 def test_orphans_rejects_and_damage_are_listed(package: Path) -> None:
     text = (package / INPUT).read_text().replace("Inputs of the monitor", "My inputs")
     (package / INPUT).write_text(text)
@@ -487,7 +526,7 @@ def test_a_package_needs_no_editable_file(tmp_path: Path) -> None:
     sync_package(tmp_path)
     assert list_regions(tmp_path) == ()
     write_file(tmp_path, ".eddi/base/package.xml", b"<package/>")  # it had one
-    assert list_regions(tmp_path)[0].state == "broken"
+    assert [one.state for one in list_regions(tmp_path)] == ["unfit"]
     shutil.rmtree(tmp_path / ".eddi")
     assert [one.state for one in list_regions(tmp_path)] == ["broken"]
 
@@ -511,6 +550,7 @@ def test_the_folder_runs_alone(package: Path, tmp_path: Path, name: str) -> None
     foreign = tmp_path / "any name"  # in a template of somebody else's
     shutil.copytree(ours / "eddi_scaffold/regions", foreign)
     (package / ".eddi").rename(package / ".hand")
+    (package / ".hand/pristine" / INPUT).parent.mkdir(parents=True)
     (package / ".hand/pristine" / INPUT).write_text(
         eddi_input(Package((B, C))) + "# x: end of rendering\n"
     )
@@ -522,3 +562,26 @@ def test_the_folder_runs_alone(package: Path, tmp_path: Path, name: str) -> None
         assert done.returncode == status, done
     assert "process_c" in (package / INPUT).read_text()
     assert not (package / ".eddi").exists()
+
+
+def test_a_merged_rendering_goes_where_git_does_not_see_it(package: Path) -> None:
+    before = snapshot(package)
+    assert not (package / ".eddi/pristine").exists()
+    assert sync_package(package).touched == ()
+    assert snapshot(package) == before
+    (package / ".eddi/.gitignore").write_text("")  # there Copier would take it for removed
+    render(package, Package((A, B), 2))
+    sync_package(package)
+    assert (package / ".eddi/pristine" / INPUT).exists()
+    assert body(package, "input:a") == "hand = 1"
+
+
+def test_a_rendering_stays_until_every_file_is_merged(package: Path) -> None:
+    text = (package / INPUT).read_text()
+    (package / INPUT).write_text(text.replace("Manual edit end", "Manual edit over"))
+    render(package, Package((A, B), 2))
+    assert sync_package(package).refused
+    (package / INPUT).write_text(text)
+    assert not sync_package(package).refused
+    assert "version 2" in (package / INPUT).read_text()
+    assert not (package / ".eddi/pristine").exists()

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import sqlite3
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +19,7 @@ from tests.diagnosed import assert_example
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
 
+from rosbags.convert.converter import convert  # noqa: E402 - after the check
 from rosbags.rosbag1 import Writer  # noqa: E402 - after the check that it is there
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402 - the same
 
@@ -47,6 +51,10 @@ def written(
             if "guarantees" in fields:
                 guarantee = store.types["eddi_messages/msg/Guarantee"]
                 values["guarantees"] = [guarantee(*pair) for pair in fields["guarantees"]]
+            if "part" in fields:
+                values["part"] = store.types["my_msgs/msg/Part"](*fields["part"])
+                stamp = store.types["builtin_interfaces/msg/Time"](sec=1, nanosec=2)
+                values["header"] = store.types["std_msgs/msg/Header"](1, stamp, "")
             message = store.types[of](**values)
             data = store.serialize_ros1(message, of)
             writer.write(connections[topic], round((100 + t) * SECOND), data)
@@ -84,6 +92,49 @@ def test_one_step_per_period(folder: Path) -> None:
         (0.0, "00"), (0.1, "00"), (0.2, "00"), (0.3, "10"), (0.4, "10"), (0.5, "11"), (0.6, "11"),
         (0.7, "11"), (0.8, "11"), (0.9, "11"), (1.0, "10"), (1.1, "10"), (1.2, "10"),
     ]  # fmt: skip
+
+
+def as_ros2(bag: Path, place: Path, storage: str, *, definitions: bool) -> None:
+    convert([bag], place, storage, 8, None, "file", None, None, (), (), (), ())
+    if not definitions:  # as Humble wrote them
+        with closing(sqlite3.connect(place / f"{place.name}.db3")) as base, base:
+            base.execute("DELETE FROM message_definitions")
+
+
+@pytest.mark.parametrize(
+    ("storage", "definitions"), [("mcap", True), ("sqlite3", True), ("sqlite3", False)]
+)
+def test_a_bag_of_ros2_gives_the_same_verdicts(
+    folder: Path, storage: str, definitions: bool
+) -> None:
+    config = folder / "consert_a_config.yml"
+    own = {
+        "my_msgs/msg/Part": "float64 first\nbool ok\n",
+        "my_msgs/msg/Whole": "std_msgs/Header header\nmy_msgs/Part part\n",
+    }
+    types = "MessageTypes:\n  my_msgs/Part: {first: float64, ok: bool}\n"
+    types += "  my_msgs/Whole: {header: Header, part: my_msgs/Part}\n"
+    text = config.read_text().replace("std_msgs.Bool", "my_msgs.Whole")
+    text = text.replace("    max_age: 2.0", "    field: part.ok\n    max_age: 2.0")
+    config.write_text(types + text)
+    messages = [
+        (t, EVIDENCE, "my_msgs/msg/Whole", {"part": (0.5, value)})
+        for t, value in ((0, False), (0.25, True), (0.9, False))
+    ]
+    written(folder / "a.bag", [*messages, demand(0.45, True)], {**DEFINITIONS, **own})
+    expected = verdicts(folder)
+    assert {said for _, said in expected} == {"00", "10", "11"}
+    as_ros2(folder / "a.bag", folder / "ros2", storage, definitions=definitions)
+    (folder / "a.bag").unlink()
+    assert verdicts(folder, "--bag", "ros2") == expected
+
+
+def test_a_folder_with_a_pipe_is_no_bag(folder: Path) -> None:
+    (folder / "ros2").mkdir()
+    os.mkfifo(folder / "ros2" / "metadata.yaml")
+    words = ("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "ros2")
+    result = run(*words, cwd=folder)
+    assert (result.status, "I011" in result.err) == (2, True)
 
 
 def test_on_change_also_one_step_per_message_and_when_an_age_ends(folder: Path) -> None:
@@ -363,3 +414,21 @@ def test_a_bag_gives_the_age_limits_of_a_draft(folder: Path) -> None:
     (folder / "a.bag").write_bytes(b"#ROSBAG V2.0\nno bag")
     assert run(*words, "--bag", "a.bag", cwd=folder).status == 2
     assert config.read_bytes() == before
+
+
+def test_the_topics_of_a_bag_are_candidates(tmp_path: Path) -> None:
+    (tmp_path / "low.events").write_text(
+        "VAR battery_level : NUMBER\nEVENT Low (HAZARD) := battery_level < 0.2\n"
+    )
+    level = "my_msgs/msg/Charge"
+    rows: list[Message] = [(k / 10, "/battery", level, {"level": 0.5}) for k in range(9)]
+    definitions = {**DEFINITIONS, level: "float32 level\n"}
+    written(tmp_path / "a.bag", [*rows, demand(0, True)], definitions)
+    words = ("connect", "low.events", "--bag", "a.bag", "-o", "c.yml")
+    assert run(*words, cwd=tmp_path).status == 0
+    first = (tmp_path / "c.yml").read_text()
+    topic = "  - id: battery\n    type: my_msgs.Charge\n    topic: /battery\nEDDIInputs:\n"
+    assert f"SimulatorOutputs:\n{topic}" in first  # and what a monitor said is no topic of a robot
+    assert "    requires: [battery]\n    field: level\n    max_age: 0.25  # 9 messages" in first
+    assert run(*words, cwd=tmp_path).status == 0
+    assert (tmp_path / "c.yml").read_text() == first

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
+from tests.cli import command
 
 pytestmark = pytest.mark.slow
 
@@ -16,14 +18,8 @@ EXAMPLE = ROOT / "examples" / "two-conserts"
 
 
 def run(*arguments: str, folder: Path = EXAMPLE) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "eddi_scaffold", "run", *arguments],
-        cwd=folder,
-        env={"PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}", "PATH": "/usr/bin:/bin"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = command.run("run", *arguments, cwd=folder)
+    return subprocess.CompletedProcess(arguments, done.status, done.out, done.err)
 
 
 def test_json_prints_one_object_per_step() -> None:
@@ -36,12 +32,18 @@ def test_json_prints_one_object_per_step() -> None:
     active = [[o["id"] for o in line["outputs"] if o["active"]] for line in lines]
     both = ["System_A_G0", "System_A_G1"]
     assert active == [[], ["System_A_G0"], both, [], *[both] * 6, ["System_A_G0"]]
+    assert lines[1]["inputs"] == {"RtE_A_D0": False, "RtE_A_E0": True}
+    assert "blocked" not in lines[1]
 
 
 def test_a_model_is_chosen_by_name_without_a_configuration(tmp_path: Path) -> None:
     recording = tmp_path / "b.csv"
     recording.write_text("t,RtE_A_E0\n0,\n1,true\n2,false\n")
-    done = run("two_conserts.xml", "--name", "ConSertB", "--inputs", str(recording))
+    words = ("two_conserts.xml", "--name", "ConSertB", "--inputs", str(recording))
+    first = json.loads(run(*words, "--json").stdout.splitlines()[0])
+    assert first["inputs"] == {"RtE_A_E0": None}
+    assert first["blocked"] == {"RtE_A_E0": ["System_A_G0_c2"]}
+    done = run(*words)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [
         "     0.000  System_A_G0_c2 inactive  waits for RtE_A_E0",
@@ -135,7 +137,8 @@ def test_evidence_of_probability_zero_says_so(tmp_path: Path) -> None:
     (tmp_path / "in.csv").write_text("t,A,B\n0,n,\n1,y,\n")
     result = run("n.xdsl", "--inputs", "in.csv", "--json", folder=tmp_path)
     first, second = (json.loads(line) for line in result.stdout.splitlines())
-    assert first == {"t": 0.0, "outputs": None, "status": "inconsistent"}
+    inputs = {"A": "n", "B": None}
+    assert first == {"t": 0.0, "inputs": inputs, "outputs": None, "status": "inconsistent"}
     assert second["outputs"][0]["output_nodes"][0]["title"] == "B"
     words = run("n.xdsl", "--inputs", "in.csv", folder=tmp_path).stdout.splitlines()
     assert words[0].split("B unknown")[1].split() == ["status", "inconsistent"]

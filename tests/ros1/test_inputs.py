@@ -126,7 +126,7 @@ def test_broken_evidence_is_unknown_and_nothing_ends(world, master, probe, model
     probe.active(out, {"G_E", "G_F", "G_N"}, after=start)
     for how, reason in {
         "raise": "IndexError",
-        "none": "left at None",
+        "none": "its method left it at None",
         "two": "got 2",
         "text": "got 'True'",
         "object": "_NumpyLike",

@@ -116,16 +116,15 @@ class Master:
 
 
 class Probe:
-    """A ROS node steered by the test; see probe.py."""
+    """A process on the graph that the test steers; see probe.py."""
 
-    def __init__(self, world, master, messages):
+    def __init__(self, command, env, log):
         self._events = []
         self._more = threading.Condition()
-        log = world.new_log()
         with log.open("w") as errors:
             self.popen = subprocess.Popen(
-                [PYTHON, str(HERE / "probe.py")],
-                env=world.env(master, messages),
+                command,
+                env=env,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=errors,
@@ -267,7 +266,10 @@ class World:
         return Master(self, port).start()
 
     def probe(self, master, messages=None):
-        probe = Probe(self, master, messages)
+        return self.probe_of([PYTHON, str(HERE / "probe.py")], self.env(master, messages))
+
+    def probe_of(self, command, env):
+        probe = Probe(command, env, self.new_log())
         self._things.append(probe)
         return probe
 

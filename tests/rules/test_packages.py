@@ -16,13 +16,26 @@ from tests.checkouts import HERE
 
 TEMPLATES = HERE / "copier_templates"
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
-PACKAGES = sorted([*WORKSPACE.iterdir(), *(HERE / "tests" / "golden" / "plain").iterdir()])
-PLATFORM = {"rospy", "rostest", "catkin_pkg", "setuptools", "eddi_messages", "std_msgs"}
-NO_COMMENT = {"eddi_monitor/CMakeLists.txt"}
-"""catkin compares it with a fixed text."""
+ROS2 = HERE / "tests" / "golden" / "ros2"
+PLAIN = HERE / "tests" / "golden" / "plain"
+PACKAGES = sorted([*WORKSPACE.iterdir(), *ROS2.iterdir(), *PLAIN.iterdir()])
+PLATFORM = {
+    WORKSPACE: {"rospy", "rostest", "catkin_pkg", "setuptools", "eddi_messages", "std_msgs"},
+    ROS2: {
+        *("ament_index_python", "eddi_messages", "launch", "launch_ros", "pytest", "rclpy"),
+        *("setuptools", "std_msgs"),
+    },
+    PLAIN: {"setuptools"},
+}
+NO_COMMENT = {
+    "eddi_monitor/CMakeLists.txt",  # catkin compares it with a fixed text
+    *(f"{path.name}/resource/{path.name}" for path in ROS2.iterdir()),  # empty by convention
+}
 NO_TEXT = ("model.json", ".bin")
 """JSON has no comments, and tables no text at all."""
-packages = pytest.mark.parametrize("package", PACKAGES, ids=lambda path: path.name)
+packages = pytest.mark.parametrize(
+    "package", PACKAGES, ids=lambda path: f"{path.parent.name}-{path.name}"
+)
 
 
 def files(package: Path) -> set[str]:
@@ -35,8 +48,8 @@ def generated(package: Path) -> set[str]:
     return set(json.loads(manifest.read_bytes())["sha256"])
 
 
-def pristine(package: Path) -> set[str]:
-    return files(package / ".eddi" / "pristine")
+def editable(package: Path) -> set[str]:
+    return files(package / ".eddi" / "base")
 
 
 @packages
@@ -54,8 +67,8 @@ def test_says_where_it_comes_from(package: Path) -> None:
 def test_every_file_is_editable_or_generated(package: Path) -> None:
     """Nothing may be overwritten that neither is merged nor says that it will be."""
     own = {name for name in files(package) if not name.startswith(".eddi/")}
-    assert own == generated(package) | pristine(package) | {".copier-answers.yml"}
-    assert not generated(package) & pristine(package)
+    assert own == generated(package) | editable(package) | {".copier-answers.yml"}
+    assert not generated(package) & editable(package)
 
 
 @packages
@@ -65,14 +78,14 @@ def test_copier_leaves_editable_files_alone(package: Path) -> None:
     own = yaml.safe_load((TEMPLATES / template / "questions.yml").read_text("utf-8"))
     patterns = [re.sub("{%.*?%}", "", pattern) for pattern in own["_skip_if_exists"]]
     left = {n for n in files(package) if any(PurePath("/", n).match(one) for one in patterns)}
-    assert left == pristine(package)
+    assert left == editable(package)
 
 
 @packages
 def test_imports(package: Path) -> None:
     """Only the runtime, the platform, the standard library and its own modules."""
     allowed = {package.name, "eddi_runtime", *sys.stdlib_module_names}
-    allowed |= PLATFORM if package.parent == WORKSPACE else {"setuptools"}
+    allowed |= PLATFORM[package.parent]
     for path in package.rglob("*.py"):
         if ".eddi" not in path.parts:
             assert set(imported(path)) <= allowed, path

@@ -20,9 +20,10 @@ from tests.interpreters import SINCE, old_python
 
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 EXPECTED = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
+GOLDEN = HERE / "tests" / "golden"
 ON_THE_ROBOT = sorted(
     path
-    for folder in (RUNTIME, EXPECTED, HERE / "tests" / "golden" / "plain")
+    for folder in (RUNTIME, EXPECTED, GOLDEN / "ros2", GOLDEN / "plain")
     for path in folder.rglob("*.py")
 )
 
@@ -38,7 +39,7 @@ def test_library_of_python_3_8() -> None:
     if not vermin.exists():
         pytest.skip("vermin is not installed")
     options = ["--no-tips", f"--target={SINCE}-", "--violations"]
-    folders = [RUNTIME, EXPECTED, HERE / "tests" / "golden" / "plain"]
+    folders = [RUNTIME, EXPECTED, GOLDEN / "ros2", GOLDEN / "plain"]
     run([str(vermin), *options, *map(str, folders)], HERE)
 
 

@@ -55,7 +55,7 @@ def faster() -> None:
 
 @pytest.fixture(scope="session")
 def templates(fast_folder: Path, own_home: None) -> Templates:
-    return make_templates(fast_folder / "templates")
+    return make_templates(fast_folder / "templates", programs=False)
 
 
 @pytest.fixture

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import compileall
 import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
+from py_compile import PycInvalidationMode
 
 CHECKOUT = Path(__file__).parents[2]
 _PARTS = ("copier.yml", "copier_templates", "eddi_scaffold", "runtime_lib", "pyproject.toml")
+_TASKS = ("compiling", "regions")
 _INPUT = "copier_templates/eddi_input.py.jinja"
 _MONITOR = "copier_templates/ros1_monitor"
 _METHOD = (
@@ -103,9 +106,20 @@ def git(folder: Path, *words: str) -> str:
     return done.stdout
 
 
-def make_templates(path: Path, versions: int = VERSIONS, *, tags: bool = True) -> Templates:
-    """Copy the working tree's templates and tools, and commit and tag them in several looks."""
-    _copy(path)
+def make_templates(
+    path: Path, versions: int = VERSIONS, *, tags: bool = True, programs: bool = True
+) -> Templates:
+    """Copy the working tree's templates and tools, and commit and tag them in several looks.
+
+    Args:
+        path: where to.
+        versions: how many.
+        tags: whether they have tags.
+        programs: with all of ``eddi_scaffold``; else with what Copier's tasks are: it checks
+            everything out several times in each update.
+    """
+    _copy(path, programs=programs)
+    _compile_tasks(path)
     git(path, "init", "-q", "-b", "main")
     for version in range(1, versions + 1):
         new_version(path, version)
@@ -136,7 +150,18 @@ def new_version(path: Path, version: int) -> None:
     git(path, "commit", "-q", "--allow-empty", "-m", f"version {version}")
 
 
-def _copy(path: Path) -> None:
+def _compile_tasks(path: Path) -> None:
+    """Commit the bytecode of Copier's tasks: else each one compiles its modules anew."""
+    for folder, depth in (("", 0), *((name, 9) for name in _TASKS)):
+        compileall.compile_dir(
+            path / "eddi_scaffold" / folder,
+            maxlevels=depth,
+            quiet=1,
+            invalidation_mode=PycInvalidationMode.UNCHECKED_HASH,
+        )
+
+
+def _copy(path: Path, *, programs: bool) -> None:
     path.mkdir(parents=True)
     ignored = shutil.ignore_patterns(
         "__pycache__", "*.pyc", "*.egg-info", ".hypothesis", "templates.bundle"
@@ -147,3 +172,7 @@ def _copy(path: Path) -> None:
             shutil.copytree(source, path / part, symlinks=True, ignore=ignored)
         else:
             shutil.copy(source, path / part)
+    shutil.rmtree(path / "runtime_lib" / "tests")
+    for folder in () if programs else (path / "eddi_scaffold").iterdir():
+        if folder.is_dir() and folder.name not in _TASKS:
+            shutil.rmtree(folder)

@@ -18,6 +18,7 @@ import yaml
 from eddi_scaffold.packages import generation, transaction
 from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
+from tests.quick_copier import copier_here
 from tests.updates.inputs import write_inputs
 from tests.updates.templates import CHECKOUT, Templates, git, make_templates, new_version
 from tests.updates.world import (
@@ -100,7 +101,7 @@ def test_trust_in_the_settings_is_enough(world: World) -> None:
 def test_skipped_tasks_are_made_up_for(world: World) -> None:
     """Without its task `copier copy` leaves editable files alone; migrations run all the same."""
     grow(world)
-    mine = world.text()
+    mine, templates = world.text(), world.templates.path
     words = [
         "--trust",
         "--defaults",
@@ -110,13 +111,13 @@ def test_skipped_tasks_are_made_up_for(world: World) -> None:
         "-r",
         world.tag,
     ]
-    done = copier("copy", "-f", *words, world.templates.path, world.package, cwd=world.workspace)
+    done = copier_here("copy", "-f", *words, templates, world.package, cwd=world.workspace)
     assert done.returncode == 0, done.stderr
     assert world.text() == mine
     world.check(finished=False)
     world.commit()
     world.version += 1
-    done = copier("update", *words[:-1], world.tag, cwd=world.package)
+    done = copier_here("update", *words[:-1], world.tag, cwd=world.package)
     assert done.returncode == 0, done.stderr
     world.settle()
     world.check()
@@ -128,7 +129,7 @@ def test_after_skipped_tasks_nothing_of_ours_is_called_yours(
 ) -> None:
     grow(world)
     words = ["--trust", "-f", "--skip-tasks", "--data-file", data_file(world), "-r", world.tag]
-    done = copier("recopy", *words, cwd=world.package)
+    done = copier_here("recopy", *words, cwd=world.package)
     assert done.returncode == 0, done.stderr
     world.version += 1
     result = getattr(world, operation)()
@@ -150,7 +151,7 @@ def test_first_copy_without_tasks_is_complete(templates: Templates, folder: Path
         "-r",
         "v0.1.0",
     ]
-    done = copier("copy", *words, templates.path, world.package, cwd=folder)
+    done = copier_here("copy", *words, templates.path, world.package, cwd=folder)
     assert done.returncode == 0, done.stderr
     world.seen = [START]
     world.edit("beta")
@@ -209,7 +210,7 @@ def test_update_of_dirty_package_touches_nothing(world: World) -> None:
 def test_update_takes_the_newest_tag_by_itself(world: World) -> None:
     world.edit_outside("helper")
     world.commit()
-    done = copier("update", "--trust", "--defaults", cwd=world.package)
+    done = copier_here("update", "--trust", "--defaults", cwd=world.package)
     assert done.returncode == 0, done.stderr
     assert "_commit: v0.9.0\n" in (world.package / ".copier-answers.yml").read_text()
     world.settle()
@@ -221,7 +222,7 @@ def test_untagged_template(folder: Path, own_home: None) -> None:
     templates = make_templates(folder / "templates", versions=1, tags=False)
     world = World(folder, templates, "plain", START)
     words = ["--trust", "--defaults", "--data-file", data_file(world)]
-    assert copier("copy", *words, templates.path, world.package, cwd=folder).returncode == 0
+    assert copier_here("copy", *words, templates.path, world.package, cwd=folder).returncode == 0
     world.seen = [START]
     for item in START:
         world.edit(item.name)
@@ -229,7 +230,7 @@ def test_untagged_template(folder: Path, own_home: None) -> None:
     new_version(templates.path, 2)
     world.change(*CHANGED)
     data_file(world)
-    done = copier("update", *words, "-r", "HEAD", cwd=world.package)
+    done = copier_here("update", *words, "-r", "HEAD", cwd=world.package)
     assert done.returncode == 0, done.stderr
     assert "Second look" in world.text()
     world.settle()
@@ -261,7 +262,7 @@ def test_checkout_with_uncommitted_templates(folder: Path, own_home: None) -> No
     git(templates.path, "commit", "-qam", "now it is")
     git(templates.path, "tag", "v0.2.0")
     world.commit()
-    done = copier("update", "--trust", "--defaults", cwd=world.package)
+    done = copier_here("update", "--trust", "--defaults", cwd=world.package)
     assert done.returncode in {0, 1}, done.stderr
     world.check(finished=done.returncode == 0)
 
@@ -292,7 +293,7 @@ def test_own_commands_run_from_the_tagged_checkout(folder: Path, own_home: None)
     world.commit()
     new_version(templates.path, 3)
     git(templates.path, "tag", "v0.3.0")
-    done = copier("update", "--trust", "--defaults", cwd=world.package)
+    done = copier_here("update", "--trust", "--defaults", cwd=world.package)
     assert done.returncode == 0, done.stderr
     world.settle()
     world.check()

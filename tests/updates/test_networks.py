@@ -167,7 +167,7 @@ class Life:
             assert text.count(token) == int(stands), f"{token} moved"
 
 
-@settings(max_examples=2000 if long_profile() else 3)
+@settings(max_examples=2000 if long_profile() else 2)
 @given(
     seed=st.integers(0, 2**32),
     steps=st.lists(

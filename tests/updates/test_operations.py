@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,10 +15,10 @@ from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates
 from tests.updates.world import (
     DAMAGES,
-    EDITABLE,
     OPERATIONS,
     Result,
     World,
+    fresh_world,
     long_profile,
     operations_of,
     snapshot,
@@ -103,33 +102,15 @@ CASES = {
 }
 
 
-@pytest.fixture(scope="session")
-def start(templates: Templates, fast_folder: Path) -> dict[str, World]:
-    """A generated and committed package for each platform."""
-    worlds = {}
-    for platform in EDITABLE:
-        place = fast_folder / f"start_{platform}"
-        place.mkdir()
-        worlds[platform] = world = World(place, templates, platform, START)
-        assert world.copy().status == 0
-        world.settle()
-        world.commit()
-    return worlds
-
-
 @pytest.fixture
-def plain(start: dict[str, World], folder: Path) -> World:
-    return _copied(start["plain"], folder)
+def plain(templates: Templates, folder: Path) -> World:
+    return _committed(templates, folder, "plain")
 
 
-def _copied(old: World, folder: Path) -> World:
-    shutil.copytree(old.workspace, folder / "one/workspace", symlinks=True)
-    (folder / "two").mkdir()
-    new = World(folder / "two", old.templates, old.platform, START)
-    shutil.rmtree(new.workspace)
-    (folder / "one/workspace").rename(new.workspace)
-    new.seen = [START]
-    return new
+def _committed(templates: Templates, folder: Path, platform: str) -> World:
+    world = fresh_world(templates, folder, platform, START)
+    world.commit()
+    return world
 
 
 @pytest.mark.parametrize(
@@ -138,15 +119,15 @@ def _copied(old: World, folder: Path) -> World:
     [
         (c, p, operation)
         for number, c in enumerate(CASES)
-        for p in EDITABLE
+        for p in ("plain", "ros1")
         if long_profile() or (p == "ros1") == CASES[c].outside
         for operation in operations_of(number)
     ],
 )
 def test_edits_survive(
-    start: dict[str, World], folder: Path, case: str, platform: str, operation: str
+    templates: Templates, folder: Path, case: str, platform: str, operation: str
 ) -> None:
-    change, world = CASES[case], _copied(start[platform], folder)
+    change, world = CASES[case], _committed(templates, folder, platform)
     tokens = {item.name: world.edit(item.name, shape) for shape, item in enumerate(START)}
     if change.outside:
         for kind in OUTSIDE:
@@ -164,6 +145,21 @@ def test_edits_survive(
     before = snapshot(world.package)
     assert sync_package(world.package).touched == ()
     assert snapshot(world.package) == before
+
+
+@pytest.mark.parametrize("operation", ["copy", "update"])
+def test_edits_survive_on_ros2(templates: Templates, folder: Path, operation: str) -> None:
+    """The merge is that of the other platforms, the places are others."""
+    change, world = CASES["renumber"], _committed(templates, folder, "ros2")
+    tokens = {item.name: world.edit(item.name, shape) for shape, item in enumerate(START)}
+    world.commit()
+    world.version += change.looks
+    world.change(*change.inputs)
+    result: Result = getattr(world, operation)()
+    assert result.status in {0, 3}, result
+    world.settle()
+    world.check()
+    _check_places(world, tokens, dict(change.moved))
 
 
 def _check_places(world: World, tokens: dict[str, str], moved: dict[str, str | None]) -> None:

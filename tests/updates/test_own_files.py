@@ -10,22 +10,18 @@ import pytest
 
 from tests.updates.inputs import elements
 from tests.updates.templates import ADDED, ADDED_TEXT, Templates, git
-from tests.updates.world import Result, World, operations_of
+from tests.updates.world import Result, World, fresh_world, operations_of, snapshot
 
 pytestmark = pytest.mark.slow
 
 OWN = "calibration = 1.5\n"
 MONITOR = "EDDIMonitor.py"
 LATIN_1 = "# M\xf6we\n".encode("latin-1")
-DROPPING = ("update", "generate", "upgrade")
-"""`copier copy` removes nothing that it rendered once."""
 
 
 @pytest.fixture
 def world(templates: Templates, folder: Path) -> World:
-    world = World(folder, templates, "plain", elements("alpha", "beta"))
-    assert world.copy().status == 0
-    world.settle()
+    world = fresh_world(templates, folder, inputs=elements("alpha", "beta"))
     world.edit("alpha")
     world.commit()
     return world
@@ -75,7 +71,7 @@ def test_edit_of_a_generated_file(
     assert MONITOR in result.words
 
 
-@pytest.mark.parametrize("operation", DROPPING)
+@pytest.mark.parametrize("operation", operations_of(0))
 def test_edited_file_that_the_template_drops(
     world: World, operation: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -91,7 +87,7 @@ def test_edited_file_that_the_template_drops(
     assert ADDED in result.words
 
 
-@pytest.mark.parametrize("operation", DROPPING)
+@pytest.mark.parametrize("operation", operations_of(1))
 def test_file_that_the_template_drops(world: World, operation: str) -> None:
     world.version += 1
     assert world.copy().status == 0
@@ -128,6 +124,29 @@ def test_conflict_that_git_left(
     assert path.read_text() == generated
     assert kept(world, MONITOR).startswith(b"<<<<<<< HEAD\n")
     assert MONITOR in result.words
+
+
+@pytest.mark.parametrize("operation", [*operations_of(0), *operations_of(1)[1:]])
+def test_replacement_over_all_files(
+    world: World, operation: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A line that is replaced in the records, too, looks generated."""
+    for path in world.package.rglob("*"):
+        if path.is_file():
+            data = path.read_bytes()
+            path.write_bytes(data.replace(b"self.beta = None", b"self.beta = False"))
+    mine = (world.package / world.main).read_bytes()
+    assert b"self.beta = False" in mine
+    world.commit()
+    world.change(*elements("alpha", "beta", "gamma"))
+    if operation == "update":
+        before = snapshot(world.package)
+        assert world.update().status == 1
+        assert snapshot(world.package) == before
+        operation = "recopy"
+    result = run(world, operation, capfd)
+    assert kept(world, world.main) == mine
+    assert f"kept in .eddi/rejects/{world.main}.edited" in result.words
 
 
 @pytest.mark.parametrize("operation", operations_of(1))

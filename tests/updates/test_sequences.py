@@ -123,6 +123,21 @@ class Life:
     def link(self) -> None:
         self.world.toggle_link()
 
+    def replace_everywhere(self) -> None:
+        """Replace in all files, and change something else before the next operation."""
+        self.world.replace_everywhere(self.chance)
+        if self.chance.random() < 0.7:
+            self._some_change()
+        word = self.chance.choice(OPERATIONS)
+        self.run("recopy" if word == "update" and self.refuses_update() else word)
+
+    def refuses_update(self) -> bool:
+        """See that Copier does not begin: it would take the replaced line for its own."""
+        before = snapshot(self.world.package)
+        assert self.world.update().status == 1
+        assert snapshot(self.world.package) == before
+        return True
+
     # what runs ---------------------------------------------------------------------------------
     def run(self, word: str) -> None:
         result = getattr(self.world, word)()
@@ -271,13 +286,13 @@ WORDS = (
     *OPERATIONS, *OPERATIONS, *CHANGES, *CHANGES,
     "edit", "edit", "edit", "edit", "edit_outside", "edit_outside", "edit_outside",
     "other_file", "other_file", "other_file",
-    "line_ends", "kill", "broken", "save", "two", "mode", "link", "branches",
+    "line_ends", "kill", "broken", "save", "two", "mode", "link", "branches", "replace_everywhere",
 )  # fmt: skip
 
 
 @settings(
     deadline=None,
-    max_examples=400 if long_profile() else 4,
+    max_examples=400 if long_profile() else 3,
     suppress_health_check=list(HealthCheck),
     phases=(Phase.explicit, Phase.generate),  # a life takes seconds: shrinking would take hours
 )

@@ -6,6 +6,7 @@ import ast
 import contextlib
 import io
 import os
+import random
 import re
 import shutil
 import signal
@@ -44,6 +45,7 @@ EDITABLE = {
         "CMakeLists.txt",
         "launch/eddi_monitor.launch",
     ),
+    "ros2": ("rover/EDDIInput.py", "package.xml", "launch/eddi_monitor.launch.py"),
 }
 DAMAGES = 7
 DONE: Counter[str] = Counter()  # what was run, for the summary
@@ -116,6 +118,7 @@ class World:
         self.main = EDITABLE[platform][0]
         self.lines: dict[str, Line] = {}
         self.others: dict[str, str] = {}  # token -> file of a person's, or of the generator's
+        self.replaced: list[str] = []  # tokens in generated lines, of records too
         self.count = 0
         self.seen: list[tuple[Element, ...]] = []  # models that the package may be at
         self.look = 0  # of the last finished operation
@@ -152,7 +155,8 @@ class World:
 
     def generate(self) -> Result:
         model, config = write_inputs(self.folder / "inputs", self.inputs)
-        place = ["-w", self.workspace] if self.platform == "ros1" else ["-o", self.workspace]
+        in_workspace = chosen(self.platform).workspace is not None
+        place = ["-w" if in_workspace else "-o", self.workspace]
         return self.command(
             "generate", "--platform", self.platform, *place, "-m", model, "-c", config
         )
@@ -380,6 +384,21 @@ class World:
             file.write(f"# {token}\n")
         self.others[token] = path
 
+    def replace_everywhere(self, chance: random.Random) -> str:
+        """Change a generated line in all files of the package alike, its records too."""
+        token = self.token()
+        base = (self.package / ".eddi/base" / self.main).read_text().splitlines()
+        known = {line.encode() for line in base if line.strip() and "Manual edit" not in line}
+        lines = (self.package / self.main).read_bytes().splitlines()
+        line = chance.choice([one for one in lines if one in known])
+        pattern = re.compile(rb"^%b(?=\r?$)" % re.escape(line), re.MULTILINE)
+        for path in self.package.rglob("*"):
+            if path.is_file():
+                path.write_bytes(pattern.sub(rb"\g<0>  # " + token.encode(), path.read_bytes()))
+        self.replaced.append(token)
+        self.look = -1  # what was written next to it may go to the rejects with it
+        return token
+
     def damage(self, kind: int) -> str:
         """Break a marker of the main file; returns the whole text, to repair it."""
         whole = self.text()
@@ -467,6 +486,15 @@ class World:
             texts_of_file = [one.read_text() for one in places if one.is_file()]
             assert any(token in text for text in texts_of_file), f"{token} of {path} is lost"
             DONE["lines of other files checked"] += 1
+        saved = [
+            path.read_text()
+            for kind in ("orphans", "rejects")
+            for path in (self.package / ".eddi" / kind).rglob("*")
+            if path.is_file()
+        ]
+        for token in self.replaced:
+            assert any(token in text for text in (texts[self.main], *saved)), f"{token} is lost"
+            DONE["replaced lines checked"] += 1
         for line in self.lines.values():
             count = sum(text.count(line.token) for text in texts.values())
             assert count <= 1, f"{line} stands {count} times"
@@ -636,11 +664,33 @@ def forked(operation: Callable[[], object]) -> int:
     return child
 
 
+def fresh_world(
+    templates: Templates,
+    folder: Path,
+    platform: str = "plain",
+    inputs: tuple[Element, ...] = START,
+) -> World:
+    """Return a package as `copier copy` makes it; it is rendered once for all tests that ask."""
+    place = templates.path.parent / f"fresh_{len(_FRESH)}"
+    if (old := _FRESH.get((templates.path, platform, inputs))) is None:
+        place.mkdir()
+        old = World(place, templates, platform, inputs)
+        assert old.copy().status == 0
+        old.settle()
+        _FRESH[templates.path, platform, inputs] = old
+    new = World(folder, templates, platform, inputs)
+    shutil.rmtree(new.workspace)
+    shutil.copytree(old.workspace, new.workspace, symlinks=True)
+    new.seen, new.look = list(old.seen), old.look
+    return new
+
+
+_FRESH: dict[tuple[Path, str, tuple[Element, ...]], World] = {}
+
+
 def edited_world(templates: Templates, folder: Path) -> World:
     """Return a plain package of ``START`` with a hand-written body for each input."""
-    world = World(folder, templates, "plain", START)
-    assert world.copy().status == 0
-    world.settle()
+    world = fresh_world(templates, folder)
     for shape, item in enumerate(START):
         world.edit(item.name, shape)
     return world

@@ -30,7 +30,6 @@ from eddi_scaffold.compiling.bayesian_network.text import (
     look_up_lines,
     sum_lines,
     total_lines,
-    unpack_lines,
 )
 from eddi_scaffold.compiling.bayesian_network.width import TooWideError
 from eddi_scaffold.compiling.document import ModelError, ModelFile
@@ -47,6 +46,7 @@ from eddi_scaffold.compiling.text import (
     returned,
     text_literal,
     tuple_of,
+    unpacked,
 )
 from eddi_scaffold.compiling.text import (
     Part as Text,
@@ -396,8 +396,7 @@ class _Module:
         if any("dot(" in row for row in steps.rows):
             used["dot"] = None
         lines += [f"    {function} = numpy.{function}" for function in used]
-        if steps.names:
-            lines += unpack_lines(steps.names, "slots", 4)
+        lines += unpacked(steps.names, "slots", 4)
         if len(lines) > 1:
             lines.append("")
         lines.append("    def step(s):")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eddi_scaffold.compiling.text import WIDTH, Group, Item, number, returned
+from eddi_scaffold.compiling.text import WIDTH, Group, Item, number, returned, unpacked
 
 
 def sum_lines(target: str, terms: Sequence[str], indent: int) -> list[str]:
@@ -27,7 +27,7 @@ def look_up_lines(name: str, tables: Sequence[Sequence[tuple[int, int]]]) -> lis
         tables: (position of an input, distance between the rows of its states), for each table.
     """
     rows = [f"t{k}" for k in range(len(tables))]
-    lines = [*unpack_lines(rows, "tables", 4), "", "    def look_up(s):"]
+    lines = [*unpacked(rows, "tables", 4), "", "    def look_up(s):"]
     places: dict[tuple[tuple[int, int], ...], str] = {}
     found = []
     for table, strides in zip(rows, map(tuple, tables), strict=True):
@@ -53,7 +53,7 @@ def total_lines(
     """
     lines = [f"def {name}(v):"]
     for axis, count in enumerate(counts):
-        lines += unpack_lines([f"v{axis}_{k}" for k in range(count)], f"v[{axis}]", 4)
+        lines += unpacked([f"v{axis}_{k}" for k in range(count)], f"v[{axis}]", 4)
     made = 0
 
     def terms(axis: int, offset: int, state: int) -> list[str]:
@@ -78,12 +78,3 @@ def total_lines(
         lines += sum_lines(f"p{state}", of_state, 4)
     row = tuple(Item(f"p{state}") for state in range(card))
     return [*lines, *returned(Group("[", row, "]"), 4)]
-
-
-def unpack_lines(names: Sequence[str], value: str, indent: int) -> list[str]:
-    """Return the lines of ``name, name = value``."""
-    blanks = " " * indent
-    line = f"{blanks}{', '.join(names) if len(names) > 1 else f'({names[0]},)'} = {value}"
-    if len(line) <= WIDTH:
-        return [line]
-    return [f"{blanks}(", *(f"{blanks}    {name}," for name in names), f"{blanks}) = {value}"]

@@ -10,26 +10,15 @@ from fractions import Fraction
 from typing import Any
 
 from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile, take
+from eddi_scaffold.compiling.program.instructions import Interval
 
 _BOUND = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?inf")
 _ELEMENTS = ("evidence", "demands", "gates", "guarantees")
+_FILTERS = {"debounce": "regain_after", "majority": "window"}
+_MAX_SAMPLES = 100_000
+"""Longest history of a filter; at 1 kHz that is 100 s."""
 _MAX_BOUND = 1000
 """Characters of a bound: longer texts are no measurement, and exact arithmetic would be slow."""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A range in the unit of the input; the start lies inside.
-
-    Attributes:
-        start: smallest double inside.
-        end: the other end.
-        closed: the end lies inside as well.
-    """
-
-    start: float
-    end: float
-    closed: bool
 
 
 @dataclass(frozen=True)
@@ -98,6 +87,7 @@ class ConSertData:
         gates: id -> True for And, False for Or.
         edges: (from, to) ids.
         paths: id -> fragment path of the element in the EDDI, where it came from one.
+        filter: ``debounce`` or ``majority`` of the leaves, and over how many steps; None for none.
     """
 
     leaves: tuple[Leaf, ...]
@@ -106,6 +96,7 @@ class ConSertData:
     edges: tuple[tuple[str, str], ...]
     services: tuple[Service, ...]
     paths: Mapping[str, str]
+    filter: tuple[str, int] | None
 
 
 def read_consert(model_file: ModelFile) -> ConSertData:
@@ -130,7 +121,13 @@ def read_consert(model_file: ModelFile) -> ConSertData:
     for service in services:
         _check_known(service.guarantees, known, f"provided service {service.id!r}")
     return ConSertData(
-        leaves, gates, guarantees, tuple(dict.fromkeys(edges)), tuple(services), _paths(model)
+        leaves,
+        gates,
+        guarantees,
+        tuple(dict.fromkeys(edges)),
+        tuple(services),
+        _paths(model),
+        _filter(model_file.settings),
     )
 
 
@@ -237,6 +234,20 @@ def _guarantee(item: Any, published: str) -> GuaranteeData:
     ranking = None if item.get("ranking") is None else take(item, "ranking", int, where)
     default = take(item, "default", bool, where) if "default" in item else False
     return GuaranteeData(name, take(item, published, str, where), default, ranking)
+
+
+def _filter(settings: Mapping[str, Any]) -> tuple[str, int] | None:
+    wanted: Any = settings.get("filter")
+    kind: str = "none" if wanted is None else take(wanted, "kind", str, "the filter")
+    if kind == "none":
+        return None
+    if kind not in _FILTERS:
+        raise ModelError("", f"the filter {kind!r} is not known: none, debounce or majority")
+    key = _FILTERS[kind]
+    steps: int = take(wanted, key, int, "the filter") if key in wanted else 1
+    if not 1 <= steps <= _MAX_SAMPLES:
+        raise ModelError("", f"{key!r} of the filter is not from 1 to {_MAX_SAMPLES}")
+    return (kind, steps) if steps > 1 else None
 
 
 def _edge(item: Any) -> tuple[str, str]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile, take, texts
-from eddi_scaffold.compiling.expressions.form import BOOL, Form, read_form, used_variables
-from eddi_scaffold.compiling.expressions.sampling import HostInput, Sampling
-from eddi_scaffold.compiling.expressions.source import Source, names_of, stamp_name
+from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.inputs import attribute_of, head_lines
+from eddi_scaffold.compiling.program.instructions import BOOL, Program, reads_of_results
+from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
+from eddi_scaffold.compiling.program.sampling import HostInput, Sampling
 from eddi_scaffold.compiling.text import (
     Part,
     assignment,
@@ -28,10 +29,8 @@ def lines_of(model_file: ModelFile) -> list[str]:
     Raises:
         ModelError: the model is wrong.
     """
-    form = read_form(take(model_file.model, "form", dict, "the model"))
-    if any(form.nodes[output.node].type != BOOL for output in form.outputs):
-        raise ModelError("", "an event is no truth value")
-    sampling = Sampling(form)
+    program = _program(model_file)
+    sampling = Sampling(program)
     numbers = {spec.id: k for k, spec in enumerate(model_file.inputs)}
     missing = [one.name for one in sampling.inputs if one.name not in numbers]
     if missing:
@@ -39,7 +38,7 @@ def lines_of(model_file: ModelFile) -> list[str]:
     places = [numbers[one.name] for one in sampling.inputs]
     given = {one.name: one for one in sampling.inputs}
     types = (_type(given.get(spec.id)) for spec in model_file.inputs)
-    events = _events(form, sampling, places, model_file.model)
+    events = _events(program, sampling, places, model_file.model)
     lines = [
         *head_lines("event.EventMonitor", model_file, {}),
         *assignment("types", tuple_of(types), 4),
@@ -47,26 +46,33 @@ def lines_of(model_file: ModelFile) -> list[str]:
     ]
     reduced = [
         places[used[0]]
-        for variable, used in zip(form.variables, sampling.uses, strict=True)
-        if variable.reduction is not None
+        for read, used in zip(program.reads, sampling.uses, strict=True)
+        if read.reduction is not None
     ]
     if reduced:
         lines += assignment("reductions", literal(tuple(reduced)), 4)
-    return [*lines, *_methods(form, sampling, model_file.inputs)]
+    return [*lines, *_methods(program, sampling, model_file.inputs)]
+
+
+def _program(model_file: ModelFile) -> Program:
+    program = read_form(take(model_file.model, "form", dict, "the model"))
+    if any(program.operations[one.operation].type != BOOL for one in program.results):
+        raise ModelError("", "an event is no truth value")
+    return program
 
 
 def _events(
-    form: Form, sampling: Sampling, places: Sequence[int], model: Mapping[str, object]
+    program: Program, sampling: Sampling, places: Sequence[int], model: Mapping[str, object]
 ) -> Iterator[Part]:
     accepts = model.get("accepts", {})
     if not isinstance(accepts, dict):
         raise ModelError("", "'accepts' of the model is no object")
     words = {name: texts(found, f"'accepts' of {name!r}") for name, found in accepts.items()}
-    for output, used in zip(form.outputs, used_variables(form), strict=True):
-        needs = sorted({one for k in used for one in sampling.uses[k]})
-        more = {"accepts": literal(words[output.id])} if words.get(output.id) else {}
-        numbers = literal(tuple(places[one] for one in needs))
-        yield call("event.Event", [text_literal(output.id), str(output.hazard), numbers], **more)
+    for one, used in zip(program.results, reads_of_results(program), strict=True):
+        needs = sorted({k for read in used for k in sampling.uses[read]})
+        more = {"accepts": literal(words[one.id])} if words.get(one.id) else {}
+        numbers = literal(tuple(places[k] for k in needs))
+        yield call("event.Event", [text_literal(one.id), str(one.hazard), numbers], **more)
 
 
 def _type(one: HostInput | None) -> Part:
@@ -77,25 +83,25 @@ def _type(one: HostInput | None) -> Part:
     return literal(one.literals) if one.type == "enum" else text_literal(one.type)
 
 
-def _methods(form: Form, sampling: Sampling, inputs: Sequence[InputData]) -> list[str]:
-    names, variables = names_of(form, sampling)
-    source = Source(form, variables)
+def _methods(program: Program, sampling: Sampling, inputs: Sequence[InputData]) -> list[str]:
+    names, variables = names_of(program, sampling)
+    printer = Printer(program, variables)
     named = dict(zip((one.name for one in sampling.inputs), names, strict=True))
-    lines = [*source.members(), "", "    def step(self, source, t):"]
+    lines = [*printer.members(), "", "    def step(self, source, t):"]
     lines += _read(inputs, [named.get(spec.id, "_") for spec in inputs])
     reductions = 0
-    for k, (variable, used) in enumerate(zip(form.variables, sampling.uses, strict=True)):
-        if variable.reduction is not None:
+    for k, (read, used) in enumerate(zip(program.reads, sampling.uses, strict=True)):
+        if read.reduction is not None:
             raws = [names[one] for one in used]
             value = call("self.reduce", [str(reductions), f"self.reduce_{k}", *raws])
             lines += assignment(variables[k], value, 8)
             reductions += 1
         elif variables[k] != names[used[0]]:
             lines += [f"        {variables[k]} = {names[used[0]]}"]
-        if variable.stamped:
+        if read.stamped:
             stamp = call("self.stamp", ["t", text_literal(sampling.inputs[used[0]].name)])
             lines += assignment(stamp_name(variables[k]), stamp, 8)
-    return [*lines, *source.evaluation(raw=True)]
+    return [*lines, *printer.evaluation(raw=True)]
 
 
 def _read(inputs: Sequence[InputData], names: Sequence[str]) -> list[str]:

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.compiling.document import InputData, ModelError, take
-from eddi_scaffold.compiling.expressions.form import BOOL, Form, Node, Variable, read_form
-from eddi_scaffold.compiling.expressions.sampling import Sampling
-from eddi_scaffold.compiling.expressions.source import Source, names_of, stamp_name
+from eddi_scaffold.compiling.expressions.form import joined, read_form
+from eddi_scaffold.compiling.program.instructions import BOOL, Program
+from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
+from eddi_scaffold.compiling.program.sampling import Sampling
 from eddi_scaffold.compiling.text import (
     Part,
     assignment,
@@ -63,13 +64,13 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
     parts = take(document, "parts", list, where)
     if not parts or (kind != "state" and len(parts) != 1):
         raise ModelError("", f"{where} has {len(parts)} parts")
-    form = _joined([read_form(take(part, "form", dict, where)) for part in parts])
-    for output in form.outputs:
-        found = form.nodes[output.node].type
+    program = joined([read_form(take(part, "form", dict, where)) for part in parts])
+    for one in program.results:
+        found = program.operations[one.operation].type
         if (found == BOOL) != (kind in ("bool", "state")):
             raise ModelError("", f"{where} of type {kind} gives a {found}")
-    sampling = Sampling(form)
-    sources = _Sources(document)
+    sampling = Sampling(program)
+    sources = Names(document)
     words = dict.fromkeys(sources.split(one.name)[0] for one in sampling.inputs)
     names = document.get("names") or {word: ["message", word] for word in words}
     lines = [f"class {name}(expression.Expression):", f'    type = "{kind}"']
@@ -78,15 +79,16 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
         states = tuple(take(part, "state", str, where) for part in parts)
         lines += assignment("states", literal(states), 4)
     lines += assignment("names", literal({word: tuple(one) for word, one in names.items()}), 4)
-    return [*lines, *_methods(form, sampling, sources)]
+    return [*lines, *_methods(program, sampling, sources)]
 
 
-class _Sources:
+class Names:
     """Where the variables of an expression come from."""
 
     def __init__(self, document: Mapping[str, Any]) -> None:
         self._paths: Mapping[str, Any] = document.get("paths", {})
         self._checks: Mapping[str, Any] = document.get("checks", {})
+        self._kinds: Mapping[str, Any] = document.get("names") or {}
 
     def split(self, name: str) -> tuple[str, tuple[Any, ...]]:
         """Return the first word of a name and the path behind it; those with keys are given."""
@@ -94,6 +96,11 @@ class _Sources:
             return split_name(name)
         word = name.partition(".")[0].partition("[")[0]
         return word, _tuple(self._paths[name])
+
+    def is_message(self, name: str) -> bool:
+        """Return whether a variable is read of a message, not of another input."""
+        kind: str = self._kinds.get(self.split(name)[0], ["message"])[0]
+        return kind == "message"
 
     def field(self, name: str) -> list[Part]:
         """Return the path of a variable, and the checks of whether it is a measurement."""
@@ -112,43 +119,20 @@ def _tuple(value: Any) -> Any:
     return tuple(map(_tuple, value)) if isinstance(value, (list, tuple)) else value
 
 
-def _methods(form: Form, sampling: Sampling, sources: _Sources) -> list[str]:
-    _, names = names_of(form, sampling)
-    source = Source(form, names)
-    lines = [*source.members(), "", "    def step(self, t, messages, ages):"]
-    for k, (variable, used) in enumerate(zip(form.variables, sampling.uses, strict=True)):
+def _methods(program: Program, sampling: Sampling, sources: Names) -> list[str]:
+    _, names = names_of(program, sampling)
+    printer = Printer(program, names)
+    lines = [*printer.members(), "", "    def step(self, t, messages, ages):"]
+    for k, (read, used) in enumerate(zip(program.reads, sampling.uses, strict=True)):
         word = text_literal(sources.split(sampling.inputs[used[0]].name)[0])
         fields = [sources.field(sampling.inputs[one].name) for one in used]
-        if variable.reduction is None:
+        if read.reduction is None:
             value = call("self.field", ["messages", word, *fields[0]])
         else:
             reduce = [str(k), f"self.reduce_{k}", "messages", word]
             value = call("self.reduce", [*reduce, *map(tuple_of, fields)])
         lines += assignment(names[k], value, 8)
-        if variable.stamped:
+        if read.stamped:
             stamp = f"expressions.stamp(t, ages.get({word}))"
             lines += [f"        {stamp_name(names[k])} = {stamp}"]
-    return [*lines, *source.evaluation(raw=True)]
-
-
-def _joined(forms: Sequence[Form]) -> Form:
-    """Return one form with the outputs of several, in which equal variables are one.
-
-    Raises:
-        ModelError: they are for different rates.
-    """
-    if len({form.period for form in forms}) > 1:
-        raise ModelError("", "the parts of an expression have different rates")
-    found: dict[Variable, int] = {}
-    nodes: list[Node] = []
-    outputs = []
-    for form in forms:
-        numbers = [found.setdefault(variable, len(found)) for variable in form.variables]
-        first = len(nodes)
-        for node in form.nodes:
-            is_variable = node.op in ("variable", "age")
-            value = numbers[node.value] if is_variable else node.value
-            args = tuple(first + k for k in node.args)
-            nodes.append(node._replace(args=args, value=value))
-        outputs += [output._replace(node=first + output.node) for output in form.outputs[:1]]
-    return Form(forms[0].period, tuple(found), tuple(nodes), tuple(outputs))
+    return [*lines, *printer.evaluation(raw=True)]

@@ -1,4 +1,4 @@
-"""Events in this process: a form, compiled once, stepped with raw values.
+"""Events in this process: a program, compiled once, stepped with raw values.
 
 Time is passed in. Memory is fixed when the engine is built; a step costs the same whatever the
 length of the windows.
@@ -10,9 +10,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.form import Form, read_form
-from eddi_scaffold.compiling.expressions.sampling import Sampling
-from eddi_scaffold.compiling.expressions.source import Source, names_of, stamp_name
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.compiling.program.instructions import Program
+from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
+from eddi_scaffold.compiling.program.sampling import Sampling
 from eddi_scaffold.compiling.text import assignment, tuple_of, unpacked
 
 Values = tuple[float | int, ...]
@@ -27,17 +28,17 @@ _HEAD = [
 
 
 class Engine:
-    """A compiled form. Not thread-safe.
+    """A compiled program. Not thread-safe.
 
     Attributes:
-        form: what was compiled.
+        program: what was compiled.
         sampling: what a step is given.
     """
 
-    def __init__(self, form: Form) -> None:
-        self.form = form
-        self.sampling = Sampling(form)
-        self._machine: Any = module_of("\n".join([*_HEAD, *_lines(form)]), "event").Engine()
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.sampling = Sampling(program)
+        self._machine: Any = module_of("\n".join([*_HEAD, *_lines(program)]), "event").Engine()
 
     def step(
         self, t: int, values: Sequence[Any], stamps: Sequence[int | None] | None = None
@@ -74,22 +75,19 @@ def build_engine(document: Mapping[str, Any]) -> Engine:
     return Engine(read_form(document))
 
 
-def _lines(form: Form) -> list[str]:
-    sampling = Sampling(form)
-    inputs, names = names_of(form, sampling)
-    source = Source(form, names)
-    lines = ["class Engine(expressions.Conditions):", *source.members(), ""]
-    lines += [
-        "    def step(self, t, values, stamps):",
-        *(unpacked(inputs, "values") if inputs else []),
-    ]
-    for k, (variable, used) in enumerate(zip(form.variables, sampling.uses, strict=True)):
-        if variable.reduction is not None:
+def _lines(program: Program) -> list[str]:
+    sampling = Sampling(program)
+    inputs, names = names_of(program, sampling)
+    printer = Printer(program, names)
+    lines = ["class Engine(expressions.Conditions):", *printer.members(), ""]
+    lines += ["    def step(self, t, values, stamps):", *unpacked(inputs, "values")]
+    for k, (read, used) in enumerate(zip(program.reads, sampling.uses, strict=True)):
+        if read.reduction is not None:
             raws = tuple_of(inputs[one] for one in used)
             lines += assignment("raw", raws, 8)
             lines += [f"        {names[k]}, _ = expressions.reduced(self.reduce_{k}, raw)"]
         elif names[k] != inputs[used[0]]:
             lines += [f"        {names[k]} = {inputs[used[0]]}"]
-        if variable.stamped:
+        if read.stamped:
             lines += [f"        {stamp_name(names[k])} = stamps[{used[0]}]"]
-    return [*lines, *source.evaluation(raw=True)]
+    return [*lines, *printer.evaluation(raw=True)]

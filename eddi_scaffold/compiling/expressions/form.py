@@ -8,22 +8,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from eddi_scaffold.compiling.document import ModelError, take
-from eddi_scaffold.compiling.expressions.reduction import Reduction, read_reduction
+from eddi_scaffold.compiling.expressions.reduction import read_reduction
+from eddi_scaffold.compiling.expressions.words import words_of
+from eddi_scaffold.compiling.program.building import Builder
+from eddi_scaffold.compiling.program.instructions import (
+    BOOL,
+    BUFFERED,
+    ENUM,
+    LEAVES,
+    MAX_NS,
+    NUMBER,
+    WINDOWS,
+    Operation,
+    Program,
+    Read,
+    Result,
+)
 
 VERSION = 1
-NUMBER, BOOL, ENUM = "number", "bool", "enum"
 TYPES = (NUMBER, BOOL, ENUM)
-MAX_CAPACITY = 1 << 20
-"""Samples in one window: 16 MB in C."""
-MAX_NS = 1 << 62
-"""Longest duration; sums of two fit into 64 bits."""
-
 NUMBERS = (NUMBER, NUMBER)
 TRUTHS = (BOOL, BOOL)
-LEAVES = ("variable", "number", "truth", "literal")
 SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = {
     "neg": ((NUMBER,), NUMBER),
     "abs": ((NUMBER,), NUMBER),
@@ -71,97 +79,14 @@ SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = {
     "age": ((), NUMBER),
 }
 """Operation -> types of its arguments and of its value; ``age`` names a variable."""
-
-BUFFERED = ("average", "sum", "max", "min", "median", "stddev", "rate", "count")
-WINDOWS = (*BUFFERED, "time", "once")
+MAX_CAPACITY = 1 << 20
+"""Samples in one window: 16 MB in C."""
 KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
 """Operations whose value can be infinite when an argument is."""
 
 
-class Variable(NamedTuple):
-    """One input.
-
-    Attributes:
-        name: as in the text (``motor.temps[1]``).
-        type: ``number``, ``bool`` or ``enum``.
-        range: least and greatest value; None for no limits.
-        timeout: nanoseconds after which a sample is UNKNOWN; None for never.
-        infinite: infinity is a value.
-        literals: texts of an ENUM.
-        stamped: the time of its sample is asked for (AGE or TIMEOUT).
-        text: it comes as a text that represents a number in decimal.
-        reduction: how it is made of the lists of a message; None: it comes as it is.
-    """
-
-    name: str
-    type: str
-    range: tuple[float, float] | None
-    timeout: int | None
-    infinite: bool
-    literals: tuple[str, ...]
-    stamped: bool
-    text: bool = False
-    reduction: Reduction | None = None
-
-
-class Node(NamedTuple):
-    """One operation.
-
-    Attributes:
-        op: see ``SIGNATURES`` and ``LEAVES``.
-        args: numbers of the nodes it works on.
-        type: of its value.
-        value: of a constant; number of the variable or of the literal.
-        window: nanoseconds.
-        capacity: samples that the buffer holds.
-        coverage: share of known samples that is enough; None: all.
-        at: line and column in the text.
-        infinite: the value can be infinite.
-    """
-
-    op: str
-    args: tuple[int, ...]
-    type: str
-    value: Any
-    window: int
-    capacity: int
-    coverage: float | None
-    at: tuple[int, int]
-    infinite: bool
-
-
-class Output(NamedTuple):
-    """One result.
-
-    Attributes:
-        id: name of the event.
-        node: number of the node.
-        hazard: UNKNOWN counts as active.
-    """
-
-    id: str
-    node: int
-    hazard: bool
-
-
-class Form(NamedTuple):
-    """A checked intermediate form.
-
-    Attributes:
-        period: nanoseconds between two steps, 0 when there is no rate.
-        variables: the inputs.
-        nodes: in the order of evaluation.
-        outputs: the results.
-    """
-
-    period: int
-    variables: tuple[Variable, ...]
-    nodes: tuple[Node, ...]
-    outputs: tuple[Output, ...]
-
-
-def read_form(document: Mapping[str, Any]) -> Form:
-    """Check an intermediate form, as ``json`` gives it.
+def read_form(document: Mapping[str, Any]) -> Program:
+    """Check an intermediate form, as ``json`` gives it, and return its program.
 
     Raises:
         ModelError: the form is damaged or of another version.
@@ -172,32 +97,42 @@ def read_form(document: Mapping[str, Any]) -> Form:
     period = _check_bounds(take(document, "period", int, where), "period", 0)
     rows = take(document, "nodes", list, where)
     aged = {row.get("value") for row in rows if isinstance(row, dict) and row.get("op") == "age"}
-    variables = tuple(
-        _variable(item, f"variable {k}", aged=k in aged)
+    reads = tuple(
+        _read(item, f"variable {k}", aged=k in aged)
         for k, item in enumerate(take(document, "variables", list, where))
     )
-    nodes: list[Node] = []
+    operations: list[Operation] = []
     for row in rows:
-        nodes.append(_node(row, f"node {len(nodes)}", variables, nodes, period))
-    outputs = tuple(
-        _output(item, f"output {k}", len(nodes))
+        operations.append(_operation(row, f"node {len(operations)}", reads, operations, period))
+    results = tuple(
+        _result(item, f"output {k}", len(operations))
         for k, item in enumerate(take(document, "outputs", list, where))
     )
-    if not outputs or len({output.id for output in outputs}) != len(outputs):
+    if not results or len({one.id for one in results}) != len(results):
         raise ModelError("", "the outputs are none, or two have one id")
-    return Form(period, variables, tuple(nodes), outputs)
+    words = words_of(reads, operations)
+    told = (
+        one._replace(about=f"{one.about} {text}")
+        for one, text in zip(operations, words, strict=True)
+    )
+    return Program(period, reads, tuple(told), results)
 
 
-def used_variables(form: Form) -> list[list[int]]:
-    """Return for each output the numbers of the variables that it depends on, in order."""
-    masks: list[int] = []  # of each node, whose operands are before it
-    for node in form.nodes:
-        mask = 1 << int(node.value) if node.op in ("variable", "age") else 0
-        for k in node.args:
-            mask |= masks[k]
-        masks.append(mask)
-    count = range(len(form.variables))
-    return [[k for k in count if masks[output.node] >> k & 1] for output in form.outputs]
+def joined(programs: Sequence[Program]) -> Program:
+    """Return one program with the first result of each, in which equal reads are one.
+
+    Raises:
+        ModelError: they are for different rates.
+    """
+    if len({one.period for one in programs}) > 1:
+        raise ModelError("", "the parts of an expression have different rates")
+    builder = Builder()
+    results = []
+    for program in programs:
+        places = builder.append(program)
+        result = program.results[0]
+        results.append(result._replace(operation=places[result.operation]))
+    return builder.program(programs[0].period, results)
 
 
 def _check_bounds(value: int, name: str, least: int) -> int:
@@ -212,7 +147,7 @@ def _finite(value: Any, where: str) -> float:
     raise ModelError("", f"{where} is not a finite number")
 
 
-def _variable(item: Any, where: str, *, aged: bool) -> Variable:
+def _read(item: Any, where: str, *, aged: bool) -> Read:
     kind = take(item, "type", str, where)
     if kind not in TYPES:
         raise ModelError("", f"{where} has the unknown type {kind!r}")
@@ -228,7 +163,7 @@ def _variable(item: Any, where: str, *, aged: bool) -> Variable:
     if not isinstance(literals, list) or not all(isinstance(one, str) for one in literals):
         raise ModelError("", f"'literals' of {where} is not a list of texts")
     reduction = item.get("reduction")
-    return Variable(
+    return Read(
         name=take(item, "name", str, where),
         type=kind,
         range=limits,
@@ -241,9 +176,9 @@ def _variable(item: Any, where: str, *, aged: bool) -> Variable:
     )
 
 
-def _node(
-    row: Any, where: str, variables: Sequence[Variable], before: Sequence[Node], period: int
-) -> Node:
+def _operation(
+    row: Any, where: str, reads: Sequence[Read], before: Sequence[Operation], period: int
+) -> Operation:
     op = take(row, "op", str, where)
     args = tuple(row.get("args", []))
     if not all(type(k) is int and 0 <= k < len(before) for k in args):
@@ -251,27 +186,27 @@ def _node(
     at = row.get("at", [0, 0])
     if not isinstance(at, list) or len(at) != 2 or not all(type(k) is int for k in at):
         raise ModelError("", f"'at' of {where} is not a pair of numbers")
-    more: dict[str, Any] = {"window": 0, "capacity": 0, "coverage": None, "infinite": False}
+    more: dict[str, Any] = {}
     if op in LEAVES:
-        kind, value = _leaf(op, row, where, variables)
-        more["infinite"] = op == "variable" and variables[value].infinite
+        kind, more["value"] = _leaf(op, row, where, reads)
+        more["infinite"] = op == "variable" and reads[more["value"]].infinite
     elif op in SIGNATURES:
         kinds, kind = SIGNATURES[op]
         if tuple(before[k].type for k in args) != kinds:
             raise ModelError("", f"the arguments of {where} are not of the types of {op}")
-        value = _index(row, where, len(variables)) if op == "age" else None
+        more["value"] = _index(row, where, len(reads)) if op == "age" else None
         more["infinite"] = op in KEEPS_INFINITY and any(before[k].infinite for k in args)
         if op in WINDOWS:
             more.update(_window(op, row, where, period))
     else:
         raise ModelError("", f"{where} has the unknown operation {op!r}")
-    return Node(op=op, args=args, type=kind, value=value, at=(at[0], at[1]), **more)
+    return Operation(op, args, kind, about=f"{at[0]}:{at[1]}", **more)
 
 
-def _leaf(op: str, row: Any, where: str, variables: Sequence[Variable]) -> tuple[str, Any]:
+def _leaf(op: str, row: Any, where: str, reads: Sequence[Read]) -> tuple[str, Any]:
     if op == "variable":
-        k = _index(row, where, len(variables))
-        return variables[k].type, k
+        k = _index(row, where, len(reads))
+        return reads[k].type, k
     if op == "number":
         value = row.get("value")
         return NUMBER, None if value is None else _finite(value, where)
@@ -301,8 +236,8 @@ def _window(op: str, row: Any, where: str, period: int) -> dict[str, Any]:
     return found
 
 
-def _output(item: Any, where: str, nodes: int) -> Output:
+def _result(item: Any, where: str, operations: int) -> Result:
     node = take(item, "node", int, where)
-    if not 0 <= node < nodes:
+    if not 0 <= node < operations:
         raise ModelError("", f"{where} is not among the nodes")
-    return Output(take(item, "id", str, where), node, item.get("polarity") == "HAZARD")
+    return Result(take(item, "id", str, where), node, item.get("polarity") == "HAZARD")

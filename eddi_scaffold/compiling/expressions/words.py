@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.compiling.expressions.form import WINDOWS, Form, Node
+from collections.abc import Sequence
+
+from eddi_scaffold.compiling.program.instructions import WINDOWS, Operation, Read
 from eddi_scaffold.compiling.text import comment
 
 _BETWEEN = {
@@ -28,48 +30,47 @@ _BETWEEN = {
 _TRUTHS = ("FALSE", "UNKNOWN", "TRUE")
 
 
-def words_of(form: Form) -> list[str]:
-    """Return the words of each node, cut to what fits a comment."""
+def words_of(reads: Sequence[Read], operations: Sequence[Operation]) -> list[str]:
+    """Return the words of each operation, cut to what fits a comment."""
     found: list[str] = []
-    for node in form.nodes:
-        whole = node.op not in _BETWEEN and node.op not in ("neg", "not")
-        inner = [found[k] if whole else _inside(form.nodes[k], found[k]) for k in node.args]
-        found.append(comment(_words(form, node, inner)))
+    for one in operations:
+        whole = one.op not in _BETWEEN and one.op not in ("neg", "not")
+        inner = [found[k] if whole else _inside(operations[k], found[k]) for k in one.args]
+        if one.op in ("eq_enum", "ne_enum"):
+            inner = _named(reads, [operations[k] for k in one.args], inner)
+        found.append(comment(_words(reads, one, inner)))
     return found
 
 
-def _inside(node: Node, text: str) -> str:
-    return f"({text})" if node.op in _BETWEEN else text
+def _inside(one: Operation, text: str) -> str:
+    return f"({text})" if one.op in _BETWEEN else text
 
 
-def _words(form: Form, node: Node, inner: list[str]) -> str:
-    if node.op in ("variable", "age"):
-        name = form.variables[node.value].name
-        return name if node.op == "variable" else f"AGE({name})"
-    if node.op == "number":
-        return "UNKNOWN" if node.value is None else f"{node.value!r}".removesuffix(".0")
-    if node.op == "truth":
-        return _TRUTHS[node.value]
-    if node.op == "literal":
-        return f"literal {node.value}"
-    if node.op in ("eq_enum", "ne_enum"):
-        inner = _named(form, node, inner)
-    if node.op in _BETWEEN:
-        return f"{inner[0]} {_BETWEEN[node.op]} {inner[1]}"
-    if node.op in ("neg", "not"):
-        return f"{'-' if node.op == 'neg' else 'NOT '}{inner[0]}"
-    if node.op in WINDOWS:
-        inner = [*inner, f"{node.window / 1e9:g} s"]
-    if node.coverage is not None:
-        inner = [*inner, f"COVERAGE {node.coverage!r}"]
-    return f"{node.op.partition('_')[0].upper()}({', '.join(inner)})"
+def _words(reads: Sequence[Read], one: Operation, inner: list[str]) -> str:
+    if one.op in ("variable", "age"):
+        name = reads[one.value].name
+        return name if one.op == "variable" else f"AGE({name})"
+    if one.op == "number":
+        return "UNKNOWN" if one.value is None else f"{one.value!r}".removesuffix(".0")
+    if one.op == "truth":
+        return _TRUTHS[one.value]
+    if one.op == "literal":
+        return f"literal {one.value}"
+    if one.op in _BETWEEN:
+        return f"{inner[0]} {_BETWEEN[one.op]} {inner[1]}"
+    if one.op in ("neg", "not"):
+        return f"{'-' if one.op == 'neg' else 'NOT '}{inner[0]}"
+    if one.op in WINDOWS:
+        inner = [*inner, f"{one.window / 1e9:g} s"]
+    if one.coverage is not None:
+        inner = [*inner, f"COVERAGE {one.coverage!r}"]
+    return f"{one.op.partition('_')[0].upper()}({', '.join(inner)})"
 
 
-def _named(form: Form, node: Node, inner: list[str]) -> list[str]:
+def _named(reads: Sequence[Read], values: Sequence[Operation], texts: list[str]) -> list[str]:
     """Return the texts of two values of an ENUM, literals by the names that the other one has."""
-    values = [form.nodes[k] for k in node.args]
-    literals = next((form.variables[v.value].literals for v in values if v.op == "variable"), ())
+    literals = next((reads[one.value].literals for one in values if one.op == "variable"), ())
     return [
-        literals[value.value] if value.op == "literal" and value.value < len(literals) else text
-        for value, text in zip(values, inner, strict=True)
+        literals[one.value] if one.op == "literal" and one.value < len(literals) else text
+        for one, text in zip(values, texts, strict=True)
     ]

@@ -42,7 +42,7 @@ def known_messages() -> MessageFields:
     own = {
         f"eddi_messages/{name}": fields_of(text, "eddi_messages")
         for kind in kinds().values()
-        for name, text in kind.messages.items()
+        for name, text in kind.all_messages.items()
     }
     return {**TIMES, **common_messages(), **own}
 

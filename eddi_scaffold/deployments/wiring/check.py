@@ -8,14 +8,15 @@ from eddi_scaffold.deployments.wiring.acceptances import check_acceptances
 from eddi_scaffold.deployments.wiring.composition import check_composition
 from eddi_scaffold.deployments.wiring.deployment import Member, deployment
 from eddi_scaffold.deployments.wiring.meanings import check_meanings
+from eddi_scaffold.deployments.wiring.qualities import check_qualities
 from eddi_scaffold.deployments.wiring.support import Participant, check_rings
-from eddi_scaffold.deployments.wiring.topics import check_topics
+from eddi_scaffold.deployments.wiring.topics import check_spellings, check_topics
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.problems import Problem
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009, without D006).
+    """Check what monitors read of each other (D001 to D009, without D006, and D016).
 
     Args:
         members: the monitors that are at hand.
@@ -27,6 +28,8 @@ def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) 
         *check_meanings(together),
         *check_composition(together),
         *check_topics(together),
+        *check_spellings(together),
+        *check_qualities(together.participants),
         *rings,
         *([] if rings else check_acceptances([member.participant for member in members])),
     ]

@@ -117,4 +117,4 @@ def kind_of_message(type_: str) -> Kind[Model] | None:
     package, _, name = type_.partition("/")
     if package != MESSAGE_PACKAGE:
         return None
-    return next((kind for kind in kinds().values() if name in kind.messages), None)
+    return next((kind for kind in kinds().values() if name in kind.all_messages), None)

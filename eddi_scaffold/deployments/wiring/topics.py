@@ -10,7 +10,7 @@ from eddi_scaffold.deployments.wiring.deployment import (
     Publisher,
     kind_of_message,
 )
-from eddi_scaffold.monitors.publications import publications
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, publications, read_respelt
 from eddi_scaffold.problems import Problem, error, warning
 
 
@@ -21,6 +21,21 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
         for other in publishers[1:]:
             if other.member is not publishers[0].member:
                 yield _shared(topic, publishers[0], other)
+
+
+def check_spellings(deployment: Deployment) -> Iterator[Problem]:
+    """Report messages of ours that are read, and whose fields get other names (G026)."""
+    respelt = {
+        name
+        for one in deployment.members
+        for name in one.monitor.kind.respelt(one.config.config.Model.model_extra or {})
+    }
+    for one in deployment.members:
+        for index, source in enumerate(one.config.config.SimulatorOutputs):
+            package, _, name = source.type.partition("/")
+            if package == MESSAGE_PACKAGE and name in respelt:
+                place = one.config.place("SimulatorOutputs", index, "type")
+                yield read_respelt(name, place)
 
 
 def shared_by_robots(members: Sequence[Member]) -> str | None:
@@ -62,7 +77,7 @@ def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
     required |= {one.id for binding in member.monitor.inputs for one in binding.requires}
     for index, source in enumerate(config.config.SimulatorOutputs):
         topic = member.topic(source.topic)
-        if source.id not in required or kind_of_message(source.type) is None:
+        if source.id not in required or kind_of_message(source.type) is None or source.peers:
             continue
         if deployment.publisher(member, source) is None:
             message = (

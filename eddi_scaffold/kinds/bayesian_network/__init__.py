@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Alias, Functions, Kind
 from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES
+from eddi_scaffold.kinds.bayesian_network.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.bayesian_network.options import NetworkModel
@@ -54,6 +55,7 @@ KIND = Kind(
     sniff=_sniff,
     messages=MESSAGES,
     output_message="BayesianNetworkOutput",
+    verdicts=VERDICTS,
     load=_functions,
     topic="posteriors",
     in_eddi=IN_EDDI,

@@ -17,7 +17,7 @@ from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.model import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
-from eddi_scaffold.problems import error, warning
+from eddi_scaffold.problems import Place, error, warning
 
 EVERY_CASE = 2000
 """Up to so many cases of hard and missing evidence are all tried."""
@@ -34,8 +34,9 @@ def cross_check(model: NetworkModel, model_json: str) -> CrossCheck:
             warnings.simplefilter("ignore")  # it warns of its own modules
             import pgmpy.inference  # noqa: F401, PLC0415 - an extra of 500 MB
     except ImportError:
-        hint = "pip install 'eddi-scaffold[bn]'"
-        found = warning("B306", "the cross-check with pgmpy was not run", model.place, hint)
+        hint = "it is not installed: `pipx inject eddi-scaffold pgmpy`, or pip in its environment"
+        place = Place(model.place.file)  # no line of the model is to blame
+        found = warning("B306", "the cross-check with pgmpy was not run", place, hint)
         return CrossCheck("", (found,))
     network = model.data
     settings = settings_of(model)

@@ -41,7 +41,7 @@ def skeleton(model: NetworkModel, options: Options) -> Skeleton:
         if isinstance(one.get("input"), str) and one["input"] != TODO
     ]
     direct = [
-        ModelInput(node.id, "state", description=_plain(node.id))
+        ModelInput(node.id, "state", description=_plain(node.id), states=tuple(node.states))
         for node in network.nodes
         if node.id in fed and node.id not in {one.id for one in inputs}
     ]

@@ -6,8 +6,9 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert.messages import BETWEEN_ROBOTS, MESSAGES
 from eddi_scaffold.kinds.consert.options import KEYS
+from eddi_scaffold.kinds.consert.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.model import ConSertModel
@@ -36,7 +37,9 @@ KIND = Kind(
     config_types=("ConSert", "ConSerts"),
     sniff=_sniff,
     messages=MESSAGES,
+    between_robots=BETWEEN_ROBOTS,
     output_message="ConSertOutput",
+    verdicts=VERDICTS,
     load=_functions,
     topic="guarantees",
     in_eddi=".",  # its reader says what is misspelt, too

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.claims import Meaning, Meanings
@@ -15,14 +16,15 @@ if TYPE_CHECKING:
 
     from eddi_scaffold.kinds.consert.model import ConSert
 
+_ACTIVE = Meaning(
+    (False,),
+    refused="`active` of a guarantee is false also when it is unknown",
+    instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
+)
+
 MEANINGS: Meanings = {
-    "ConSertOutput": {
-        "guarantees[].active": Meaning(
-            (False,),
-            refused="`active` of a guarantee is false also when it is unknown",
-            instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
-        )
-    },
+    "ConSertOutput": {"guarantees[].active": _ACTIVE},
+    "RobotGuarantees": {"guarantees[].active": replace(_ACTIVE, instead=None)},
     "ConSertStatus": {
         "guarantees[].verdict": Meaning(
             (1,),

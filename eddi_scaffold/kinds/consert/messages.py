@@ -35,6 +35,45 @@ GuaranteeStatus[] guarantees
 string[] accepted
 """
 
+ROBOT_GUARANTEES = """\
+# The word of one robot to all others: what it guarantees, and until when that counts.
+string robot
+# Which model gives the guarantees: its id and the SHA-256 of its data.
+string model_id
+string model_digest
+# Another one after each start of the node, and the number of the word in it, from 1 on.
+string session
+uint64 sequence
+# Seconds after which this word counts as unknown, on the clock of whoever relies on it.
+float64 lease
+# The node relies on words of others: they echo the last one that they heard of it.
+bool listens
+RobotGuarantee[] guarantees
+Heard[] heard
+"""
+
+ROBOT_GUARANTEE = """\
+string id
+bool active
+# On whose words it rests, as ROBOT/MODEL, with those behind them: none of them relies on it.
+string[] rests_on
+"""
+
+HEARD = """\
+# An echo: the last word that was heard of a node.
+string robot
+string model_id
+string session
+uint64 sequence
+"""
+
+BETWEEN_ROBOTS = {
+    "Heard": HEARD,
+    "RobotGuarantee": ROBOT_GUARANTEE,
+    "RobotGuarantees": ROBOT_GUARANTEES,
+}
+"""Messages that a workspace has where its robot is one of a fleet, as ``MESSAGES``."""
+
 MESSAGES = {
     "ConSertOutput": CONSERT_OUTPUT,
     "ConSertStatus": CONSERT_STATUS,

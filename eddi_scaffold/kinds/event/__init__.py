@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
 from eddi_scaffold.kinds.event.messages import MESSAGES
+from eddi_scaffold.kinds.event.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.event.model import EventModel
@@ -29,6 +30,7 @@ KIND = Kind(
     sniff=_sniff,
     messages=MESSAGES,
     output_message="EventOutput",
+    verdicts=VERDICTS,
     load=_functions,
     topic="events",
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.events"]',

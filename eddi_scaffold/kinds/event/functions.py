@@ -15,6 +15,7 @@ from eddi_scaffold.kinds.event.model import (
     parts,
     read_file,
     readme,
+    skeleton,
 )
 
 FUNCTIONS = Functions(
@@ -33,4 +34,5 @@ FUNCTIONS = Functions(
     accepted=acceptances,
     limits=limits,
     support=support,
+    skeleton=skeleton,
 )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.escaping import markdown_code, markdown_text
-from eddi_scaffold.kinds import InputType, ModelInput, Options, Reading, TypedModel
+from eddi_scaffold.kinds import InputType, ModelInput, Options, Reading, Skeleton, TypedModel
 from eddi_scaffold.kinds.event.claims import uses_of
 from eddi_scaffold.language.analysis import Analysis, analyse
 from eddi_scaffold.language.findings import Locate, line_and_column
@@ -22,6 +23,7 @@ from eddi_scaffold.units import accepted
 NAME = "event"
 DEFAULT_RATE = 10.0
 """Steps per second where no configuration gives another number."""
+_VARIABLE = re.compile(r"VAR\s+(\w+)")
 _TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
 _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
@@ -149,6 +151,32 @@ def inputs(model: EventModel) -> Sequence[ModelInput]:
         )
         for variable in analysis.inputs
     ]
+
+
+def skeleton(model: EventModel, options: Options) -> Skeleton:
+    """Return the inputs, each with the comment at its declaration: a person wrote what it is."""
+    configured, problems = configure(model, options)
+    if configured is None:
+        raise EddiError(*problems)
+    told = dict(_commented(model.data.text))
+    limits = {one.name: one.timeout / 1e9 for one in configured.data.analysis.inputs if one.timeout}
+    return Skeleton(
+        [
+            replace(one, description=told.get(one.id), timeout=limits.get(one.id))
+            for one in inputs(configured)
+        ]
+    )
+
+
+def _commented(text: str) -> Iterator[tuple[str, str]]:
+    """Yield the name of each VAR, with the comments above and behind it."""
+    above: list[str] = []
+    for line in text.splitlines():
+        code, _, comment = (part.strip() for part in line.partition("//"))
+        found = _VARIABLE.match(code)
+        if found is not None:
+            yield found[1], " ".join([*above, comment])
+        above = [*above, comment] if comment and not code else []
 
 
 def model_part(model: EventModel) -> dict[str, Any]:

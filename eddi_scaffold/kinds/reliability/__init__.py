@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
 from eddi_scaffold.kinds.reliability.messages import MESSAGES
+from eddi_scaffold.kinds.reliability.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.reliability.model import ReliabilityModel
@@ -62,6 +63,7 @@ KIND = Kind(
     sniff=_sniff,
     messages=MESSAGES,
     output_message="ReliabilityOutput",
+    verdicts=VERDICTS,
     load=_functions,
     topic="reliability",
     in_eddi=IN_EDDI,

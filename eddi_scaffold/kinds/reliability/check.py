@@ -123,9 +123,9 @@ def _tree(component: ComponentModel, tree: FaultTree) -> list[Problem]:
 def _ways(*, in_eddi: bool) -> str:
     if in_eddi:
         ways = "give its failure a failureRate or a failureProbDistribution, or make it a failState"
-        return f'{ways} (docs/reliability.md, "From an EDDI")'
+        return f'{ways} (docs/reference/reliability.md, "From an EDDI")'
     ways = "give it a rate, a scale and shape, `p`, or a model"
-    return f'{ways} (docs/reliability.md, "`reliability_config.yml`, written by hand")'
+    return f'{ways} (docs/reference/reliability.md, "`reliability_config.yml`, written by hand")'
 
 
 def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:

@@ -23,8 +23,28 @@ _NEGATED = {"nand": "AND", "nor": "OR", "iff": "XOR"}
 _REFERENCES = ("event", "gate", "basic-event", "house-event")
 _EVENTS = ("define-gate", "define-basic-event", "define-house-event")
 _CONTAINERS = ("define-fault-tree", "define-component")
-_CHANGES = ("define-CCF-group", "define-substitution", "include")
-"""What changes the probability of a tree, so that it must not be left out."""
+_CHANGES = {
+    "define-CCF-group": (
+        "common causes",
+        (
+            "make each member an `or` of its own event and of one that all members share: with a "
+            "beta-factor, these have (1 - beta) and beta of the rate or probability"
+        ),
+    ),
+    "define-substitution": (
+        "substitutions",
+        (
+            "write as gates what they make of the tree: for an exclusion, `and` the top with `not` "
+            "of the hypothesis"
+        ),
+    ),
+    "include": (
+        "other files",
+        "put its definitions in place of this element: a package remembers one model file",
+    ),
+}
+"""What changes the probability of a tree, so that it must not be left out: what it is about, and
+what to write instead."""
 _ONE_FILE = "the definitions of a model that is in several files must be in one"
 _DEEPEST = 100
 _FALSE, _TRUE = "constant false", "constant true"
@@ -99,7 +119,7 @@ class _Reader:
             if of == "model-data":
                 self.declare(element, path, private=private)
             elif of in _CHANGES:
-                self._error("R017", f"`{of}` is not supported", element)
+                self._change(of, element)
             elif of not in (*_EVENTS, *_CONTAINERS, "define-parameter"):
                 left_out.setdefault(of, element)
             elif len(name.split()) != 1:
@@ -114,6 +134,13 @@ class _Reader:
             if of not in ("label", "attributes"):
                 message = f"`{of}` is not read"
                 self.doubts.append(warning("R018", message, place_of(element, self.file)))
+
+    def _change(self, of: str, element: Element) -> None:
+        """Refuse what would change the probability of the tree (R017)."""
+        about, hint = _CHANGES[of]
+        named = (element.get("name") or element.get("file") or "").strip()
+        message = f"`{of}`{f' {named!r}' if named else ''}: {about} are not read"
+        self.problems.append(error("R017", message, place_of(element, self.file), hint))
 
     def define(self) -> None:
         """Read all formulas and numbers."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
 from eddi_scaffold.kinds.safeml.messages import MESSAGES, VIOLATION_FIELD, respelt
+from eddi_scaffold.kinds.safeml.verdicts import VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.safeml.model import SafeMLModel
@@ -41,6 +42,7 @@ KIND = Kind(
     output_message="SafeMLOutput",
     options=(VIOLATION_FIELD,),
     respelt=respelt,
+    verdicts=VERDICTS,
     load=_functions,
     topic="safeml",
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.safeml"]',

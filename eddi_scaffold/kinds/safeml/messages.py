@@ -26,10 +26,13 @@ string metric
 # The largest distance of all tests, and from which on it is a violation.
 float64 statistic
 float64 threshold
+# The same for independent samples.
 float64 threshold_theoretical
 # Which test that was, -1 for none.
 int32 component
+# Bound on the probability of such a distance without a change, all tests together.
 float64 p_value_bound
+# Samples since the start that entered the window, and that did not; how many it holds now.
 uint64 accepted
 uint64 rejected
 uint32 filled

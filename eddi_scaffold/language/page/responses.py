@@ -15,7 +15,7 @@ from eddi_scaffold.language.page.html import Page
 from eddi_scaffold.language.page.signals import example_signal
 from eddi_scaffold.language.recorded_values import columns, play
 from eddi_scaffold.language.report import as_text
-from eddi_scaffold.language.targets import Target, generate
+from eddi_scaffold.language.standalone import Target, generate
 from eddi_scaffold.problems import EddiError, Problem, error
 
 Rows = Sequence[tuple[float, Mapping[str, Any]]]

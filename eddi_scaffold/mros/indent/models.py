@@ -112,7 +112,7 @@ class _ModelReader:
         name = words.key("the name of an interface")
         words.end()
         of = ns = None
-        type_place = place
+        type_place, deadline = place, ""
         for key, rest, inner in self.keys.known(line.below, ("type", "ns", "qos"), "a key"):
             if key == "type":
                 if rest.at_end():
@@ -126,9 +126,10 @@ class _ModelReader:
             else:
                 rest.skip()
                 skip_block(self.text, inner)
+                deadline = _deadline(inner)
         if of is None:
             raise self.text.error(line.offset, f"the interface {quoted(name)} has no 'type:'")
-        return Interface(kind, name, of, ns, *place, *type_place)
+        return Interface(kind, name, of, ns, *place, *type_place, deadline)
 
     def _spec(self, line: Line, kind: str) -> Spec:
         words = Words(self.text, line)
@@ -188,3 +189,12 @@ class _ModelReader:
         if not words.accept_punct("]"):
             raise words.fail("']'")
         return f"[{of}]"
+
+
+def _deadline(qos: Line) -> str:
+    """Return what stands behind ``deadline:`` in a quality of service."""
+    for line in qos.below:
+        key, *rest = [text for _, text, _ in line.tokens] or [""]
+        if key.casefold() == "deadline" and rest[:1] == [":"]:
+            return " ".join(rest[1:]).strip("\"'")
+    return ""

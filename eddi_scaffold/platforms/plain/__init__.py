@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
@@ -12,7 +11,7 @@ from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.parts import needed_by
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
-from eddi_scaffold.identifiers import RESERVED, STARTUP_MODULES
+from eddi_scaffold.identifiers import taken_by_python
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
@@ -49,15 +48,11 @@ def _support(
 
 
 def _taken_names(_root: Path | None) -> Mapping[str, str]:
-    reason = "it would hide a module of Python's standard library"
-    words = dict.fromkeys(RESERVED, "it is a word of Python")
-    modules = dict.fromkeys(sys.stdlib_module_names, reason)
-    startup = dict.fromkeys(STARTUP_MODULES, "every Python would import it at its start")
-    return {**modules, **words, **startup, "numpy": "it would hide numpy"}
+    return {**taken_by_python(), "numpy": "it would hide numpy"}
 
 
 def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
-    return [f"pip install {quote(str(place / monitors[0]))}"]
+    return [f"pip install {' '.join(quote(str(place / one)) for one in monitors)}"]
 
 
 PLATFORM = Platform(

@@ -1,4 +1,4 @@
-"""What the packages of a workspace say of themselves in the MROS languages (docs/mros.md)."""
+"""What the packages say of themselves in the MROS languages (docs/reference/mros.md)."""
 
 from __future__ import annotations
 
@@ -15,12 +15,15 @@ _ARROWS = {"publishers": "pub", "subscribers": "sub"}
 
 
 def interfaces_of(
-    published: Iterable[Publication], heard: Iterable[SimulatorOutput]
+    published: Iterable[Publication],
+    heard: Iterable[SimulatorOutput],
+    between_robots: dict[str, str],
 ) -> list[JsonValue]:
     """Return the sections of a node that are not empty: its topics, each once, sorted."""
     sections = {
-        "publishers": dict([*((one.output.topic, one.type) for one in published), _DIAGNOSTICS]),
-        "subscribers": {one.topic: one.type for one in heard},
+        "publishers": dict([*((one.output.topic, one.type) for one in published), _DIAGNOSTICS])
+        | between_robots,
+        "subscribers": {one.topic: one.type for one in heard} | between_robots,
     }
     return [
         {

@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
 
 from . import inputs
-from .inputs import InputSpec, InputState, aged, invalid
+from .inputs import InputSpec, InputState, Word, aged, invalid
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .expressions.expression import Expression
@@ -46,9 +46,10 @@ class EDDIInputBase(inputs.EDDIInputBase):
         ages: Optional[Mapping[str, float]] = None,
         new: Optional[Mapping[str, Sequence[object]]] = None,
         t_ns: Optional[int] = None,
+        words: Optional[Mapping[str, Word]] = None,
     ) -> None:
         """Begin a step, as the base does."""
-        super().begin_step(ages)
+        super().begin_step(ages, words=words)
         self.__new, self.__now = new, t_ns
 
     def update_each(
@@ -109,7 +110,10 @@ class EDDIInputBase(inputs.EDDIInputBase):
             setattr(self, attribute, None)
             process(*known)
             if getattr(self, attribute, None) is not None:
-                after = InputState("ok", "", max(ages, default=0.0))
+                robots = self.__robots(
+                    [name for name, of in zip(requires, known) if of is not None]
+                )
+                after = InputState("ok", "", max(ages, default=0.0), robots=robots)
             elif after.state == "ok":
                 reason = getattr(self.__expressions.get(input_id), "reason", "")
                 after = InputState("invalid", reason or "not known yet", after.age)
@@ -135,4 +139,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
             else:
                 values[word] = getattr(self, name, None)
         now = time.monotonic_ns() if self.__now is None else self.__now
-        return compiled.value(now, values, ages)
+        # Where the clock of a simulation stands, no step is taken; silence must show all the same.
+        hidden = now == compiled.last and any(one is None for one in values.values())
+        value = compiled.value(now, values, ages)
+        return None if hidden else value

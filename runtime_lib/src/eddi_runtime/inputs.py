@@ -63,15 +63,29 @@ class InputState(NamedTuple):
         reason: one line for people, empty when ok.
         age: seconds since the oldest required message, ``None`` when one is missing.
         detail: traceback of the present reason, empty when there is none.
+        robots: whose words the value is made of, where it is made of those of other robots.
     """
 
     state: str
     reason: str = ""
     age: Optional[float] = None
     detail: str = ""
+    robots: Tuple[str, ...] = ()
 
 
 _NEW = InputState("missing", "no message yet")
+
+
+class Word(NamedTuple):
+    """Whose word a message is, among robots.
+
+    Attributes:
+        robot: its name, empty where none was heard.
+        unfit: why it does not count, empty when it does.
+    """
+
+    robot: str
+    unfit: str = ""
 
 
 def accepted(specs: Sequence[InputSpec], eddi_input: object) -> Tuple[str, ...]:
@@ -120,6 +134,7 @@ class EDDIInputBase:
         self.states: Dict[str, InputState] = {}
         self.__specs: Dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = {}
+        self.__words: Mapping[str, Word] = {}
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
@@ -130,6 +145,7 @@ class EDDIInputBase:
         ages: Optional[Mapping[str, float]] = None,
         new: Optional[Mapping[str, Sequence[object]]] = None,
         t_ns: Optional[int] = None,
+        words: Optional[Mapping[str, Word]] = None,
     ) -> None:
         """Begin a step.
 
@@ -139,8 +155,10 @@ class EDDIInputBase:
             new: SimulatorOutput id -> the messages since the last step, oldest first, for inputs
                 that take every message; None: the latest message is the only new one.
             t_ns: time of the step in nanoseconds, for expressions; None: the monotonic clock.
+            words: SimulatorOutput id -> whose word it is, for those of other robots.
         """
         self.__ages = {} if ages is None else ages
+        self.__words = words or {}
 
     def update(
         self,
@@ -153,16 +171,17 @@ class EDDIInputBase:
 
         While a message is missing, the input keeps its default if it never had a value, else it
         becomes None: a value whose source has gone is not evidence. It also becomes None when a
-        message is older than the limit or ``process`` raises.
+        message is older than the limit, and when ``process`` raises or assigns nothing.
         """
         attribute, _ = self.__spec(input_id)
         before = self.states.get(input_id, _NEW)
         try:
             messages, after = self.__received(input_id, simulator_outputs, requires)
             if after.state == "ok":
+                setattr(self, attribute, None)  # a value of an earlier message is no evidence
                 process(*messages)
                 if getattr(self, attribute, None) is None:
-                    after = InputState("invalid", "left at None", after.age)
+                    after = InputState("invalid", "its method left it at None", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, before)
         # Missing from the start: the default is kept.
@@ -182,9 +201,24 @@ class EDDIInputBase:
         messages = [simulator_outputs.get(name) for name in requires]
         absent = [name for name, message in zip(requires, messages) if message is None]
         if absent:
-            return messages, InputState("missing", f"no message of {', '.join(absent)}")
+            return messages, self.__absence(absent)
         ages = [self.__ages.get(name, 0.0) for name in requires]
-        return messages, aged(ages, self.__spec(input_id)[1])
+        state = aged(ages, self.__spec(input_id)[1])
+        return messages, state._replace(robots=self.__robots(requires))
+
+    def __absence(self, absent: Sequence[str]) -> InputState:
+        unfit = [
+            (self.__words[name].unfit, name in self.__ages)
+            for name in absent
+            if name in self.__words
+        ]
+        if not unfit:
+            return InputState("missing", f"no message of {', '.join(absent)}")
+        heard = len(unfit) == len(absent) and all(was for _, was in unfit)
+        return InputState("stale" if heard else "missing", "; ".join(why for why, _ in unfit))
+
+    def __robots(self, requires: Sequence[str]) -> Tuple[str, ...]:
+        return tuple(self.__words[name].robot for name in requires if name in self.__words)
 
 
 def aged(ages: Sequence[float], limit: Union[float, str, None]) -> InputState:

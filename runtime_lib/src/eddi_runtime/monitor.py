@@ -16,7 +16,7 @@ from typing import (
     cast,
 )
 
-from .inputs import InputSpec
+from .inputs import InputSpec, accepted
 
 Field = Union[str, bool, int, float, Sequence["Field"], "Tree"]
 Tree = Tuple[str, Mapping[str, Field]]
@@ -71,6 +71,8 @@ class Monitor(Protocol[Output]):
     digest: str
     kind: str
     inputs: Tuple[InputSpec, ...]
+    _source: object = None
+    """What the last step was given."""
     _output_faults: Tuple[str, ...] = ()
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
@@ -128,6 +130,7 @@ class Monitor(Protocol[Output]):
 
     def accepted(self) -> Sequence[str]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
+        return accepted(self.inputs, self._source)
 
     def faults(self) -> Mapping[str, str]:
         """Return input id -> what was wrong with its value in the last step."""

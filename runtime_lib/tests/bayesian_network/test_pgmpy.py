@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("hypothesis")
+from hypothesis import settings
+
 pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
 pytest.importorskip("numpy")
 
@@ -17,8 +20,8 @@ from runtime_lib.tests.bayesian_network.networks import engine, furthest
 
 pytestmark = pytest.mark.slow
 
-SETS = 200
-"""Half with hard evidence only, half with virtual evidence as well."""
+SETS = 200 if settings.default.max_examples > 1000 else 40
+"""Half with hard evidence only, half with virtual evidence as well; more in the long profile."""
 SMALL = ("asia", "cancer", "earthquake", "sachs", "survey", "child")
 LARGE = ("insurance", "water", "alarm", "hailfinder", "win95pts")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from eddi_scaffold.compiling.document import check_document, digest_of
 from eddi_scaffold.compiling.execution import build, module_of
 from eddi_scaffold.compiling.expressions.emission import class_of
-from eddi_scaffold.compiling.expressions.form import BUFFERED, WINDOWS
+from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS
 
 SECOND = 10**9
 

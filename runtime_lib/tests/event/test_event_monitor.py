@@ -154,6 +154,14 @@ def test_time_is_the_clock_of_the_machine_when_none_is_given():
     assert verdicts(monitor.execute_step(SimpleNamespace(a=True))) == [True]
 
 
+def test_a_clock_that_stands_hides_no_silence():
+    monitor = made(("time", "a", 1), period=SECOND)
+    assert verdicts(step(monitor, 7, a=True)) == [True]
+    assert verdicts(step(monitor, 7, a=False)) == [True]  # no time has passed
+    assert verdicts(step(monitor, 7, a=None)) == [None]
+    assert verdicts(step(monitor, 7, a=True)) == [True]
+
+
 def test_wrong_models():
     for outputs, options in (
         (("x",), {}),

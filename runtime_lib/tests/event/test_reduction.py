@@ -14,8 +14,8 @@ from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in
 from eddi_scaffold.compiling.document import ModelError
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.expressions.lists import reduction_lines
 from eddi_scaffold.compiling.expressions.reduction import read_reduction
+from eddi_scaffold.compiling.program.lists import reduction_lines
 
 from .event_documents import SECOND, form, monitor
 

@@ -86,7 +86,7 @@ class ToyNode(Node):
         self._schedule.stepped(started, self.robot.now)
 
     def report(self, *, periodic=True):
-        return self.collect(periodic=periodic)
+        return self.status(periodic).report
 
     def values(self):
         return dict(self.report(periodic=False).values)

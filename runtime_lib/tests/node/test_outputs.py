@@ -22,10 +22,10 @@ def check(output, tree=TREE):
 
 
 def test_every_topic_is_a_channel():
-    both = Output("g", "/g", FITTING, "/g/status", WRONG, only="G")
+    both = Output("g", "/g", FITTING, "/g/status", WRONG, only="G", qos={"depth": 2})
     first, second = channels([both])
-    assert first == ("", "/g", FITTING, (), "G")
-    assert second == ("status", "/g/status", WRONG, (), None)
+    assert first == ("", "/g", FITTING, (), "G", {"depth": 2})
+    assert second == ("status", "/g/status", WRONG, (), None, {"depth": 2})
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,13 @@
 import pytest
 from eddi_runtime.node.settings import Settings, settings
 
+CHOICES = {"on_loss": ("wait", "exit")}
+
 
 def test_what_is_not_given_is_that_of_the_generated_node():
-    good, wrong = settings({"frequency": 2, "other": object()}, 10.0)
+    good, wrong = settings({"frequency": 2, "other": object()}, 10.0, choices=CHOICES)
     assert not wrong
-    assert good == Settings(2.0)
+    assert good == Settings(2.0, words={"on_loss": "wait"})
     own, _ = settings({}, 10.0, 3.0)
     given, _ = settings({"startup_grace": 0}, 10.0, 3.0)
     assert own == Settings(10.0, startup_grace=3.0)
@@ -16,14 +18,15 @@ def test_what_is_not_given_is_that_of_the_generated_node():
 
 def test_everything_can_be_given():
     own = {"frequency": 0.2, "diagnostics": False, "watchdog_period": 0}
-    own.update(on_master_loss="exit", queue_size=5, startup_grace=1)
-    assert settings(own, 10.0) == (Settings(0.2, False, 0.0, "exit", 5, 1.0), [])
+    own.update(on_loss="exit", queue_size=5, startup_grace=1)
+    expected = Settings(0.2, False, 0.0, 5, 1.0, {"on_loss": "exit"})
+    assert settings(own, 10.0, choices=CHOICES) == (expected, [])
 
 
 def test_all_that_is_wrong_is_told_at_once():
     bad = {"frequency": float("nan"), "model": 3, "diagnostics": 1, "watchdog_period": -1}
-    bad.update(on_master_loss=[], queue_size=0, startup_grace=-1)
-    kept, wrong = settings({**bad, "frequency": "fast"}, 10.0)
+    bad.update(on_loss=[], queue_size=0, startup_grace=-1)
+    kept, wrong = settings({**bad, "frequency": "fast"}, 10.0, choices=CHOICES)
     assert kept == Settings(10.0)
     assert wrong[0] == "parameter ~frequency: 0.000001 to 1000000 Hz expected, got 'fast'"
     assert [text.split(":")[0] for text in wrong] == [f"parameter ~{name}" for name in bad]

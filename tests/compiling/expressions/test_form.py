@@ -8,7 +8,8 @@ import pytest
 
 from eddi_scaffold.compiling.document import ModelError
 from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.expressions.form import read_form, used_variables
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.compiling.program.instructions import reads_of_results
 from runtime_lib.tests.event.event_documents import SECOND, form
 
 
@@ -74,6 +75,6 @@ def test_a_form_survives_json():
     assert read_form(json.loads(json.dumps(found))) == read_form(found)
 
 
-def test_which_variables_decide_an_output():
+def test_which_reads_decide_a_result():
     read = read_form(form(("gt", "x", 5), ("or", "a", ("gt", ("age", "y"), 1))))
-    assert used_variables(read) == [[0], [1, 2]]
+    assert reads_of_results(read) == [[0], [1, 2]]

@@ -139,6 +139,7 @@ def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert monitor is not None
     result = cross_check(monitor.model, monitor.model_json)
     (problem,) = result.problems
+    assert problem.place == Place(str(EXAMPLE / "pedestrian.xml"))
     assert_example("B306", [replace(problem, place=Place("pedestrian.xml"))])
 
 

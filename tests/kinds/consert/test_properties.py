@@ -219,8 +219,8 @@ def binary_consert(gates, edges):
     )
 
 
-def test_a_chain_of_50000_gates():
-    ids = ["E", *(f"g{n}" for n in range(50_000)), "G"]
+def test_a_chain_of_20000_gates():
+    ids = ["E", *(f"g{n}" for n in range(20_000)), "G"]
     edges = list(itertools.pairwise(ids))
     consert = binary_consert([(id_, "And") for id_ in ids[1:-1]], edges)
     checked, problems = check_consert(consert)
@@ -230,14 +230,14 @@ def test_a_chain_of_50000_gates():
     assert compose([("a", consert)]).composable
 
 
-def test_a_closed_chain_of_50000_gates():
-    ids = [f"g{n}" for n in range(50_000)]
+def test_a_closed_chain_of_20000_gates():
+    ids = [f"g{n}" for n in range(20_000)]
     edges = [*zip(ids, [*ids[1:], "g0"], strict=True), ("E", "G")]
     checked, problems = check_consert(binary_consert([(id_, "Or") for id_ in ids], edges))
     assert checked is None
     (cycle,) = (problem.message for problem in problems if problem.code == "C010")
     assert cycle.startswith("cycle: g0 -> g1 -> ")
-    assert cycle.endswith(" -> (49989 more) -> g0")
+    assert cycle.endswith(" -> (19989 more) -> g0")
 
 
 def test_a_ladder_of_shared_gates_is_linear():

@@ -200,11 +200,20 @@ def told(reading: Reading) -> list[tuple[str, int | None, str]]:
             '<define-basic-event name="x y"/>',
             ("R001", 7, "'x y' is not a name of a `define-basic-event`"),
         ),
-        (refs("a"), "<include file='/etc/passwd'/>", ("R017", 7, "`include` is not supported")),
         (
             refs("a"),
-            '<define-CCF-group name="c"/>',
-            ("R017", 7, "`define-CCF-group` is not supported"),
+            "<include file='/etc/passwd'/>",
+            ("R017", 7, "`include` '/etc/passwd': other files are not read"),
+        ),
+        (
+            refs("a"),
+            '<model-data><define-CCF-group name="c"/></model-data>',
+            ("R017", 7, "`define-CCF-group` 'c': common causes are not read"),
+        ),
+        (
+            refs("a"),
+            '<define-substitution name="s"/>',
+            ("R017", 7, "`define-substitution` 's': substitutions are not read"),
         ),
         (refs("a"), '<define-rule name="c"/>', ("R018", 7, "`define-rule` is not read")),
     ],

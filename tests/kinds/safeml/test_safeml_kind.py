@@ -14,9 +14,9 @@ import pytest
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT, FUNCTIONS
 from eddi_scaffold.kinds.safeml.report import detectable_shift
-from eddi_scaffold.platforms.ros1.messages import messages_of
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.replay.parts import compiled
+from eddi_scaffold.ros.messages import messages_of
 from eddi_scaffold.source import Source, read_source
 from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
 

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Set, Tuple, Un
 
 from ..clock import step_time
 from ..compatibility import ModelError
-from ..inputs import InputSpec, accepted
-from ..monitor import Json, Standing, Tree
+from ..monitor import Json, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
 from .evidence import NotForeseenError
 from .knowledge import NO_ANSWER, Facts, Known, Source, Step, evidence_of, facts_of
 from .methods import Methods
-from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
+from .outputs import BayesianNetworkOutput, Node, Outcome
+from .outputs import Monitor as OfD72
 
 if TYPE_CHECKING:
     from .claims import Claim
@@ -27,16 +27,12 @@ _NO_TIME = math.nan  # neither before nor behind any time
 _UNKNOWN: Rows = ()
 
 
-class BayesianNetworkMonitor(Monitor):
+class BayesianNetworkMonitor(OfD72, Monitor[Output]):
     """What the class ``Monitor`` of a compiled Bayesian network inherits.
 
     Not thread-safe: the thread that steps it also asks it.
 
-    Attributes:
-        model_id: id of the model: ``bayesian_network_id`` of the output.
-        digest: SHA-256 of the model file's content.
-        kind: ``bayesian_network``.
-        inputs: what ``execute_step`` reads, one attribute each.
+    Attributes, beside those of ``eddi_runtime.Monitor``:
         nodes: of the network, in the order of the file.
         given: nodes whose posterior is always given.
         foreseen: inference for what the model declares.
@@ -48,9 +44,6 @@ class BayesianNetworkMonitor(Monitor):
     """
 
     kind = "bayesian_network"
-    model_id: str
-    digest: str
-    inputs: Tuple[InputSpec, ...]
     nodes: Tuple[NodeSpec, ...]
     given: Tuple[int, ...]
     foreseen: Program
@@ -91,8 +84,7 @@ class BayesianNetworkMonitor(Monitor):
         for source in self._sources:
             source.reader.reset()
         self._good: Optional[Tuple[Rows, Set[int]]] = None
-        self._output_faults: Tuple[str, ...] = ()
-        self._source: object = None
+        self._output_faults, self._source = (), None
         self._last = Step(self._missing)
 
     def sources(self) -> Tuple[Source, ...]:
@@ -251,7 +243,7 @@ class BayesianNetworkMonitor(Monitor):
     def facts(self) -> Facts:
         """Return which inputs were known in the last step, and what was accepted for others."""
         facts = facts_of(self._last, self.engine.observable, self.nodes, self._fed)
-        further = accepted(self.inputs, self._source)
+        further = super().accepted()
         if self._last.rows is None and self.on_inconsistent != "silent":
             further = (*further, f"on_inconsistent: {self.on_inconsistent}")
         return facts._replace(accepted=(*facts.accepted, *further))

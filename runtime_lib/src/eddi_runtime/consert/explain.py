@@ -46,6 +46,7 @@ class Explanation(NamedTuple):
         reasons: for each input in ``missing``, why it is not TRUE.
         truncated: there are more sets than are listed; the listed ones suffice but one may then
             be larger than needed.
+        robots: each input that rests on the words of other robots, with their names.
     """
 
     guarantee: str
@@ -56,12 +57,15 @@ class Explanation(NamedTuple):
     loss_sets: Tuple[Tuple[str, ...], ...]
     reasons: Mapping[str, Reason]
     truncated: bool
+    robots: Mapping[str, Tuple[str, ...]] = {}
 
     def text(self) -> str:
         """Return the explanation as lines for people, without a line end behind the last."""
         if self.active:
-            losses = ", ".join(self.single_losses) or "no single input"
-            return f"{self.guarantee} is active; its loss would end it: {losses}"
+            losses = ", ".join(map(self._named, self.single_losses)) or "no single input"
+            others = sorted(set(self.robots) - set(self.single_losses))
+            granted = f"; granted: {', '.join(map(self._named, others))}" if others else ""
+            return f"{self.guarantee} is active; its loss would end it: {losses}{granted}"
         lines = [f"{self.guarantee} is {self.verdict}, not active"]
         if not self.missing:
             lines.append("  nothing can activate it")
@@ -71,6 +75,10 @@ class Explanation(NamedTuple):
         if self.truncated:
             lines.append("  ... and more")
         return "\n".join(lines)
+
+    def _named(self, name: str) -> str:
+        robots = self.robots.get(name)
+        return f"{name} by the word of {' and '.join(robots)}" if robots else name
 
 
 class Node(NamedTuple):
@@ -191,6 +199,11 @@ class Sets:
                     seen.add(one)
                     stack.append(one)
         return found
+
+    def leaves_below(self, node: int) -> List[int]:
+        """Return the leaves that a node is made of, in the order of the inputs."""
+        nodes = (self._graph.nodes[k - self._graph.leaves] for k in self._gates_below(node))
+        return sorted({one for _, inputs in nodes for one in inputs if one < self._graph.leaves})
 
     def _bit(self, leaf: int) -> int:
         return 1 << self._position[leaf]  # made when needed: with 100,000 leaves each has 12 kB

@@ -16,7 +16,7 @@ from typing import (
     overload,
 )
 
-from ..inputs import InputSpec, accepted
+from ..inputs import accepted
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
 from .explain import Explanation, Graph, Node, Reason, Sets
@@ -53,11 +53,7 @@ class ConSert(Monitor[Rows]):
     are those that ``guarantee_ids`` of the configuration asks for; everywhere else they are those
     of the model.
 
-    Attributes:
-        model_id: id of the model.
-        digest: SHA-256 of the model file's content.
-        kind: ``consert``.
-        inputs: what ``execute_step`` reads, one attribute each.
+    Attributes, beside those of ``eddi_runtime.Monitor``:
         leaves: how each of the inputs is judged.
         nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
             comes first; the first node has the number after those of the inputs.
@@ -69,9 +65,6 @@ class ConSert(Monitor[Rows]):
     """
 
     kind = "consert"
-    model_id: str
-    digest: str
-    inputs: Tuple[InputSpec, ...]
     leaves: Tuple[Leaf, ...]
     nodes: Tuple[Tuple[str, str, Tuple[int, ...]], ...]
     guarantees: Tuple[Guarantee, ...]
@@ -203,7 +196,30 @@ class ConSert(Monitor[Rows]):
             loss_sets=tuple(losses),
             reasons={one: reasons[one] for group in missing for one in group},
             truncated=truncated or more,
+            robots=self._robots(self._graph.names[node]),
         )
+
+    def robots(self, guarantee_id: str) -> Tuple[str, ...]:
+        """Return the other robots on whose words a guarantee may rest after the last step.
+
+        Args:
+            guarantee_id: as published.
+
+        Raises:
+            LookupError: there is no such guarantee.
+        """
+        found = self._robots(guarantee_id).values()
+        return tuple(sorted({robot for robots in found for robot in robots}))
+
+    def _robots(self, guarantee_id: str) -> Dict[str, Tuple[str, ...]]:
+        """Return each input of a guarantee that is TRUE by words of other robots, with these."""
+        words = _words(self.source)
+        if not words:  # as for most robots: nothing is to be found out
+            return {}
+        sets = self._sets()
+        below = sets.leaves_below(self._number[guarantee_id])
+        true = (self.inputs[leaf].id for leaf in below if sets.leaf_values[leaf] == TRUE)
+        return {name: words[name] for name in true if name in words}
 
     def reasons(self) -> Dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
@@ -347,6 +363,15 @@ def _state(source: object, input_id: str) -> Optional[Reason]:
         return Reason(str(found.state), str(found.reason))
     except Exception:  # noqa: BLE001 - any object may be given as input
         return None
+
+
+def _words(source: object) -> Dict[str, Tuple[str, ...]]:
+    """Return each input that rests on words of other robots, with these, by ``EDDIInputBase``."""
+    try:
+        states = getattr(source, "states", {})
+        return {name: state.robots for name, state in states.items() if state.robots}
+    except Exception:  # noqa: BLE001 - any object may be given as input
+        return {}
 
 
 def _row_tree(row: Any, faults: List[str]) -> Optional[Tree]:

@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 
 from ..clock import step_time
 from ..expressions.conditions import Conditions, Value, known_value, reduced, scaled, stamp
-from ..inputs import InputSpec, accepted
+from ..inputs import accepted
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import Absent, plain, read, show
 
@@ -38,11 +38,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
 
     Not thread-safe: the thread that steps it also asks it.
 
-    Attributes:
-        model_id: id of the model.
-        digest: SHA-256 of the model file's content.
-        kind: ``event``.
-        inputs: what ``execute_step`` reads, one attribute each.
+    Attributes, beside those of ``eddi_runtime.Monitor``:
         types: of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or
             empty where no event reads it.
         events: in file order.
@@ -52,9 +48,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
     """
 
     kind = "event"
-    model_id: str
-    digest: str
-    inputs: Tuple[InputSpec, ...]
     types: Tuple[Union[str, Tuple[str, ...]], ...]
     events: Tuple[Event, ...]
     reductions: Tuple[int, ...] = ()
@@ -89,7 +82,11 @@ class EventMonitor(Conditions, Monitor[Rows]):
         if t is None:
             self.raw = self.read(eddi_input)
         else:
-            now = self.step(eddi_input, t)
+            stands, now = t == self.last, self.step(eddi_input, t)
+            if not stands:
+                self._taken = self.raw
+            elif any(one is None is not taken for one, taken in zip(self.raw, self._taken)):
+                now = self._unknown  # a simulation's clock stands: no step is taken, silence shows
         self._verdicts = now
         return [
             {
@@ -210,7 +207,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
         self._unknown = (1,) * len(self.events)
         self._verdicts = self._unknown
         self._reasons = [""] * len(self.reductions)
-        self.raw = (None,) * len(self.inputs)
+        self.raw = self._taken = (None,) * len(self.inputs)
         self._source = None
 
 

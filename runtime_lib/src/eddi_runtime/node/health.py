@@ -18,6 +18,7 @@ from .report import (
     NEVER,
     OK,
     WAITING,
+    GraphFact,
     InputFact,
     MonitorFact,
     NodeFact,
@@ -168,8 +169,7 @@ class Health:
         *,
         receipts: Mapping[str, Receipt],
         overruns: int,
-        master: str,
-        wrong_types: Sequence[str],
+        graph: GraphFact,
         periodic: bool,
         topics: Mapping[str, str],
     ) -> Report:
@@ -178,19 +178,21 @@ class Health:
         Args:
             receipts: what has been received.
             overruns: steps that were left out so far.
-            master: state of the watchdog.
-            wrong_types: topics whose publisher sends another type, as sentences.
+            graph: what the transport knows.
             periodic: it is not a report because of a new level.
             topics: id of a source -> full name of its topic.
         """
         now = time.monotonic()
         seen, said = self._seen, self._said
         then = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
+        receipts = {**seen.receipts, **receipts}  # the words of other robots are in the first only
         facts = [
             self._fact(spec, state, receipts, now)._replace(
                 blocks=tuple(said.blocks.get(spec.id, ())) if state[0] != FRESH else (),
                 sources=tuple(
-                    SourceFact(topics.get(name, name), then.get(name)) for name in spec.requires
+                    SourceFact(topic, then.get(name), graph.reasons.get(topic, ""))
+                    for name in spec.requires
+                    for topic in [topics.get(name, name)]
                 ),
             )
             for spec, state in zip(self._inputs, seen.states)
@@ -202,8 +204,7 @@ class Health:
             recent_overruns=overruns - self._reported_overruns,
             longest_step=self._longest,
             error=seen.error,
-            master=master,
-            wrong_types=tuple(wrong_types),
+            graph=graph,
             silent_for=silent if silent > max(1.0, 3 * self._period) else None,
         )
         if periodic:
@@ -231,6 +232,24 @@ def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:
     return any(name in receipts and receipts[name].latched for name in spec.requires)
 
 
+class Status(NamedTuple):
+    """The report of one monitor, and of what it is.
+
+    Attributes:
+        report: the text and the values.
+        name: of the status (``<node>: <model id>``).
+        node: full name.
+    """
+
+    report: Report
+    name: str
+    node: str
+
+
+Collect = Callable[[bool], Status]
+"""Returns the status of one monitor; ``True`` as argument for the periodic one."""
+
+
 class Diagnostics:
     """A thread of its own, so that a monitor slower than 1 Hz, or one that hangs, is reported.
 
@@ -240,22 +259,15 @@ class Diagnostics:
         publish: sends statuses together.
     """
 
-    def __init__(self, publish: Callable[[List[Any]], None]) -> None:
+    def __init__(self, publish: Callable[[List[Status]], None]) -> None:
         self._publish = publish
-        self._sources: List[Callable[[bool], Any]] = []
-        self._changed: Deque[Callable[[bool], Any]] = deque()
+        self._sources: List[Collect] = []
+        self._changed: Deque[Collect] = deque()
         self._waker = Waker()
         self._stopped = False
 
-    def add(self, collect: Callable[[bool], Any]) -> Callable[[], None]:
-        """Report for one more monitor.
-
-        Args:
-            collect: returns its status; ``True`` as argument for the periodic one.
-
-        Returns:
-            What has it reported at once.
-        """
+    def add(self, collect: Collect) -> Callable[[], None]:
+        """Report for one more monitor; return what has it reported at once."""
 
         def changed() -> None:
             self._changed.append(collect)

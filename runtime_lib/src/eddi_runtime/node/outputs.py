@@ -1,6 +1,18 @@
 """What a node publishes: which message of a monitor, or which value of it, goes to which topic."""
 
-from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Tuple,
+    Union,
+)
 
 from ..access import Step, follow
 from .conversion import Converter, MessageError, Trees
@@ -20,6 +32,7 @@ class Output(NamedTuple):
         only: id of the one message, of several in a step, that goes here; ``None``: all.
         of: which message of the monitor: empty for the result, else the name of one beside it
             (``evidence``), which the monitor's ``evidence_message()`` gives.
+        qos: as of an input.
     """
 
     id: str
@@ -30,6 +43,7 @@ class Output(NamedTuple):
     field: Tuple[Step, ...] = ()
     only: Optional[str] = None
     of: str = ""
+    qos: Mapping[str, Union[str, float]] = {}
 
 
 class Channel(NamedTuple):
@@ -40,6 +54,7 @@ class Channel(NamedTuple):
     type: Any
     field: Tuple[Step, ...] = ()
     only: Optional[str] = None
+    qos: Mapping[str, Union[str, float]] = {}
 
 
 Publish = Callable[[object], None]
@@ -80,9 +95,10 @@ class Publications:
 def channels(outputs: Iterable[Output]) -> Iterator[Channel]:
     """Yield the topics of outputs: each its own, and that of the facts behind it."""
     for output in outputs:
-        yield Channel(output.of, output.topic, output.type, output.field, output.only)
+        qos = output.qos
+        yield Channel(output.of, output.topic, output.type, output.field, output.only, qos)
         if output.status_topic is not None:
-            yield Channel("status", output.status_topic, output.status_type)
+            yield Channel("status", output.status_topic, output.status_type, qos=qos)
 
 
 def picked(message: object, channel: Channel) -> object:

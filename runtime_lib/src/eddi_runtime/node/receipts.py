@@ -3,7 +3,7 @@
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Dict, Iterable, List, NamedTuple, Tuple
+from typing import Any, Callable, Collection, Deque, Dict, List, Mapping, NamedTuple, Tuple, Union
 
 from ..inputs import UNKNOWN_AGE
 
@@ -22,6 +22,8 @@ class Input(NamedTuple):
         buffer_bytes: receive buffer. rospy hands out old messages when a message is larger
             than the buffer, so it must be raised for images and point clouds.
         every_message: no message is skipped: those between two steps are queued.
+        qos: what of the quality of service is otherwise than usual, where the transport has one.
+        wakes: a message starts a step at once where the node steps on change.
     """
 
     id: str
@@ -29,6 +31,8 @@ class Input(NamedTuple):
     type: Any
     buffer_bytes: int = DEFAULT_BUFFER_BYTES
     every_message: bool = False
+    qos: Mapping[str, Union[str, float]] = {}
+    wakes: bool = True
 
 
 class Receipt(NamedTuple):
@@ -65,9 +69,10 @@ class Receipts:
         arrived: called after every message (``on_change`` wakes the loop here).
     """
 
-    def __init__(self, sources: Iterable[Input], arrived: Callable[[], None]) -> None:
+    def __init__(self, sources: Collection[Input], arrived: Callable[[], None]) -> None:
         self._lock = threading.Lock()
         self._arrived = arrived
+        self._silent = {one.id for one in sources if not one.wakes}
         self._latest: Dict[str, Receipt] = {}
         self._queues: Dict[str, Deque[object]] = {
             one.id: deque(maxlen=MAX_QUEUED) for one in sources if one.every_message
@@ -92,7 +97,8 @@ class Receipts:
                 if len(queue) == MAX_QUEUED:
                     self._dropped[source] = self._dropped.get(source, 0) + 1
                 queue.append(message)
-        self._arrived()
+        if source not in self._silent:
+            self._arrived()
 
     def latest(self) -> Dict[str, Receipt]:
         """Return the last message of every input that has one, at one instant."""

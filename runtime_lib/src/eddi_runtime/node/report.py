@@ -6,7 +6,7 @@ message came, "satisfied" and "good" only of evidence that speaks for a guarante
 
 from __future__ import annotations
 
-from typing import Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..inputs import UNKNOWN_AGE
 from ..monitor import Standing
@@ -38,10 +38,12 @@ class SourceFact(NamedTuple):
     Attributes:
         topic: with its full name.
         age: of its last message in seconds; ``UNKNOWN_AGE``: it was latched; ``None``: none came.
+        reason: what the transport knows of it, else empty.
     """
 
     topic: str
     age: Optional[float]
+    reason: str = ""
 
 
 class InputFact(NamedTuple):
@@ -84,6 +86,22 @@ class MonitorFact(NamedTuple):
     blocks: Mapping[str, Sequence[str]] = {}
 
 
+class GraphFact(NamedTuple):
+    """What the transport knows of the graph around the node.
+
+    Attributes:
+        values: for the diagnostics, such as the state of a master.
+        warnings: sentences.
+        wrong_types: topics whose publisher sends another type, as sentences.
+        reasons: full name of a topic -> why nothing usable comes from it.
+    """
+
+    values: Tuple[Tuple[str, str], ...] = ()
+    warnings: Tuple[str, ...] = ()
+    wrong_types: Tuple[str, ...] = ()
+    reasons: Mapping[str, str] = {}
+
+
 class NodeFact(NamedTuple):
     """The node around the monitor.
 
@@ -93,8 +111,7 @@ class NodeFact(NamedTuple):
         recent_overruns: the same since the last periodic report.
         longest_step: seconds.
         error: an exception of the last step or of the output, else empty.
-        master: state of the watchdog.
-        wrong_types: topics whose publisher sends another type, as sentences.
+        graph: what is around it.
         silent_for: seconds without a step when that is far too long, else ``None``.
     """
 
@@ -103,8 +120,7 @@ class NodeFact(NamedTuple):
     recent_overruns: int
     longest_step: float
     error: str
-    master: str
-    wrong_types: Tuple[str, ...]
+    graph: GraphFact = GraphFact()
     silent_for: Optional[float] = None
 
 
@@ -165,7 +181,7 @@ def because(fact: InputFact) -> str:
     if fact.state not in (WAITING, NEVER, LATE):
         return fact.reason
     parts = []
-    absent = ", ".join(one.topic for one in fact.sources if one.age is None)
+    absent = ", ".join(_explained(one.topic, one) for one in fact.sources if one.age is None)
     if absent and fact.state == WAITING:
         parts.append(f"waiting for first message of {absent}")
     elif absent:
@@ -183,7 +199,25 @@ def _is_late(source: SourceFact, limit: Union[float, str, None]) -> bool:
 def _late(source: SourceFact, limit: Union[float, str, None]) -> str:
     if source.age == UNKNOWN_AGE:
         return f"{source.topic} was latched, its age is not known"
-    return f"{source.topic} is late, {source.age:.3g} s old, the limit is {limit:g} s"
+    text = f"{source.topic} is late, {source.age:.3g} s old, the limit is {limit:g} s"
+    return _explained(text, source)
+
+
+def _explained(text: str, source: SourceFact) -> str:
+    return f"{text} ({source.reason})" if source.reason else text
+
+
+def why_silent(topic: str, published: Iterable[str]) -> str:
+    """Return that nobody publishes a topic, with the name that comes nearest to it.
+
+    Args:
+        topic: full name.
+        published: full names of the topics that somebody publishes.
+    """
+    import difflib  # noqa: PLC0415 - only for what should not happen
+
+    near = difflib.get_close_matches(topic, sorted(published), 1)
+    return "nobody publishes it" + (f", the nearest name is {near[0]}" if near else "")
 
 
 def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
@@ -217,15 +251,14 @@ def _of_inputs(inputs: Sequence[InputFact]) -> Iterator[Tuple[int, str]]:
 
 
 def _of_node(node: NodeFact) -> Iterator[Tuple[int, str]]:
-    yield from ((ERROR, text) for text in node.wrong_types)
+    yield from ((ERROR, text) for text in node.graph.wrong_types)
     if node.error:
         yield ERROR, node.error
     if node.silent_for is not None:
         yield ERROR, f"no step for {node.silent_for:.1f} s"
     if node.recent_overruns:
         yield WARN, f"{node.recent_overruns} steps left out"
-    if node.master == "lost":
-        yield WARN, "ROS master lost"
+    yield from ((WARN, text) for text in node.graph.warnings)
 
 
 def _sentence(fact: InputFact) -> str:
@@ -255,7 +288,7 @@ def _node_values(node: NodeFact) -> List[Tuple[str, str]]:
         ("steps", str(node.steps)),
         ("overruns", str(node.overruns)),
         ("longest_step_ms", f"{node.longest_step * 1e3:.3f}"),
-        ("master", node.master),
+        *node.graph.values,
     ]
-    values += [(f"wrong_type.{index}", text) for index, text in enumerate(node.wrong_types)]
+    values += [(f"wrong_type.{index}", text) for index, text in enumerate(node.graph.wrong_types)]
     return values + ([("error", node.error)] if node.error else [])

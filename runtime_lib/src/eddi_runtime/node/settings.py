@@ -2,9 +2,8 @@
 
 import contextlib
 import math
-from typing import List, Mapping, NamedTuple, Optional, Tuple
+from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-ON_MASTER_LOSS = ("reregister", "exit")
 STARTUP_GRACE_S = 10.0
 FREQUENCIES = (1e-6, 1e6)
 """Least and most steps per second: periods that every clock can count."""
@@ -16,18 +15,20 @@ class Settings(NamedTuple):
     Attributes:
         frequency: steps per second; fractions are common (0.2).
         diagnostics: publish a summary on ``/diagnostics``.
-        watchdog_period: seconds between two looks at the master, 0 for none.
-        on_master_loss: ``reregister`` or ``exit`` when a new master does not know the node.
+        watchdog_period: seconds between two looks at the graph around the node, 0 for none.
         queue_size: messages that wait for a slow subscriber of the outputs.
         startup_grace: seconds from the start in which an input may wait for its first message.
+        words: parameters that only the transport has, by name.
+        robot: name of this robot among others, empty for the configured one.
     """
 
     frequency: float
     diagnostics: bool = True
     watchdog_period: float = 2.0
-    on_master_loss: str = "reregister"
     queue_size: int = 1
     startup_grace: float = STARTUP_GRACE_S
+    words: Mapping[str, str] = {}
+    robot: str = ""
 
 
 def _number(value: object) -> Optional[float]:
@@ -38,7 +39,10 @@ def _number(value: object) -> Optional[float]:
 
 
 def settings(
-    given: Mapping[str, object], frequency: float, startup_grace: float = STARTUP_GRACE_S
+    given: Mapping[str, object],
+    frequency: float,
+    startup_grace: float = STARTUP_GRACE_S,
+    choices: Mapping[str, Sequence[str]] = {},
 ) -> Tuple[Settings, List[str]]:
     """Return the settings and what is wrong with the given private parameters.
 
@@ -46,6 +50,7 @@ def settings(
         given: private parameters by name; others than ours are left alone.
         frequency: steps per second of the generated node.
         startup_grace: of the generated node.
+        choices: parameter that only the transport has -> its words, the default first.
     """
     wrong: List[str] = []
 
@@ -68,14 +73,19 @@ def settings(
     period = given.get("watchdog_period", 2.0)
     seconds = _number(period)
     check("watchdog_period", "seconds >= 0", period, seconds is not None and seconds >= 0.0)
-    loss = given.get("on_master_loss", "reregister")
-    check("on_master_loss", " or ".join(ON_MASTER_LOSS), loss, loss in ON_MASTER_LOSS)
+    words = {name: given.get(name, known[0]) for name, known in choices.items()}
+    for name, word in words.items():
+        check(name, " or ".join(choices[name]), word, word in choices[name])
     size = given.get("queue_size", 1)
     count = size if isinstance(size, int) and not isinstance(size, bool) else 0
     check("queue_size", "a whole number >= 1", size, count >= 1)
     grace = given.get("startup_grace", startup_grace)
     wait = _number(grace)
     check("startup_grace", "seconds >= 0", grace, wait is not None and wait >= 0.0)
+    robot = given.get("robot", "")
+    named = isinstance(robot, str) and robot.isprintable()
+    check("robot", "the name of this robot", robot, named)
     if wrong or hertz is None or seconds is None or wait is None:
         return Settings(frequency), wrong
-    return Settings(hertz, bool(diagnostics), seconds, str(loss), count, wait), wrong
+    chosen = {name: str(word) for name, word in words.items()}
+    return Settings(hertz, bool(diagnostics), seconds, count, wait, chosen, str(robot)), wrong

@@ -6,7 +6,6 @@ import math
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ..clock import NO_TIME, step_time
-from ..inputs import InputSpec, accepted
 from ..monitor import Json, Monitor, Standing, Tree
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
@@ -28,11 +27,7 @@ _new = tuple.__new__  # twice as fast as the classes of named tuples
 class Reliability(Monitor[ReliabilityResult]):
     """What the class ``Monitor`` of a compiled reliability model inherits. Not thread-safe.
 
-    Attributes:
-        model_id: id of the model.
-        digest: SHA-256 of the model file's content.
-        kind: ``reliability``.
-        inputs: what a step reads.
+    Attributes, beside those of ``eddi_runtime.Monitor``:
         rules: input id -> what it may hold.
         top: model whose numbers are published.
         uses: inputs on which it depends, with those of the models that it uses.
@@ -46,9 +41,6 @@ class Reliability(Monitor[ReliabilityResult]):
     """
 
     kind = "reliability"
-    model_id: str
-    digest: str
-    inputs: Tuple[InputSpec, ...]
     rules: Mapping[str, Rule]
     top: str
     uses: Tuple[str, ...]
@@ -95,7 +87,7 @@ class Reliability(Monitor[ReliabilityResult]):
 
     def reset(self) -> None:
         """Return to the start of the mission."""
-        self._source: object = None
+        self._source = None
         self._start: Optional[int] = None
         self._last = 0
         self._quanta = 0
@@ -262,10 +254,6 @@ class Reliability(Monitor[ReliabilityResult]):
         if not result.p_fail_high <= limit:
             return (), f"p_fail is {result.p_fail_high:.3g}, the threshold is {limit:g}"
         return (), "it holds, but not for long enough yet"
-
-    def accepted(self) -> Tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
-        return accepted(self.inputs, self._source)
 
     def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return input id -> evidence that is not given because the input is not known."""

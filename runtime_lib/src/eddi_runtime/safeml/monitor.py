@@ -9,8 +9,7 @@ import numpy as np
 
 from ..clock import NO_TIME, step_time
 from ..history import Messages
-from ..inputs import InputSpec, accepted
-from ..monitor import Standing, Tree
+from ..monitor import Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from .arrays import NUMPY, Array, Numbers, array_of
 from .axes import Axes
@@ -23,14 +22,12 @@ from .window import Window
 _SPOILT = "the output has no Booleans omission and odd_violation; it is an omission"
 
 
-class SafeML:
+class SafeML(Monitor[SafeMLResult]):
     """What the class ``Monitor`` of a compiled SafeML monitor inherits. Not thread-safe.
 
-    Attributes:
-        model_id: id of the model.
-        digest: SHA-256 of the model file's content.
-        kind: ``safeml``.
-        inputs: the one input, which takes every message.
+    It has one input, which takes every message.
+
+    Attributes, beside those of ``eddi_runtime.Monitor``:
         metric: ``ks``, ``cvm`` or ``ad``.
         metric_name: its name in the configuration.
         window_size: samples in a window.
@@ -50,9 +47,6 @@ class SafeML:
     """
 
     kind = "safeml"
-    model_id: str
-    digest: str
-    inputs: Tuple[InputSpec, ...]
     metric: str
     metric_name: str
     window_size: int
@@ -89,7 +83,6 @@ class SafeML:
         self._window = Window(self._comparison)
         self._value = self._comparison.value(self.threshold)
         self._theoretical = self._comparison.value(self.threshold_theoretical)
-        self._output_faults: Tuple[str, ...] = ()
         self.reset()
 
     def reset(self) -> None:
@@ -99,7 +92,7 @@ class SafeML:
         self._accepted_ns: Optional[int] = None
         self._violation = self._judged = False
         self._fault, self._timeless = "", False
-        self._source: object = None
+        self._source = None
         self._last = self._result(FILLING)
 
     def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> SafeMLResult:
@@ -242,10 +235,6 @@ class SafeML:
         }
         return "SafeMLOutput", fields
 
-    def output_faults(self) -> Tuple[str, ...]:
-        """Return what was wrong with the output that ``message`` was given last."""
-        return self._output_faults
-
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``SafeMLStatus`` tree without header."""
         last = self._last
@@ -267,10 +256,6 @@ class SafeML:
             return [Standing("", "in_scope", False, ((self.inputs[0].id, self.omission()[1]),))]
         reason = "the samples differ from the reference" if self._last.odd_violation else ""
         return [Standing("", "in_scope", not reason, (), reason)]
-
-    def accepted(self) -> Tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
-        return accepted(self.inputs, self._source)
 
     def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
         """Return the input and what is not known because of it, while there is no verdict."""

@@ -2,6 +2,7 @@
 
 from ...node.health import Health  # noqa: TID252 - the folder is vendored
 from ...node.receipts import Receipt  # noqa: TID252 - the same
+from ...node.report import GraphFact  # noqa: TID252 - the same
 
 
 def step(monitor, eddi_input, messages, now=0.0):
@@ -13,6 +14,6 @@ def step(monitor, eddi_input, messages, now=0.0):
     output = monitor.execute_step(eddi_input, 0)
     health = Health(monitor.monitor, eddi_input, 1.0)
     health.after_step(output, receipts, "", 0.0)
-    nothing = {"overruns": 0, "master": "", "wrong_types": (), "topics": {}}
+    nothing = {"overruns": 0, "graph": GraphFact(), "topics": {}}
     said = health.collect(receipts=receipts, periodic=True, **nothing)
     return output, said.message

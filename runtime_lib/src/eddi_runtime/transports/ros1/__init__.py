@@ -2,7 +2,7 @@
 
 from ...node.outputs import Output
 from ...node.receipts import Input
+from ...node.start import reported
 from .node import MonitorNode
-from .start import reported
 
 __all__ = ["Input", "MonitorNode", "Output", "reported"]

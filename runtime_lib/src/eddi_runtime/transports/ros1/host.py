@@ -19,15 +19,15 @@ from ... import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.conversion import MessageError
-from ...node.health import Diagnostics
+from ...node.health import Diagnostics, Status
 from ...node.logs import LOG
 from ...node.report import ERROR, Report
 from ...node.schedule import Waker
+from ...node.start import StartError
 from ...plain_values import one_line
-from . import start
-from .ending import Ending
-from .messages import diagnostics_publisher, start_log, status_of
+from .messages import diagnostics_publisher, start_log
 from .node import MonitorNode
+from .process import RosEnding, node_name, options_of
 from .watchdog import TypeRefusals, Watchdog, watch
 
 
@@ -42,14 +42,14 @@ class Host:
         self._name = name
         self._nodes: Dict[str, MonitorNode] = {}
         self._failed: Dict[str, str] = {}
-        self._ending, self._refusals = Ending(), TypeRefusals()
+        self._ending, self._refusals = RosEnding(), TypeRefusals()
 
     @contextmanager
     def starting(self, package: str) -> Iterator[None]:
         """Go on without the monitor of a package if that cannot be started."""
         try:
             yield
-        except (start.StartError, ModelError, MessageError) as error:
+        except (StartError, ModelError, MessageError) as error:
             self._fail(package, str(error))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - hand-written code may raise anything
             traceback.print_exc()
@@ -72,22 +72,22 @@ class Host:
             StartError: a node of its name is running, or a parameter of it is wrong.
         """
         name = _full_name(node_class.NAME)
-        options = start.options_of(name, node_class.FREQUENCY, node_class.STARTUP_GRACE)
+        options = options_of(name, node_class.FREQUENCY, node_class.STARTUP_GRACE)
         node = node_class(eddi_monitor_class(), eddi_input_class(), options)
         node.prepare()
         self._nodes[name] = node
 
     def run(self) -> int:
         """Run all monitors until ROS ends the process; return the exit status as a node does."""
-        name = start.node_name(self._name)
+        name = node_name(self._name)
         if not self._nodes:
             return 1
         try:
-            options = start.options_of(name, MonitorNode.FREQUENCY, MonitorNode.STARTUP_GRACE)
+            options = options_of(name, MonitorNode.FREQUENCY, MonitorNode.STARTUP_GRACE)
             rospy.init_node(self._name)
         except KeyboardInterrupt:
             return 0
-        except (start.StartError, rospy.ROSInitException) as error:
+        except (StartError, rospy.ROSInitException) as error:
             sys.stderr.write(f"{name}: error: {error}\n")
             return 0 if rospy.is_shutdown() else 1
         ended = Waker()
@@ -115,7 +115,7 @@ class Host:
                 threading.Thread(target=node.ros_main, name=name, daemon=True).start()
         for name, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", ())
-            diagnostics.add(partial(_always, status_of(report, name.lstrip("/"), name)))
+            diagnostics.add(partial(_always, Status(report, name.lstrip("/"), name)))
         if watched is not None:
             watched.start()
 
@@ -147,5 +147,5 @@ def _full_name(name: str) -> str:
     return str(rosgraph.names.resolve_name(name, rospy.names.get_caller_id()))
 
 
-def _always(status: object, _: bool) -> object:
+def _always(status: Status, _: bool) -> Status:
     return status

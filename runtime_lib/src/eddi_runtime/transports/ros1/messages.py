@@ -1,19 +1,23 @@
-"""What is made of rospy's and genpy's classes: messages, their time, diagnostics, the log."""
+"""Messages of rospy and genpy: made, received with their age, reported, logged."""
 
+import threading
 import time
 from io import BytesIO
 from types import ModuleType
-from typing import Any, Callable, Iterable, List, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Tuple
 
 import rospy
 import rospy.impl.paramserver
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from ...inputs import UNKNOWN_AGE
 from ...node.conversion import Converter, MessageClasses
+from ...node.health import Status
 from ...node.logs import LOG
-from ...node.report import Report
+from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Receipts
 
 _ROSOUT_SWITCH = "/rosout_disable_topics_generation"
+_MAX_PUBLISHERS = 32
 
 
 def stamp() -> object:
@@ -51,33 +55,77 @@ def check_serialises(message: object) -> None:
         made.serialize(BytesIO())
 
 
-def status_of(report: Report, name: str, hardware_id: str) -> object:
-    """Return a report as a message.
+class Callback:
+    """Takes the messages of one input; rospy calls it in a thread of each publisher.
 
     Args:
-        report: of a monitor.
-        name: of the status (``<node>: <model id>``).
-        hardware_id: node name.
+        source: id of the input.
+        receipts: where they are stored.
     """
-    return DiagnosticStatus(
-        level=report.level,
-        name=name,
-        message=report.message,
-        hardware_id=hardware_id,
-        values=[KeyValue(key=key, value=value) for key, value in report.values],
+
+    def __init__(self, source: str, receipts: Receipts) -> None:
+        self._source, self._receipts = source, receipts
+        self._greeted: Dict[str, object] = {}
+        self._lock = threading.Lock()
+
+    def __call__(self, message: object) -> None:
+        """Store one message."""
+        header = getattr(message, "_connection_header", None) or {}
+        # rospy keeps one header object per connection: a new object means a first message.
+        publisher = str(header.get("callerid", ""))
+        latched = header.get("latching") == "1"
+        with self._lock:
+            first = self._greeted.get(publisher) is not header
+            if len(self._greeted) >= _MAX_PUBLISHERS:
+                self._greeted.clear()  # every rostopic pub has a name of its own
+            self._greeted[publisher] = header
+            age = _stamped_age(message) if latched and first else 0.0
+            self._receipts.receive(self._source, message, age)
+
+
+def _stamped_age(message: object) -> float:
+    """Return how old a message is by its header; one from the future may be of any age, too."""
+    made = getattr(getattr(message, "header", None), "stamp", None)
+    if not made or not rospy.rostime.is_rostime_initialized():  # a stamp of zero is no time
+        return UNKNOWN_AGE
+    age = float((rospy.Time.now() - made).to_sec())
+    return age if age >= 0.0 else UNKNOWN_AGE
+
+
+def subscribe(source: Input, receipts: Receipts) -> Any:
+    """Return the subscriber of an input; blocks while the ROS master does not answer."""
+    large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
+    return rospy.Subscriber(
+        source.topic,
+        source.type,
+        Callback(source.id, receipts),
+        queue_size=MAX_QUEUED if source.every_message else 1,
+        tcp_nodelay=True,
+        **({"buff_size": source.buffer_bytes} if large else {}),
     )
 
 
-def diagnostics_publisher() -> Callable[[List[Any]], None]:
+def diagnostics_publisher() -> Callable[[List[Status]], None]:
     """Return what publishes statuses on ``/diagnostics``."""
     publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
 
-    def publish(statuses: List[Any]) -> None:
-        array = DiagnosticArray(status=statuses)
+    def publish(statuses: List[Status]) -> None:
+        array = DiagnosticArray(status=[_status(one) for one in statuses])
         array.header.stamp = stamp()
         publisher.publish(array)
 
     return publish
+
+
+def _status(status: Status) -> object:
+    report = status.report
+    return DiagnosticStatus(
+        level=report.level,
+        name=status.name,
+        message=report.message,
+        hardware_id=status.node,
+        values=[KeyValue(key=key, value=value) for key, value in report.values],
+    )
 
 
 def start_log() -> None:

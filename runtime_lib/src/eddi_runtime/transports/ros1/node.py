@@ -13,17 +13,15 @@ from ...compatibility import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.conversion import MessageError
-from ...node.health import Diagnostics
-from ...node.logs import LOG
-from ...node.node import UNWATCHED, Node
+from ...node.node import Node
 from ...node.outputs import Channel, Publish
-from ...node.report import Report
+from ...node.receipts import Input
+from ...node.report import GraphFact, why_silent
 from ...node.settings import Settings
-from . import start
-from .ending import Ending
-from .messages import check_serialises, converter, diagnostics_publisher, start_log, status_of
-from .subscriptions import subscribe
-from .watchdog import TypeRefusals, Watchdog, watch
+from ...node.start import StartError
+from .messages import check_serialises, converter, diagnostics_publisher, start_log, subscribe
+from .process import RosEnding, node_name, options_of
+from .watchdog import LOST, TypeRefusals, Watchdog, watch
 
 
 class MonitorNode(Node):
@@ -42,14 +40,11 @@ class MonitorNode(Node):
         self._subscribers: Dict[str, Any] = {}
         self._refusals = TypeRefusals()
         self._watchdog: Optional[Watchdog] = None
-        self._level_changed: Callable[[], None] = _nobody_reports
-        self._ending = Ending()
-        self._ros_time: Any = None
+        self.ending: RosEnding = RosEnding()
 
-    def init_subscriber(self) -> None:
-        """Subscribe to every input topic; blocks while the ROS master does not answer."""
-        for source in self.INPUTS:
-            self._subscribers[source.id] = subscribe(source, self._receipts)
+    def subscribe(self, source: Input) -> None:
+        """Subscribe to an input topic; blocks while the ROS master does not answer."""
+        self._subscribers[source.id] = subscribe(source, self._receipts)
 
     def advertise(self, channel: Channel) -> Publish:
         """Return a publisher: latched, with a queue, so that no subscriber can block."""
@@ -62,25 +57,16 @@ class MonitorNode(Node):
         """Raise what rospy would raise once somebody listens; for messages made by hand."""
         check_serialises(message)
 
-    def now_ns(self) -> int:
-        """Return the time of a step; warn once when simulated time jumps back."""
-        if rospy.rostime.is_wallclock():
-            return super().now_ns()
-        now = rospy.Time.now()
-        if self._ros_time is not None and now < self._ros_time:
-            LOG.warn("/clock jumped back by %.3f s", (self._ros_time - now).to_sec())
-        self._ros_time = now
-        return int(now.to_nsec())
+    def simulated_ns(self) -> Optional[int]:
+        """Return the time of ``/clock`` where that counts."""
+        return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
 
     def topics(self) -> Mapping[str, str]:
         """Return input id -> resolved topic of every subscription."""
         return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
 
-    def report_now(self) -> None:
-        """Publish the diagnostics at once, where they are."""
-        self._level_changed()
-
-    def _collect(self, periodic: bool) -> Report:
+    def graph(self) -> GraphFact:
+        """Return what the master knows: topics without a publisher, types that do not fit."""
         watchdog = self._watchdog
         seen = {} if watchdog is None else dict(watchdog.wrong_types)
         expected = self.expected_types()
@@ -91,11 +77,12 @@ class MonitorNode(Node):
             reason = self._refusals.standing(topic, last)
             if reason is not None:
                 wrong.setdefault(topic, f"{topic}: {reason}")
-        return self.collect(
-            periodic=periodic,
-            master=UNWATCHED if watchdog is None else watchdog.state,
-            wrong_types=list(wrong.values()),
-        )
+        state = "not watched" if watchdog is None else watchdog.state
+        lost = ("ROS master lost",) if state == LOST else ()
+        known = None if watchdog is None else watchdog.published
+        absent = () if known is None or lost else set(expected) - set(known)
+        reasons = {topic: why_silent(topic, known or ()) for topic in absent}
+        return GraphFact((("master", state),), lost, tuple(wrong.values()), reasons)
 
     def expected_types(self) -> Dict[str, Tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
@@ -107,73 +94,45 @@ class MonitorNode(Node):
 
         ``rospy.init_node`` has been called.
         """
-        self._ending.install()
+        self.ending.install()
         start_log()
         self._refusals.install()
-        self._watchdog = watch(self.options, self._ending, self.expected_types, self.report_now)
-        diagnostics = Diagnostics(diagnostics_publisher()) if self.options.diagnostics else None
-        self.begin(rospy.get_name(), diagnostics)
-        if self._watchdog is not None:
-            self._watchdog.start()
-        if diagnostics is not None:
-            self._ending.on_end(diagnostics.stop)
-            diagnostics.start()
-        self.ros_main()
-        self._ending.wait()
-        return self._ending.status
+        self._watchdog = watch(self.options, self.ending, self.expected_types, self.report_now)
+        begun = (lambda: None) if self._watchdog is None else self._watchdog.start
+        self.run_on(rospy.get_name(), diagnostics_publisher, begun)
+        self.ending.wait()
+        return self.ending.status
 
-    def share(self, ending: Ending, refusals: TypeRefusals, watchdog: Optional[Watchdog]) -> None:
+    def share(
+        self, ending: RosEnding, refusals: TypeRefusals, watchdog: Optional[Watchdog]
+    ) -> None:
         """Be one of several monitors of a process, which has these once."""
-        self._ending, self._refusals, self._watchdog = ending, refusals, watchdog
-
-    def begin(self, name: str, diagnostics: Optional[Diagnostics]) -> None:
-        """Advertise, publish once and subscribe.
-
-        Args:
-            name: of the node in the diagnostics.
-            diagnostics: of the process, if it has some.
-        """
-        self._ending.on_end(self._stop)
-        self.log_start()
-        self.init_publisher()
-        self.step()  # before any message can arrive: nothing is known, nothing is active
-        self.init_subscriber()
-        if diagnostics is not None and self.options.diagnostics:
-            title = f"{name.lstrip('/')}: {self._core.model_id}"
-            self._level_changed = diagnostics.add(
-                lambda periodic: status_of(self._collect(periodic), title, name)
-            )
-
-    def _stop(self) -> None:
-        self.ended = True
-        self._waker.wake()
+        self.ending, self._refusals, self._watchdog = ending, refusals, watchdog
 
     @classmethod
     def main(
         cls,
         eddi_input_class: Callable[[], EDDIInputBase],
         eddi_monitor_class: Callable[[], Steps],
-        *_: object,
     ) -> int:
         """Run the node of a generated package and return its exit status.
 
         Args:
             eddi_input_class: the generated EDDIInput.
             eddi_monitor_class: the generated EDDIMonitor.
-            _: not used; the nodes of older packages give their own file.
 
         Returns:
             0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS
             master was lost and did not come back.
         """
-        name = start.node_name(cls.NAME)
+        name = node_name(cls.NAME)
         try:
             # everything that can fail before anything is registered
-            options = start.options_of(name, cls.FREQUENCY, cls.STARTUP_GRACE)
+            options = options_of(name, cls.FREQUENCY, cls.STARTUP_GRACE)
             node = cls(eddi_monitor_class(), eddi_input_class(), options)
             node.prepare()
             rospy.init_node(cls.NAME)
-        except (start.StartError, ModelError, MessageError) as error:
+        except (StartError, ModelError, MessageError) as error:
             sys.stderr.write(f"{name}: error: {error}\n")
             return 1
         except KeyboardInterrupt:
@@ -184,7 +143,3 @@ class MonitorNode(Node):
             sys.stderr.write(f"{name}: error: {error}\n")
             return 1
         return node.run()
-
-
-def _nobody_reports() -> None:
-    """Nothing to do where there are no diagnostics."""

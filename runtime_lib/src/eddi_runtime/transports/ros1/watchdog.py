@@ -17,8 +17,8 @@ import rospy.impl.registration
 
 from ...node.logs import LOG
 from ...node.settings import Settings
-from .ending import MASTER_LOST, TAKEN_OVER, Ending
 from .master import Peer, Refused, Unreachable, answers_as
+from .process import MASTER_LOST, TAKEN_OVER, RosEnding
 
 OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
 _ATTEMPTS = 3
@@ -68,6 +68,11 @@ class Watchdog:
         expected: returns resolved topic -> (input id, ROS type name) of all subscriptions.
         end: called with an exit status and a reason when the process must end.
         changed: called whenever ``state`` or ``wrong_types`` changed.
+
+    Attributes:
+        state: of the master.
+        wrong_types: topic -> that its publisher sends another type, as a sentence.
+        published: topics with a publisher -> type, when the master was asked last.
     """
 
     def __init__(
@@ -82,6 +87,7 @@ class Watchdog:
     ) -> None:
         self.state = OK
         self.wrong_types: Dict[str, str] = {}
+        self.published: Optional[Dict[str, Optional[str]]] = None
         self._node = str(rospy.get_name())
         self._own_uri = str(rospy.get_node_uri())
         self._master = Peer(master_uri, self._node)
@@ -162,6 +168,7 @@ class Watchdog:
 
     def _check_types(self, published: Dict[str, Optional[str]]) -> None:
         # Only topics with a publisher: the master keeps the types of all others, too.
+        self.published = published
         wrong: Dict[str, str] = {}
         for topic, (_, expected) in self._expected().items():
             found = published.get(topic)
@@ -175,7 +182,7 @@ class Watchdog:
 
 def watch(
     options: Settings,
-    ending: Ending,
+    ending: RosEnding,
     expected: Callable[[], Dict[str, Tuple[str, str]]],
     changed: Callable[[], None],
 ) -> Optional[Watchdog]:
@@ -185,7 +192,7 @@ def watch(
     made = Watchdog(
         rosgraph.get_master_uri(),
         options.watchdog_period,
-        reregister=options.on_master_loss == "reregister",
+        reregister=options.words.get("on_master_loss") != "exit",
         expected=expected,
         end=ending.end,
         changed=changed,

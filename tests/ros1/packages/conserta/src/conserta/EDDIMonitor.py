@@ -17,5 +17,5 @@ class EDDIMonitor:
     def __init__(self):
         self.monitor = compiled.Monitor()
 
-    def execute_step(self, eddi_input):
-        return self.monitor.execute_step(eddi_input)
+    def execute_step(self, eddi_input, t_ns=None):
+        return self.monitor.execute_step(eddi_input, t_ns)

@@ -1,0 +1,60 @@
+"""``generate`` of a deployment file: a workspace for each robot, and one for the station."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.reporting import finish
+from eddi_scaffold.config.fleet.reading import is_fleet
+from eddi_scaffold.deployments.fleet.sites import sites_of
+from eddi_scaffold.monitors.loading import checked_models
+from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
+from eddi_scaffold.packages.rendering import own_template
+from eddi_scaffold.packages.workspace import at_work
+from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.source import read_source
+
+
+def generate_fleet(
+    deployment: Path, folder: Path | None, others: list[str], *, force: bool, dry_run: bool
+) -> None:
+    """Write the workspaces of a deployment file.
+
+    Args:
+        deployment: the file.
+        folder: that gets a folder for each robot.
+        others: options that were given, and that the file excludes.
+        force: also packages that a later release made.
+        dry_run: print the difference, change nothing.
+
+    Raises:
+        EddiError: it cannot be used (G028), or options are missing (G006) or too many (G014).
+    """
+    source = read_source(deployment)
+    if not is_fleet(source):
+        message = "this is no deployment file: there is no section `Robots`"
+        hint = "a model is -m FILE, a configuration is -c FILE"
+        raise EddiError(error("G028", message, Place(str(deployment)), hint))
+    if others:
+        message = f"a deployment file says it all: {', '.join(others)} cannot be given with it"
+        raise EddiError(error("G014", message, hint="leave it out, or write it into the file"))
+    if folder is None:
+        raise EddiError(error("G006", "a deployment file needs -o FOLDER"))
+    sites, problems = sites_of(source, checked_models)
+    with at_work(() if dry_run else places_of(sites, folder)) as finished:
+        outcome, found = write_sites(
+            sites,
+            folder,
+            own_template(),
+            force=force,
+            dry_run=dry_run,
+            progress=console.progress,
+        )
+    console.problems([*problems, *found])
+    outcome = replace(outcome, notes=list(dict.fromkeys([*finished, *outcome.notes])))
+    steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
+    for site in sites:
+        steps += [f"{site.name}: {one}" for one in site.next_steps(folder / site.name)]
+    finish(outcome, dry_run=dry_run, next_steps=steps)

@@ -1,0 +1,163 @@
+"""``eddi-scaffold watch``: which guarantees of a fleet are active, and why the others are not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from eddi_scaffold.cli.options import Json
+
+if TYPE_CHECKING:
+    from eddi_scaffold.watch.fleet import FleetState
+    from eddi_scaffold.watch.messages import Source
+    from eddi_scaffold.watch.text import Clock
+
+_MASTER = "http://localhost:11311"
+
+
+def watch(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="[FILE]...",
+            help="Models, configurations or a deployment file, so that the page draws the models of"
+            " the monitors; it works without.",
+            show_default=False,
+        ),
+    ] = None,
+    bag: Annotated[
+        Path | None,
+        typer.Option("--bag", help="ROS 1 or 2 bag in which monitors' messages were recorded."),
+    ] = None,
+    master: Annotated[
+        str | None,
+        typer.Option("--master", help=f"ROS 1 master; by default ROS_MASTER_URI, else {_MASTER}."),
+    ] = None,
+    domain: Annotated[
+        list[int] | None,
+        typer.Option(
+            "--domain",
+            min=0,
+            max=232,
+            help="ROS 2 domain, read over DDS; by default ROS_DOMAIN_ID where there is no"
+            " ROS_MASTER_URI. May be repeated.",
+        ),
+    ] = None,
+    robot: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--robot", help="NAME or NAME=/namespace of a robot to watch; may be repeated."
+        ),
+    ] = None,
+    patience: Annotated[
+        float,
+        typer.Option("--patience", min=0.1, help="Seconds of silence that make a verdict unknown."),
+    ] = 3.0,
+    text: Annotated[bool, typer.Option("--text", help="Print a line for each change.")] = False,
+    as_json: Json = False,
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Of the page; 0 for any free one.")
+    ] = 0,
+    speed: Annotated[
+        float, typer.Option("--speed", min=0.01, help="How fast the page plays a recording.")
+    ] = 1.0,
+) -> None:
+    """Watch the guarantees of robots: which are active, why not, and since when.
+
+    Shows a page on this machine; with --text, prints a line for each change.
+
+    Example: eddi-scaffold watch --text --bag shift.bag
+    """
+    from eddi_scaffold.watch.fleet import FleetState
+    from eddi_scaffold.watch.names import wanted_robots
+
+    state = FleetState(wanted_robots(robot or ()), patience)
+    lines = text or as_json
+    source, clock = _opened(bag, master, domain, None if lines else speed)
+    try:
+        if lines:
+            _print(source, state, clock, as_json=as_json)
+        else:
+            _serve(source, state, clock, port, files or [])
+    finally:
+        source.close()
+
+
+def _opened(
+    bag: Path | None, master: str | None, domains: list[int] | None, speed: float | None
+) -> tuple[Source, Clock]:
+    """Return the source that is asked for, and what writes its times."""
+    import os
+    import time
+
+    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.watch.recording import Recording
+    from eddi_scaffold.watch.ros1.source import Ros1Graph
+    from eddi_scaffold.watch.text import seconds, time_of_day
+
+    given = {"--bag": bag, "--master": master, "--domain": domains}
+    names = [name for name, value in given.items() if value]
+    if len(names) > 1:
+        raise EddiError(error("V003", f"{' and '.join(names)} exclude each other"))
+    if bag is not None:
+        return Recording(bag, speed), seconds
+    clock = time_of_day(time.time() - time.monotonic())
+    uri, number = os.environ.get("ROS_MASTER_URI"), os.environ.get("ROS_DOMAIN_ID", "")
+    if not names and not uri and number.isdecimal():
+        domains = [int(number)]
+    if domains:
+        return _dds(domains), clock
+    return Ros1Graph(master or uri or _MASTER), clock
+
+
+def _dds(domains: list[int]) -> Source:
+    from eddi_scaffold.problems import EddiError, error
+
+    try:
+        from eddi_scaffold.watch.dds import DdsGraphs
+    except ImportError:
+        hint = "`pipx inject eddi-scaffold cyclonedds`, or pip in its environment"
+        raise EddiError(error("V004", "cyclonedds is not installed", hint=hint)) from None
+    return DdsGraphs(dict.fromkeys(domains))
+
+
+def _print(source: Source, state: FleetState, clock: Clock, *, as_json: bool) -> None:
+    import json
+
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.watch.running import changes
+    from eddi_scaffold.watch.text import document, line
+
+    for change in changes(source, state, console.say):
+        if as_json:
+            console.data(json.dumps(document(change, clock)))
+        else:
+            console.data(line(change, clock))
+
+
+def _serve(
+    source: Source, state: FleetState, clock: Clock, port: int, models: Sequence[Path]
+) -> None:
+    import threading
+
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.watch.page.feed import Feed
+    from eddi_scaffold.watch.page.models import pictures_of
+    from eddi_scaffold.watch.page.server import open_server
+    from eddi_scaffold.watch.page.view import view_of
+    from eddi_scaffold.watch.running import show
+
+    first = state.snapshot(0.0)
+    feed = Feed(first, view_of(first, clock))
+    with open_server(port, feed, pictures_of(models)) as server:
+        console.say(f"the fleet is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        try:
+            show(source, state, feed, clock)
+            threading.Event().wait()
+        finally:
+            feed.close()
+            server.shutdown()

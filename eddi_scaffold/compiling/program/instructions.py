@@ -1,0 +1,171 @@
+"""The program that a model is compiled to: values are read, operations follow, results are given.
+
+A front end of a kind makes it (``consert.program``, ``expressions.form``); a back end prints it:
+``program.python`` the step in ``compiled.py``, ``eddi_scaffold.targets`` monitors in C99. Each
+operation is done once in a step, after those that it works on, and has one value. A value is
+
+- a *truth*: 0 FALSE < 1 UNKNOWN < 2 TRUE; AND is the least and OR the greatest (strong Kleene),
+- a *number*: a double, NaN is UNKNOWN; an overflow is UNKNOWN, too,
+- an *enum*: the number of a literal, -1 is UNKNOWN, or a *text*, or none.
+
+===================================  ===============================================================
+``variable``                         a value that is read; it is UNKNOWN beyond its range or timeout
+``number truth literal``             a constant
+``neg abs sqrt add sub mul div``     arithmetic; what has no finite value is UNKNOWN
+``least greatest``                   of two numbers; UNKNOWN when one is
+``lt le gt ge eq ne``                comparisons of numbers; with ``_bool``, ``_enum`` of others
+``and or``                           of any number of truths from two on
+``not xor implies``                  logic
+``known`` (``_bool``, ``_enum``)     whether a value is not UNKNOWN
+``average sum max min median``       over the samples of a window: numbers;
+``stddev rate count``                ``coverage``: that share must be known, else all
+``time once``                        AND and OR over a window
+``rise fall edge latch``             of truths; they remember the step before
+``hysteresis elapsed age``           state by two limits; seconds since a change, a known sample
+``is_true is_covered is_within``     judge evidence: a truth, a text among ``value``, a number in a
+                                     range of it; FALSE for others, UNKNOWN when it is not known
+``debounce majority``                a truth filtered over ``value`` steps
+===================================  ===============================================================
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from eddi_scaffold.compiling.program.reduction import Reduction
+
+NUMBER, BOOL, ENUM, TEXT = "number", "bool", "enum", "text"
+
+MAX_NS = 1 << 62
+"""Longest duration; sums of two fit into 64 bits."""
+LEAVES = ("variable", "number", "truth", "literal")
+BUFFERED = ("average", "sum", "max", "min", "median", "stddev", "rate", "count")
+WINDOWS = (*BUFFERED, "time", "once")
+FILTERS = ("debounce", "majority")
+STARTS = {"rise": 1, "fall": 1, "edge": 1, "latch": 0, "hysteresis": 1, "elapsed": 1}
+"""Operation -> the truth that it remembers at the start."""
+
+
+class Interval(NamedTuple):
+    """A range of numbers; the start lies inside.
+
+    Attributes:
+        start: smallest double inside.
+        end: the other end.
+        closed: the end lies inside as well.
+    """
+
+    start: float
+    end: float
+    closed: bool
+
+
+class Read(NamedTuple):
+    """A value that is read once in each step.
+
+    Attributes:
+        name: as in the model (``motor.temps[1]``).
+        type: ``number``, ``bool``, ``enum`` or ``text``.
+        range: least and greatest value; None for no limits.
+        timeout: nanoseconds after which a sample is UNKNOWN; None for never.
+        infinite: infinity is a value.
+        literals: texts of an ENUM.
+        stamped: the time of its sample is asked for (``age`` or a timeout).
+        text: it comes as a text that represents a number in decimal.
+        reduction: how it is made of the lists of a message; None: it comes as it is.
+        about: what it should be, for people.
+    """
+
+    name: str
+    type: str
+    range: tuple[float, float] | None = None
+    timeout: int | None = None
+    infinite: bool = False
+    literals: tuple[str, ...] = ()
+    stamped: bool = False
+    text: bool = False
+    reduction: Reduction | None = None
+    about: str = ""
+
+
+class Operation(NamedTuple):
+    """What is done once in a step; its number is its place in the program.
+
+    Attributes:
+        op: see above.
+        args: numbers of the operations whose values it works on.
+        type: of its value.
+        value: a constant, the number of what is read or of a literal, what is covered, or steps.
+        about: the element of the model that it comes from: its place and words.
+        window: nanoseconds.
+        capacity: samples that the buffer holds.
+        coverage: share of known samples that is enough; None: all.
+        infinite: the value can be infinite.
+    """
+
+    op: str
+    args: tuple[int, ...]
+    type: str
+    value: Any = None
+    about: str = ""
+    window: int = 0
+    capacity: int = 0
+    coverage: float | None = None
+    infinite: bool = False
+
+
+class Result(NamedTuple):
+    """A result of a step.
+
+    Attributes:
+        id: of the event or the guarantee.
+        operation: number of the one whose value it is.
+        hazard: UNKNOWN counts as active.
+        about: the element of the model that it comes from.
+    """
+
+    id: str
+    operation: int
+    hazard: bool = False
+    about: str = ""
+
+
+class Program(NamedTuple):
+    """A checked program.
+
+    Attributes:
+        period: nanoseconds between two steps, 0 when there is no rate.
+        reads: what is read.
+        operations: in the order of evaluation.
+        results: what is given.
+    """
+
+    period: int
+    reads: tuple[Read, ...]
+    operations: tuple[Operation, ...]
+    results: tuple[Result, ...]
+
+
+def reads_of_results(program: Program) -> list[list[int]]:
+    """Return for each result the numbers of the reads that it depends on, in order."""
+    masks: list[int] = []  # of each operation, whose arguments are before it
+    for one in program.operations:
+        mask = 1 << int(one.value) if one.op in ("variable", "age") else 0
+        for k in one.args:
+            mask |= masks[k]
+        masks.append(mask)
+    count = range(len(program.reads))
+    return [[k for k in count if masks[one.operation] >> k & 1] for one in program.results]
+
+
+def must_be_finite(program: Program) -> frozenset[int]:
+    """Return the operations where an overflow must become NaN at once.
+
+    Inside of sums and products it need not: infinity ends as infinity or NaN whatever follows.
+    """
+    absorbing = ("add", "sub", "mul")
+    used = {result.operation for result in program.results}
+    for one in program.operations:
+        if one.op not in absorbing:
+            used.update(one.args)
+    return frozenset(used)

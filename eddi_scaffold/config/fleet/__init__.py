@@ -1,0 +1,1 @@
+"""``deployment.yml`` by itself: robots, their monitors, and who may fulfil whose demands."""

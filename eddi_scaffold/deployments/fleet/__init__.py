@@ -1,0 +1,1 @@
+"""Several robots: who meets whom, and whose guarantees may fulfil whose demands."""

@@ -1,0 +1,118 @@
+"""``check`` of a deployment file: each robot by itself, and what only all of them show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_scaffold.deployments.fleet.direct import read_directly
+from eddi_scaffold.deployments.fleet.fleet import Fleet, read_whole_fleet
+from eddi_scaffold.deployments.fleet.robots import FleetRobot
+from eddi_scaffold.deployments.fleet.station import check_station
+from eddi_scaffold.deployments.fleet.words import among_others
+from eddi_scaffold.deployments.joining import packages_of
+from eddi_scaffold.deployments.wiring.check import check_wiring
+from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, deployment
+from eddi_scaffold.deployments.wiring.topics import absent_publishers
+from eddi_scaffold.kinds import Reading
+from eddi_scaffold.problems import Problem, has_errors, warning
+from eddi_scaffold.source import Source
+
+_OWN_PERIODS = 2
+"""Of a robot that relies on a word: it is an answer to its own last word, and used at its step."""
+
+
+def check_fleet(
+    source: Source, read: Callable[[Path], Reading]
+) -> tuple[list[Problem], frozenset[Path]]:
+    """Return all that is wrong with a deployment file and what it names, and these files.
+
+    Args:
+        source: the deployment file.
+        read: reads a file of models, with all problems in it; raises EddiError.
+    """
+    fleet, problems = read_whole_fleet(source, read)
+    if fleet is None:
+        return problems, frozenset()
+    pairs = [pair for robot in fleet.robots for pair in robot.pairs]
+    names = [name for model, config in pairs for name in (model.source.name, config.name)]
+    return [*problems, *problems_of(fleet)], frozenset(Path(name).resolve() for name in names)
+
+
+def problems_of(fleet: Fleet) -> list[Problem]:
+    """Return what is wrong with robots that could be read: each by itself, then together."""
+    problems = [*check_station(fleet), *_check_ages(fleet)]
+    for robot in fleet.robots:
+        monitors, found = fleet.monitors(robot, lambda seat: among_others(fleet, seat, {}))
+        problems += [*map(_with_binding, found), *packages_of(monitors, robot.platform, None)[1]]
+    if not has_errors(problems):
+        for robots in _meetings(fleet.robots):
+            problems += _check_together([one for of in robots for one in _members(fleet, of)])
+    return problems
+
+
+def _with_binding(problem: Problem) -> Problem:
+    """Return the warning that nothing provides an input with what a deployment file can do."""
+    if problem.code != "K014":
+        return problem
+    return replace(problem, hint=f"{problem.hint}, or bind the demand in the deployment file")
+
+
+def _members(fleet: Fleet, robot: FleetRobot) -> list[Member]:
+    monitors, _ = fleet.monitors(robot, lambda seat: read_directly(fleet, seat))
+    return [Member(one, robot.form.prefix) for one in monitors]
+
+
+def _meetings(robots: Sequence[FleetRobot]) -> list[list[FleetRobot]]:
+    """Return the robots in groups that hear each other."""
+    groups: dict[object, list[FleetRobot]] = {}
+    for one in robots:
+        groups.setdefault(one.graph or one.name, []).append(one)
+    return list(groups.values())
+
+
+def _check_together(members: Sequence[Member]) -> Iterator[Problem]:
+    yield from check_wiring(members)
+    together = deployment(members)
+    yield from absent_publishers(together)
+    yield from _check_shared(together)
+
+
+def _check_shared(together: Deployment) -> Iterator[Problem]:
+    """Report topics of sensors that several robots read (D014)."""
+    first: dict[str, Member] = {}
+    for member in together.members:
+        used = {one.id for binding in member.monitor.inputs for one in binding.requires}
+        for index, source in enumerate(member.config.config.SimulatorOutputs):
+            if source.id not in used or member.topic(source.topic) in together.publishers:
+                continue
+            before = first.setdefault(source.topic, member) if source.topic[0] == "/" else member
+            if before.namespace != member.namespace:
+                message = (
+                    f"{before.name} and {member.name} both read {source.topic}, one topic for all "
+                    "robots: the sensor of one would count for the other"
+                )
+                hint = f"write {source.topic[1:]}, relative to the namespace of each robot"
+                place = member.config.place("SimulatorOutputs", index, "topic")
+                yield warning("D014", message, place, hint)
+
+
+def _check_ages(fleet: Fleet) -> Iterator[Problem]:
+    """Report age limits that end before the next word can have come (D015)."""
+    for bond in fleet.bonds:
+        config = bond.user.config
+        for index, entry in enumerate(config.config.EDDIInputs):
+            limit = entry.max_age
+            if entry.id != bond.demand or not isinstance(limit, float):
+                continue
+            for seat in dict.fromkeys(one.seat for one in bond.offers):
+                least = _OWN_PERIODS / bond.user.frequency + 1 / seat.frequency
+                if limit < least:
+                    message = (
+                        f"{bond.demand!r} is unknown after {limit:g} s, but the word of "
+                        f"{seat.name} may be {least:g} s old when {bond.user.name} uses it"
+                    )
+                    hint = f"max_age: {least:g} or more, or more steps per second"
+                    place = config.place("EDDIInputs", index, "max_age")
+                    yield warning("D015", message, place, hint)

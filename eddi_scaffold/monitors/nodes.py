@@ -1,0 +1,189 @@
+"""A monitor as a node of a robot, on any transport: what it hears, what it publishes, when."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from eddi_scaffold.config.fields import FieldPath, Step, plain_step
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import InputQos, SimulatorOutput
+from eddi_scaffold.escaping import markdown_code, python_literal
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.fleet import check_fleet, fleet_answers, fleet_message
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication, publications
+from eddi_scaffold.problems import Problem, error
+
+
+@dataclass(frozen=True)
+class MonitorNode:
+    """The node of a monitor with a configuration.
+
+    Attributes:
+        monitor: what it steps.
+        config: how that is connected.
+        found: everything that it publishes.
+        problems: what is wrong with it.
+    """
+
+    monitor: BoundMonitor
+    config: ConfigFile
+    found: list[Publication]
+    problems: list[Problem]
+
+    @cached_property
+    def published(self) -> list[Publication]:
+        """Return the topics that have a row of their own: all but the status of a result."""
+        return [one for one in self.found if one.of != STATUS or one.path]
+
+    @cached_property
+    def heard(self) -> list[SimulatorOutput]:
+        """Return the topics of this robot that an input requires, in the configuration's order."""
+        return [one for one in self._required if one.peers is None]
+
+    @cached_property
+    def between_robots(self) -> dict[str, str]:
+        """Return the topic on which robots tell each other, with its type; none for one alone."""
+        fleet, type_ = self.config.config.Fleet, fleet_message(self.monitor.kind)
+        return {} if fleet is None or type_ is None else {fleet.topic: type_}
+
+    @cached_property
+    def _required(self) -> list[SimulatorOutput]:
+        used = {one.id for binding in self.monitor.inputs for one in binding.requires}
+        first: dict[str, SimulatorOutput] = {}
+        for one in self.config.config.SimulatorOutputs:
+            first.setdefault(one.id, one)
+        return [one for name, one in first.items() if name in used]
+
+    @property
+    def status(self) -> str | None:
+        """Return the type of the facts behind the result."""
+        name = self.monitor.kind.functions.beside(self.monitor.model).get(STATUS)
+        return f"{MESSAGE_PACKAGE}/{name}" if name else None
+
+    def answers(
+        self, class_of: Callable[[str], str], *, has_qos: bool = False
+    ) -> dict[str, JsonValue]:
+        """Return the answers that the templates of all nodes ask for.
+
+        Args:
+            class_of: message type -> name of its class in the generated module.
+            has_qos: topics of the transport have a quality of service.
+        """
+        model = self.config.config.Model
+        return {
+            "frequency": repr(model.frequency),
+            "mode": model.mode,
+            "startup_grace": repr(model.startup_grace),
+            "subscriptions": [
+                {
+                    "id": python_literal(source.id),
+                    "topic": python_literal(source.topic),
+                    "message_class": class_of(source.type),
+                    "more": (", every_message=True" if self._takes_every(source.id) else "")
+                    + (_qos(source.qos, ", ") if has_qos else ""),
+                }
+                for source in self.heard
+            ],
+            "publications": [self._publication(one, class_of, has_qos) for one in self.published],
+            "fleet": self._fleet(class_of),
+        }
+
+    def _fleet(self, class_of: Callable[[str], str]) -> dict[str, JsonValue]:
+        fleet = self.config.config.Fleet
+        if fleet is None or not self.between_robots:
+            return {}
+        sources = [one for one in self._required if one.peers is not None]
+        return fleet_answers(fleet, class_of(self.between_robots[fleet.topic]), sources)
+
+    def _takes_every(self, source_id: str) -> bool:
+        """Return whether some input takes every message of this topic, not the latest one."""
+        return any(
+            binding.model.every_message
+            and binding.requires[:1]
+            and binding.requires[0].id == source_id
+            for binding in self.monitor.inputs
+        )
+
+    def _publication(
+        self, publication: Publication, class_of: Callable[[str], str], has_qos: bool
+    ) -> dict[str, JsonValue]:
+        output, is_result = publication.output, not (publication.path or publication.of)
+        status = self.status if is_result else None
+        return {
+            "id": python_literal(output.id),
+            "title": markdown_code(output.id),
+            "topic": python_literal(output.topic),
+            "topic_text": output.topic,
+            "type_text": publication.type,
+            "message_class": class_of(publication.type),
+            "status_topic": python_literal(f"{output.topic}/{STATUS}" if status else None),
+            "status_class": class_of(status) if status else "None",
+            "more": _more(publication)
+            + (_qos(output.qos, "\n            ", ",") if has_qos else ""),
+        }
+
+
+def node_of(monitor: BoundMonitor) -> MonitorNode:
+    """Return the node of a monitor; the configuration is there (``needs_config``)."""
+    assert monitor.config is not None, "a node needs a configuration"
+    found, problems = publications(monitor, monitor.config)
+    node = MonitorNode(monitor, monitor.config, found, problems)
+    return MonitorNode(monitor, monitor.config, found, [*problems, *_check(node)])
+
+
+def _more(publication: Publication) -> str:
+    """Return the arguments that only some publications have."""
+    event, of = publication.output.event, publication.of
+    given = {
+        "field": _literal(publication.path) if publication.path else "",
+        "only": python_literal(event) if event is not None else "",
+        "of": python_literal(of) if of else "",
+    }
+    return "".join(f"\n            {name}={text}," for name, text in given.items() if text)
+
+
+def _qos(given: InputQos, before: str, after: str = "") -> str:
+    """Return the argument for the quality of service that a configuration gives."""
+    pairs = [
+        f"{python_literal(name)}: {python_literal(value)}"
+        for name, value in given.model_dump(exclude_none=True).items()
+    ]
+    return f"{before}qos={{{', '.join(pairs)}}}{after}" if pairs else ""
+
+
+def _literal(path: FieldPath) -> str:
+    return f"({', '.join(_step(step) for step in path)},)"
+
+
+def _step(step: Step) -> str:
+    plain = plain_step(step)
+    return python_literal(tuple(plain) if isinstance(plain, list) else plain)
+
+
+def _check(node: MonitorNode) -> Iterator[Problem]:
+    """Find outputs that are missing, heard by their own monitor, or of two types on one topic.
+
+    And what does not fit among robots.
+
+    Topics are compared as a node outside of any namespace resolves them: `a/b` is `/a/b` there.
+    """
+    monitor, config = node.monitor, node.config
+    if not config.config.EDDIOutputs:
+        message = "EDDIOutputs names no topic: the result would not be published"
+        hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
+        yield error("K030", message, config.place("EDDIOutputs"), hint)
+    yield from check_fleet(monitor.kind, config)
+    heard = {monitor.topic(one.topic) for one in config.config.SimulatorOutputs}
+    types: dict[str, str] = {}
+    for one in node.published:
+        written = one.output.topic
+        topic = monitor.topic(written)
+        if topic in heard:
+            message = f"the monitor would listen to its own output {written}"
+            yield error("K031", message, one.place)
+        if types.setdefault(topic, one.type) != one.type:
+            message = f"the topic {written} would carry {types[topic]} and {one.type}"
+            yield error("K031", message, one.place, "give each output a topic of its own")

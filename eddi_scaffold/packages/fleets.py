@@ -1,0 +1,97 @@
+"""The workspaces of several robots, written as one: all of them, or none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_scaffold.deployments.fleet.sites import Site
+from eddi_scaffold.packages.assembly import Assembly, assemble
+from eddi_scaffold.packages.generation import Outcome, write_packages
+from eddi_scaffold.packages.handwritten import unwritten
+from eddi_scaffold.packages.identity import exchanged, left_behind
+from eddi_scaffold.packages.rendering import Template
+from eddi_scaffold.packages.workspace import existing, root_below
+from eddi_scaffold.problems import Problem
+
+
+def places_of(sites: Sequence[Site], folder: Path) -> list[Path]:
+    """Return the folders that are written: of all robots, of each one, and of its packages."""
+    own = [folder / one.name for one in sites]
+    return [folder, *own, *(_root(one, folder) for one in sites)]
+
+
+def write_sites(
+    sites: Sequence[Site],
+    folder: Path,
+    template: Template,
+    *,
+    force: bool = False,
+    dry_run: bool = False,
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[Outcome, list[Problem]]:
+    """Write a workspace for each robot into a folder, as one step.
+
+    Args:
+        sites: the robots.
+        folder: the one that has, or gets, a folder for each robot.
+        template: where packages are rendered from.
+        force: also packages that a later release made.
+        dry_run: change nothing.
+        progress: called with each package before it is rendered.
+
+    Returns:
+        What was done, with paths relative to ``folder``, and warnings.
+
+    Raises:
+        EddiError: a package cannot be made; nothing was written.
+    """
+    assemblies = {
+        site: assemble(site.monitors, site.platform, _root(site, folder), ()) for site in sites
+    }
+    packages = [
+        replace(package, folder=(Path(site.name, site.platform.root) / package.folder).as_posix())
+        for site, assembly in assemblies.items()
+        for package in assembly.packages
+    ]
+    outcome = write_packages(
+        folder, packages, template, force=force, dry_run=dry_run, progress=progress
+    )
+    look = [line for site, of in assemblies.items() for line in _look(site, folder, of)]
+    found = [problem for assembly in assemblies.values() for problem in assembly.problems]
+    return replace(outcome, left=[*outcome.left, *look, *_strangers(sites, folder)]), found
+
+
+def open_inputs(sites: Sequence[Site], folder: Path) -> list[str]:
+    """Return where a person must still write how an input is made of its messages."""
+    return [where for one in sites for where in unwritten(_root(one, folder), one.monitors)]
+
+
+def _root(site: Site, folder: Path) -> Path:
+    return root_below(folder / site.name, site.platform.root)
+
+
+def _look(site: Site, folder: Path, assembly: Assembly) -> Iterator[str]:
+    """Yield what a person should look at in the workspace of one robot."""
+    packages, own = assembly.packages, {one.package for one in site.monitors}
+    for name, answers in assembly.present.items():
+        if "model_json" in answers and name not in own:
+            yield (
+                f"{site.name}: {name} is no monitor of this robot in the deployment file, and "
+                "still runs; remove its folder and repeat this"
+            )
+    found = left_behind(assembly.present, packages, site.monitors, ())
+    older = [text for text, is_new in found if is_new]
+    for text in (*exchanged(_root(site, folder), assembly.present, packages), *older):
+        yield f"{site.name}: {text}"
+
+
+def _strangers(sites: Sequence[Site], folder: Path) -> Iterator[str]:
+    """Yield the workspaces of robots that are no longer in the deployment file."""
+    known = {one.name for one in sites}
+    roots = {one.platform.root for one in sites}
+    for place in sorted(folder.iterdir()) if folder.is_dir() else []:
+        is_ours = place.is_dir() and not place.is_symlink() and place.name not in known
+        if is_ours and any(existing(place / root) for root in roots):
+            yield f"{place.name} is no robot of the deployment file, and its monitors may still run"

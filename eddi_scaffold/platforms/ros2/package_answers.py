@@ -1,0 +1,77 @@
+"""The answers of the packages of a ROS 2 workspace."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+from eddi_scaffold import platforms
+from eddi_scaffold.config.message_types import packages_of
+from eddi_scaffold.config.schema import Config
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.nodes import node_of
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
+from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.ros.message_classes import (
+    class_of,
+    classes_of,
+    imports_of,
+    packages_of_classes,
+)
+from eddi_scaffold.ros.messages import messages_of
+from eddi_scaffold.ros.package_names import LAUNCHER, RUNTIME
+from eddi_scaffold.ros.ros2_types import bound_to, types_of
+from eddi_scaffold.ros.shared_packages import package_answers, runtime_parts
+
+MONITOR_TEMPLATE = "ros2_monitor"
+MESSAGES_TEMPLATE = "ros2_messages"
+LAUNCHER_TEMPLATE = "ros2_launcher"
+RUNTIME_TEMPLATE = "ros2_runtime"
+
+
+def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
+    """Return the answers of one monitor package."""
+    monitor, problems = bound_to(monitor, types_of(monitor))
+    node = node_of(monitor)
+    classes = classes_of(node)
+    answers = shared_answers(monitor, MONITOR_TEMPLATE)
+    answers[platforms.RUNTIME] = platforms.VENDORED
+    answers["message_packages"] = [*packages_of_classes(classes)]
+    answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
+    answers["message_imports"] = [*imports_of(classes)]
+    answers |= node.answers(partial(class_of, classes=classes), has_qos=True)
+    files = {
+        f"{monitor.package}/{name}": data
+        for name, data in monitor.kind.functions.data_files(monitor.model).items()
+    }
+    return PackageAnswers(monitor.package, answers, files), [*node.problems, *problems]
+
+
+def support_answers(
+    monitors: Mapping[str, Mapping[str, JsonValue]], config: Config | None
+) -> list[PackageAnswers]:
+    """Return the answers of messages, launcher, and of the runtime library if one needs it."""
+    texts = messages_of(monitors)
+    messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
+    needed = packages_of(texts.values())
+    listed = sorted(monitors)
+
+    def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
+        return PackageAnswers(name, package_answers(template, name, description, config, **more))
+
+    title = "Messages of the EDDI runtime monitors"
+    start = "Launch file that starts every EDDI runtime monitor of this workspace"
+    packages = [
+        package(
+            MESSAGES_TEMPLATE, MESSAGE_PACKAGE, title, messages=messages, message_packages=needed
+        ),
+        package(LAUNCHER_TEMPLATE, LAUNCHER, start, monitors=listed),
+    ]
+    if platforms.runtime_of(monitors) == platforms.VENDORED:
+        parts = sorted(runtime_parts(monitors))
+        title = "Runtime library of the EDDI monitors"
+        packages.append(package(RUNTIME_TEMPLATE, RUNTIME, title, parts=[*parts]))
+    return packages

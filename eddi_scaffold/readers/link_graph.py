@@ -1,0 +1,207 @@
+"""Who refers to whom in an EDDI, from the elements of monitored models on.
+
+Elements that refer to one of a monitored model count, those that refer to these in turn, and what
+all of these refer to. Those of the design do not: a system would link everything with everything.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.readers.references import References, parse_fragment
+from eddi_scaffold.readers.spelling import Spelling, fold, local_name
+from eddi_scaffold.readers.survey import MONITORED, kind_of_model
+from eddi_scaffold.readers.xmi import feature_of
+
+if TYPE_CHECKING:
+    from eddi_scaffold.readers.document import EddiDocument
+    from eddi_scaffold.readers.monitored_by import Observed
+    from eddi_scaffold.readers.xmi import Element
+
+    _Edges = dict[str, dict[str, Element]]
+
+_DESIGN = frozenset({"architecturepackage", "consertpackage", "ddipackage", "designpackage"})
+"""Packages whose elements are no ends of links."""
+_CAUSES, _FAILURE, _FAILURES = Spelling("causes"), Spelling("failure"), Spelling("failures")
+_TEXTS = frozenset({"content", "description", "gid", "id", "key", "name", "tag", "value"})
+"""Attributes that refer to nothing."""
+_MOST = 100
+"""Links of one element; an EDDI in which everything refers to everything has more."""
+_STEPS = 1_000_000
+"""Along references, for all elements together: a broken file may have no end of them."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What an element of a monitored model is linked with.
+
+    Attributes:
+        start: the element.
+        found: the nearest first.
+        is_cut: there are more.
+    """
+
+    start: Element
+    found: Sequence[Element]
+    is_cut: bool
+
+
+class LinkGraph:
+    """Which elements of an EDDI refer to which.
+
+    Args:
+        document: the EDDI.
+        found: what says in it by which monitor it is observed.
+    """
+
+    def __init__(self, document: EddiDocument, found: Observed) -> None:
+        self._document = document
+        self._references = References(document.roots)  # must not disturb a reader's remarks
+        self._models: list[Element] = []
+        self._into: _Edges = {}
+        """Path -> path and element of each that refers to it."""
+        self._out: _Edges = {}
+        self._stands_for: dict[str, list[str]] = {path: list(e) for path, e in found.events.items()}
+        """Path -> paths whose links are its own: of a cause its failure, of evidence its event."""
+        self._packages: dict[Element, str | None] = {}
+        self._budget = _STEPS
+        for root in document.roots:
+            self._visit(root)
+        for owner, by, _ in found.by:
+            if self._is_end(owner):
+                self._refer(owner, by)
+            else:
+                self._stands_for.setdefault(self._path(owner), []).append(by)
+        for model in self._models if self._into else ():
+            for cause in document.children(model, _CAUSES):
+                self._name_failure(model, cause)
+
+    def ends(self) -> Iterator[tuple[str, Ends]]:
+        """Yield path and ends of each monitored element that has some."""
+        for path in dict.fromkeys([*self._into, *self._stands_for]):
+            start = self._document.at(path)
+            if start is not None and self._is_monitored(start):
+                found = self._ends(path)
+                if found:
+                    yield path, Ends(start, found, len(found) >= _MOST or self._budget < 0)
+
+    def _visit(self, root: Element) -> None:
+        """Note what refers to what outside of the monitored models."""
+        waiting = [root]
+        while waiting:
+            element = waiting.pop()
+            if kind_of_model(self._document, element) in MONITORED:
+                self._models.append(element)
+                continue
+            waiting += reversed(element)
+            targets = dict(self._targets(element))
+            if not targets or not self._is_end(element):
+                continue
+            if "source" in targets and "target" in targets:
+                # a relation: what it leads to rests on where it begins
+                sources = targets.pop("source")
+                for target in targets.pop("target"):
+                    for source in sources:
+                        self._refer(self._owner(target), self._path(source))
+            owner = self._owner(element)
+            for end in [end for ends in targets.values() for end in ends]:
+                self._refer(owner, self._path(end))
+                if self._is_end(end):
+                    self._out.setdefault(self._path(owner), {})[self._path(end)] = end
+
+    def _name_failure(self, model: Element, cause: Element) -> None:
+        failures, _, _ = self._document.targets(cause, _FAILURE)
+        if not failures and cause.get("name"):
+            same = self._document.children(model, _FAILURES)
+            failures = [one for one in same if one.get("name") == cause.get("name")]
+        if failures:
+            self._stands_for.setdefault(self._path(cause), []).append(self._path(failures[0]))
+
+    def _targets(self, element: Element) -> Iterator[tuple[str, list[Element]]]:
+        """Yield the features of an element that refer to others, by path or by ``xmi:id``."""
+        for key, value in element.attrib.items():
+            name, tokens = str(key), [token.removeprefix("#") for token in str(value).split()]
+            if name.startswith("{") or fold(name) in _TEXTS:
+                continue
+            ends = [self._end(token) for token in tokens]
+            found = [end for end in ends if end is not None]
+            if found:
+                yield fold(local_name(name)), found
+
+    def _end(self, token: str) -> Element | None:
+        if "/@" not in token:
+            return self._references.by_id(token)
+        fragment = parse_fragment(token)
+        return self._references.resolve(fragment) if fragment is not None else None
+
+    def _refer(self, owner: Element, to: str) -> None:
+        self._into.setdefault(to, {})[self._path(owner)] = owner
+
+    def _ends(self, start: str) -> list[Element]:
+        """Return what is linked with an element, the nearest first."""
+        first = {start: start}
+        for path in (waiting := [start]):
+            new = [one for one in self._stands_for.get(path, ()) if one not in first]
+            first.update(zip(new, new, strict=True))
+            waiting += new
+        found: dict[str, Element] = {}
+        self._follow(self._into, list(first), found)
+        self._follow(self._out, list(found), found)
+        return [element for path, element in found.items() if path not in first]
+
+    def _follow(
+        self,
+        edges: Mapping[str, Mapping[str, Element]],
+        start: list[str],
+        found: dict[str, Element],
+    ) -> None:
+        waiting = deque(start)
+        while waiting:
+            for path, element in edges.get(waiting.popleft(), {}).items():
+                self._budget -= 1
+                if len(found) >= _MOST or self._budget < 0:
+                    return
+                if path not in found and self._is_end(element):
+                    found[path] = element
+                    waiting.append(path)
+
+    def _is_end(self, element: Element) -> bool:
+        """Tell whether an element is neither of a monitored model nor of the design."""
+        return not self._document.is_package(element) and self._package(element) not in {
+            None,
+            *_DESIGN,
+        }
+
+    def _is_monitored(self, element: Element) -> bool:
+        return self._package(element) is None
+
+    def _package(self, element: Element) -> str | None:
+        """Return the class of the package that an element is in, None for one of a model."""
+        if element not in self._packages:
+            self._packages[element] = self._package_around(element)
+        return self._packages[element]
+
+    def _package_around(self, element: Element) -> str | None:
+        if self._document.is_root(element) or self._document.is_package(element):
+            return self._document.class_of(element).name
+        is_map = fold(feature_of(element)) == "keyvaluemaps"
+        if is_map or kind_of_model(self._document, element) in MONITORED:
+            return None
+        parent = element.getparent()
+        return self._package(parent) if parent is not None else ""
+
+    def _owner(self, element: Element) -> Element:
+        """Return the element with a name that a nested one belongs to."""
+        owner = element
+        while not (owner.get("name") or owner.get("gid")):
+            parent = owner.getparent()
+            if parent is None or self._document.is_package(parent):
+                return owner
+            owner = parent
+        return owner
+
+    def _path(self, element: Element) -> str:
+        return self._references.path(element)

@@ -1,0 +1,176 @@
+"""The manifest of a package: digests by which text of ours is told from a person's."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from .files import read_regular
+from .formatting import meaning_digest
+from .paths import inside
+from .store import EDDI, files_below, read_text, write_file
+
+MANIFEST = "manifest.json"
+ANSWERS = ".copier-answers.yml"
+"""File of a package in which Copier keeps the answers."""
+_LAYOUT = b" \t\r\n'\"(),\\"
+_LOWER = bytes(range(256)).lower()
+"""With these characters and upper case formatters do what they do, in every version of Python."""
+
+
+@dataclass(frozen=True)
+class Digests:
+    """What is recorded of a rendering: the SHA-256 of its bytes and, of Python, of its meaning."""
+
+    sha256: str
+    meaning: str | None = None
+
+    def fit(self, name: str, data: bytes) -> bool:
+        """Return whether a text is this rendering, but for line ends and the layout of Python."""
+        if self.sha256 == _sha256(data):
+            return True
+        plain = data.replace(b"\r\n", b"\n")
+        return self.sha256 == _sha256(plain) or (
+            self.meaning is not None and self.meaning == _meaning(name, plain)
+        )
+
+
+def digests_of(name: str, data: bytes, known: Digests | None = None) -> Digests:
+    """Return what is recorded of a rendering.
+
+    Args:
+        name: the file.
+        data: its bytes.
+        known: digests of a former rendering: if it was the same, that of Python is known.
+    """
+    digest = _sha256(data)
+    if known is not None and known.meaning and known.sha256 == digest:
+        return known
+    return Digests(digest, _meaning(name, data))
+
+
+def recorded_files(root: Path) -> dict[str, Digests]:
+    """Return the digests of the generated-only files of the last finished rendering."""
+    record = _manifest(root)
+    texts, meanings = (
+        part if isinstance(part := record.get(key), dict) else {} for key in ("sha256", "meaning")
+    )
+    return {
+        name: Digests(str(digest), str(meanings[name]) if name in meanings else None)
+        for name, digest in texts.items()
+        if inside(root, name)
+    }
+
+
+def record_files(root: Path, written: Mapping[str, Digests]) -> None:
+    """Record what was written of them, and what the whole package was made of."""
+    record = {
+        "meaning": {name: one.meaning for name, one in written.items() if one.meaning is not None},
+        "rendering": rendering_digest(root),
+        "sha256": {name: one.sha256 for name, one in written.items()},
+    }
+    _write(root, {**_manifest(root), **record})
+
+
+def changed_bases(root: Path) -> list[str]:
+    """Return the files whose base is not what was recorded: generated and own text look alike.
+
+    Not those of a run that was killed, of which base and record may differ; none without a record.
+    """
+    recorded, records = _bases(root), root / EDDI
+    under_way, there = files_below(records / "next"), files_below(records / "base")
+    # names are in the record, too, where something was replaced; of a file left alone it has none
+    unknown = None if recorded.keys() <= {*there} else Digests("")
+    return [
+        name
+        for name in (there if recorded else ())
+        if name not in under_way
+        and (was := recorded.get(name, unknown)) is not None
+        and not was.fit(name, read_regular(records / "base" / name))
+    ]
+
+
+def record_bases(root: Path, made: Mapping[str, str | None]) -> None:
+    """Record the bases that were written; those of other files stay as they were recorded.
+
+    Args:
+        root: the package.
+        made: file -> its base, ``None`` where it has none any more.
+    """
+    before, there = _bases(root), files_below(root / EDDI / "base")
+    now = {name: one for name, one in before.items() if name in there}
+    for name, text in made.items():
+        if text is not None:
+            now[name] = digests_of(name, text.encode(), before.get(name))
+    if now != before:
+        bases = {name: one and _without_none(asdict(one)) for name, one in now.items()}
+        _write(root, {**_manifest(root), "base": bases})
+
+
+def is_of_old_layout(root: Path) -> bool:
+    """Return whether Copier itself rendered all files of the package, as up to version 0.1."""
+    return "meaning" not in _manifest(root)
+
+
+def rendering_digest(root: Path) -> str:
+    """Return the SHA-256 of a package's answers and of the renderings that its files were made of.
+
+    Without where the templates lie, and without what a formatter changes.
+    """
+    text = read_text(root / ANSWERS)
+    kept, origin = [], False
+    for line in (text if isinstance(text, str) else "").split("\n"):
+        origin = line.startswith("_src_path") or (origin and line[:1] in {" ", "\r", ""})
+        if not origin:
+            kept.append(line)
+    digest = hashlib.sha256("\n".join(kept).encode().translate(_LOWER, _LAYOUT))
+    for name in files_below(root / EDDI / "base"):
+        data = read_regular(root / EDDI / "base" / name)
+        digest.update(b"\0" + os.fsencode(name) + b"\0" + data.translate(_LOWER, _LAYOUT))
+    return digest.hexdigest()
+
+
+def recorded_rendering(root: Path) -> str:
+    """Return the same of the last finished rendering, empty without one."""
+    return str(_manifest(root).get("rendering") or "")
+
+
+def _bases(root: Path) -> dict[str, Digests | None]:
+    """Return the digests of the bases, ``None`` of one that was merged from two branches."""
+    found = _manifest(root).get("base")
+    return {
+        name: Digests(str(one.get("sha256")), one.get("meaning") and str(one["meaning"]))
+        if isinstance(one, dict)
+        else None
+        for name, one in (found.items() if isinstance(found, dict) else ())
+    }
+
+
+def _without_none(record: Mapping[str, object]) -> dict[str, object]:
+    return {key: value for key, value in record.items() if value is not None}
+
+
+def _meaning(name: str, data: bytes) -> str | None:
+    return meaning_digest(data) if name.endswith(".py") else None
+
+
+def _sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _manifest(root: Path) -> dict[str, object]:
+    text = read_text(root / EDDI / MANIFEST)
+    try:
+        found = json.loads(text) if isinstance(text, str) else {}
+    except (ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _write(root: Path, record: Mapping[str, object]) -> None:
+    text = json.dumps(record, indent=1, sort_keys=True) + "\n"
+    write_file(root, f"{EDDI}/{MANIFEST}", text.encode())

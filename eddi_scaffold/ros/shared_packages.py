@@ -1,0 +1,58 @@
+"""Packages that all monitors of a workspace share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from eddi_scaffold import __version__
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import ModelError, parse_model
+from eddi_scaffold.compiling.parts import PEERS, needed_by
+from eddi_scaffold.config.schema import Config
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.answers import identity_answers
+from eddi_scaffold.problems import EddiError, Place, error
+
+_RELEASE = ".".join(__version__.split(".")[:3])
+"""Version of these packages: they come with the generator."""
+_MAINTAINED = ("maintainer_name", "maintainer_email", "license")
+
+
+def package_answers(
+    template: str, name: str, description: str, config: Config | None, **more: JsonValue
+) -> dict[str, JsonValue]:
+    """Return the answers of one such package.
+
+    Args:
+        template: of it.
+        name: of the package.
+        description: one sentence.
+        config: names who maintains it, if anybody does.
+        more: answers that only this template asks for.
+    """
+    answers = {"template": template, **identity_answers(name, description, None), **more}
+    answers["package_version"] = _RELEASE
+    if config is not None and config.Package.maintainer is not None:
+        given = identity_answers(name, description, config)
+        answers |= {key: given[key] for key in _MAINTAINED}
+    return answers
+
+
+def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
+    """Return the parts of the runtime that monitors need.
+
+    Args:
+        monitors: package -> its answers.
+
+    Raises:
+        EddiError: a model cannot be compiled, perhaps of an older release (K028).
+    """
+    return {part for name, answers in monitors.items() for part in _parts(name, answers)}
+
+
+def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:
+    try:
+        needed = needed_by(compile_model(parse_model(str(answers["model_json"]))))
+    except ModelError as refused:
+        raise EddiError(error("K028", refused.reason, Place(package))) from None
+    return [*needed, PEERS] if answers.get("fleet") else needed

@@ -1,0 +1,1 @@
+"""The view as numbers for other tools (OpenMetrics)."""

@@ -1,0 +1,313 @@
+"""Guarantees of other robots: whose word counts, and for how long.
+
+Each node of a fleet tells its word after every step, on one topic for all: its guarantees, a
+number, a lease, and the last number that it has heard of each node that listens. By that echo a
+listener bounds the age of a word with its own clock alone: it was made after the echoed one was
+told. So nothing that was delayed, repeated, reordered or told before a partition counts as fresh,
+whatever the clocks of the robots say.
+
+A guarantee names the monitors of robots on whose words it rests, and none of these relies on it:
+in a circle, they would keep each other's guarantees active long after the evidence is gone.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import deque
+from typing import (
+    Any,
+    Deque,
+    Dict,
+    FrozenSet,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
+
+from .inputs import Word
+from .monitor import Tree
+from .node.receipts import Receipt
+
+__all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
+
+_REMEMBERED_S = 60.0
+"""A node that was silent for so long is forgotten, and so is when a word of this one was told."""
+_MOST = 10_000
+"""Words and nodes that are remembered, so that no sender can fill the memory."""
+
+Name = Tuple[str, str, str]
+"""Robot, model and session of a node; a restart begins a new session."""
+
+
+class Source(NamedTuple):
+    """A ``SimulatorOutputs`` entry that is the word of some other robot.
+
+    Attributes:
+        id: of the entry.
+        robots: whose word counts, the first of equals first; empty: that of any other robot.
+        model: id of the ConSert that must have given it.
+        digest: SHA-256 of that ConSert's data.
+        guarantee: id of the guarantee that is wanted, as it is published.
+    """
+
+    id: str
+    robots: Tuple[str, ...]
+    model: str
+    digest: str
+    guarantee: str
+
+    def described(self, topic: str) -> str:
+        """Return what it is, for people.
+
+        Args:
+            topic: full name of the topic of all words.
+        """
+        return f"{self.model}/{self.guarantee} of {_robots(self)} on {topic}"
+
+
+class Fleet(NamedTuple):
+    """The ``Fleet`` section of eddi_config.yml.
+
+    Attributes:
+        robot: name of this robot; the parameter ``robot`` wins.
+        topic: of all words.
+        type: message class ``RobotGuarantees`` of the transport.
+        lease: seconds after which a word counts as unknown, those told and those heard.
+        sources: what of the words of others is wanted.
+    """
+
+    robot: str
+    topic: str
+    type: Any
+    lease: float
+    sources: Tuple[Source, ...] = ()
+
+    def joined(self, robot: str, model_id: str, digest: str) -> Peers:
+        """Return the words of a node of this fleet, and those it hears.
+
+        Args:
+            robot: name of this robot, empty for the configured one.
+            model_id: of the monitor.
+            digest: of its model.
+        """
+        name = (robot or self.robot, model_id, os.urandom(8).hex())
+        return Peers(name, digest, self.lease, self.sources)
+
+
+class Found(NamedTuple):
+    """The word that counts for a source.
+
+    Attributes:
+        word: whose it is, and why it is not fresh.
+        receipt: the message; received when it cannot have been made before; ``None``: none came.
+    """
+
+    word: Word
+    receipt: Optional[Receipt] = None
+
+
+class _Speaker(NamedTuple):
+    """What was heard of one node.
+
+    Attributes:
+        message: its last word.
+        made_after: seconds of this node's clock, ``-inf`` while it echoes nothing.
+        heard_at: seconds of this node's clock.
+        received: words so far.
+    """
+
+    message: Any
+    made_after: float
+    heard_at: float
+    received: int
+
+
+class Peers:
+    """What one node tells the others, and what it has heard of them.
+
+    Args:
+        name: of the node.
+        digest: of its model.
+        lease: see ``Fleet``.
+        sources: see ``Fleet``.
+    """
+
+    def __init__(self, name: Name, digest: str, lease: float, sources: Sequence[Source]) -> None:
+        self.name = name
+        self._digest = digest
+        self._lease = lease
+        self._sources = tuple(sources)
+        self._number = 0
+        self._told: Deque[Tuple[int, float]] = deque(maxlen=_MOST)
+        self._speakers: Dict[Name, _Speaker] = {}
+        self._behind: Dict[str, FrozenSet[str]] = {}
+
+    def word(self, guarantees: Iterable[Tuple[str, bool, Iterable[str]]], now: float) -> Tree:
+        """Return the next word as a ``RobotGuarantees`` tree; it must be told after ``now``.
+
+        Args:
+            guarantees: id, whether it is active, and the robots whose words it is made of by the
+                last ``find``.
+            now: monotonic seconds.
+        """
+        self._number += 1
+        self._told.append((self._number, now))
+        while now - self._told[0][1] > _REMEMBERED_S:
+            self._told.popleft()
+        robot, model, session = self.name
+        told: List[Tree] = [
+            ("RobotGuarantee", {"id": id_, "active": active, "rests_on": self._all(robots)})
+            for id_, active, robots in guarantees
+        ]
+        return "RobotGuarantees", {
+            "robot": robot,
+            "model_id": model,
+            "model_digest": self._digest,
+            "session": session,
+            "sequence": self._number,
+            "lease": self._lease,
+            "listens": bool(self._sources),
+            "guarantees": told,
+            "heard": [
+                ("Heard", dict(zip(_HEARD, (*name, one.message.sequence))))
+                for name, one in self._speakers.items()
+                if one.message.listens and now - one.heard_at <= self._lease
+            ],
+        }
+
+    def _all(self, robots: Iterable[str]) -> List[str]:
+        """Return the monitors behind the words of robots that are used."""
+        return sorted({one for robot in robots for one in self._behind.get(robot, ())})
+
+    def hear(self, message: Any, now: float) -> None:
+        """Take a word over, of whatever age and in whatever order it comes.
+
+        Args:
+            message: a ``RobotGuarantees`` of the transport.
+            now: monotonic seconds.
+        """
+        name = (str(message.robot), str(message.model_id), str(message.session))
+        before = self._speakers.pop(name, None)  # the dictionary is in order of hearing
+        if name == self.name:
+            return
+        if before is not None and message.sequence <= before.message.sequence:
+            self._speakers[name] = before
+            return
+        made_after, received = self._echoed(message), 1
+        if before is not None:  # a later word was made later
+            made_after, received = max(made_after, before.made_after), before.received + 1
+        self._speakers[name] = _Speaker(message, made_after, now, received)
+        while len(self._speakers) > _MOST or self._oldest() < now - _REMEMBERED_S:
+            del self._speakers[next(iter(self._speakers))]
+
+    def _oldest(self) -> float:
+        return next(iter(self._speakers.values())).heard_at
+
+    def _echoed(self, message: Any) -> float:
+        """Return when the word that a message echoes was told, ``-inf`` for none of ours."""
+        for one in message.heard:
+            if (one.robot, one.model_id, one.session) == self.name:
+                first = self._told[0][0] if self._told else self._number + 1
+                place = one.sequence - first
+                return self._told[place][1] if 0 <= place < len(self._told) else -math.inf
+        return -math.inf
+
+    def find(self, now: float) -> Mapping[str, Found]:
+        """Return the word that counts for each source: one that grants it, then the freshest.
+
+        Args:
+            now: monotonic seconds.
+        """
+        self._behind = {}
+        nodes: Dict[Tuple[str, str], List[_Speaker]] = {}
+        for (robot, model, _), one in self._speakers.items():
+            nodes.setdefault((robot, model), []).append(one)
+        return {source.id: self._find(source, nodes, now) for source in self._sources}
+
+    def _find(
+        self, source: Source, nodes: Mapping[Tuple[str, str], Sequence[_Speaker]], now: float
+    ) -> Found:
+        order = {robot: place for place, robot in enumerate(source.robots)}
+        candidates: List[Tuple[Tuple[Any, ...], Found]] = []
+        for (robot, model), sessions in nodes.items():
+            if model != source.model or (robot not in order if order else robot == self.name[0]):
+                continue
+            for one in sessions:
+                told = _of(one.message, source.guarantee)
+                why = self._unfit(source, one, told, sessions, now)
+                granted = not why and told[0].active is True
+                freshest = -one.made_after if why else 0.0  # among good ones, the same in each step
+                place = (order.get(robot, 0), freshest, robot, one.message.session)
+                receipt = Receipt(one.message, max(one.made_after, 0.0), one.received)
+                known = one.made_after > -math.inf
+                found = Found(Word(robot, why), receipt if known else None)
+                candidates.append(((not granted, bool(why), *place), found))
+        if candidates:
+            _, found = min(candidates)
+            if not found.word.unfit and found.receipt is not None:
+                self._rely(found.receipt.message, source.guarantee)
+            return found
+        return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
+
+    def _rely(self, message: Any, guarantee: str) -> None:
+        """Note which monitors stand behind a word that is used."""
+        behind = {_monitor(message.robot, message.model_id), *_of(message, guarantee)[0].rests_on}
+        self._behind[message.robot] = self._behind.get(message.robot, frozenset()) | behind
+
+    def _unfit(
+        self,
+        source: Source,
+        one: _Speaker,
+        told: Sequence[Any],
+        sessions: Sequence[_Speaker],
+        now: float,
+    ) -> str:
+        """Return why the word of a node does not count, empty when it does.
+
+        Args:
+            source: for which it would count.
+            one: the node.
+            told: the wanted guarantee, as often as it is in the word.
+            sessions: all nodes of that name.
+            now: monotonic seconds.
+        """
+        message, age = one.message, now - one.made_after
+        robot = message.robot
+        limit = min(self._lease, message.lease)
+        if message.model_digest != source.digest:
+            digest = str(message.model_digest)[:12]
+            expected = f"{source.digest[:12]} is expected"
+            return f"{robot} has another {source.model}: its digest is {digest}, {expected}"
+        if len(told) != 1:
+            times = "twice" if told else "not"
+            return f"{robot} has the guarantee {source.guarantee} {times} in its word"
+        if _monitor(*self.name[:2]) in told[0].rests_on:
+            return f"the word of {robot} rests on this monitor itself"
+        if age == math.inf:
+            return f"{robot} is heard, but has not answered this robot yet"
+        if not (age <= self._lease and age <= message.lease):  # a lease may be no number
+            return f"the word of {robot} may be {age:.3g} s old, its lease is {limit:g} s"
+        if sum(now - other.made_after <= limit for other in sessions) > 1:
+            return f"two nodes call themselves {robot}"
+        return ""
+
+
+_HEARD = ("robot", "model_id", "session", "sequence")
+
+
+def _monitor(robot: str, model: str) -> str:
+    return f"{robot}/{model}"
+
+
+def _of(message: Any, guarantee: str) -> List[Any]:
+    """Return a guarantee in a word, as often as it is there."""
+    return [one for one in message.guarantees if one.id == guarantee]
+
+
+def _robots(source: Source) -> str:
+    return " or ".join(source.robots) or "any other robot"

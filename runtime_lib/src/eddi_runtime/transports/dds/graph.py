@@ -1,0 +1,308 @@
+"""The participant of a process in a DDS domain: what it reads and writes, and who else is there.
+
+No listener is set anywhere: they run on threads of DDS, and a process that ends with one may crash.
+One thread waits for data in place of them.
+"""
+
+import contextlib
+import gc
+import threading
+import time
+from types import SimpleNamespace
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple
+
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
+from cyclonedds.core import (
+    DDSException,
+    GuardCondition,
+    InstanceState,
+    ReadCondition,
+    SampleState,
+    ViewState,
+    WaitSet,
+)
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.pub import DataWriter, Publisher
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader, Subscriber
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from ...node.logs import LOG
+from ...node.start import StartError
+from .messages import message_classes
+
+Receive = Callable[[Any, bool], None]
+"""Takes a message (or ``Unreadable``), and whether it may be of any age."""
+
+_PREFIX = "rt"
+_BATCH = 100
+_MANY = 100_000
+_WAIT = duration(milliseconds=200)
+_GID_BYTES = {"humble": 24}
+_ANY = ViewState.Any | InstanceState.Any | SampleState.Any
+_RELIABILITIES = {
+    "reliable": Policy.Reliability.Reliable(duration(milliseconds=100)),
+    "best_effort": Policy.Reliability.BestEffort,
+}
+_DURABILITIES = {
+    "transient_local": Policy.Durability.TransientLocal,
+    "volatile": Policy.Durability.Volatile,
+}
+_POLICIES = {
+    2: "the durability",
+    4: "the deadline",
+    6: "the ownership",
+    8: "the liveliness",
+    11: "the reliability",
+    24: "the definition of the message",
+}
+_DISCOVERY = "ros_discovery_info"
+
+
+class Publication(NamedTuple):
+    """One writer of a ROS topic, anywhere on the graph."""
+
+    topic: str
+    type: str
+
+
+class Reader(NamedTuple):
+    """What reads a topic, and who takes its messages."""
+
+    reader: Any
+    receive: Receive
+    greeted: Dict[int, bool]
+
+
+class Graph:
+    """A participant that is a node of ROS 2.
+
+    Args:
+        domain: id of the domain.
+        namespace: of the node.
+        name: of the node.
+        distro: of the ROS 2 around: up to Humble, identities on the graph are longer.
+        partition: of DDS in which topics are read and written, empty for that of ROS 2.
+
+    Raises:
+        StartError: there is no such domain, or no network.
+    """
+
+    def __init__(
+        self, domain: int, namespace: str, name: str, distro: str, partition: str = ""
+    ) -> None:
+        try:
+            participant = DomainParticipant(domain, Qos(Policy.Userdata(b"enclave=/;")))
+        except DDSException as error:
+            raise StartError(f"no participant in domain {domain}: {error}") from error
+        self._participant: Any = participant
+        self._node = (namespace, name)
+        self._types = discovery_types(_GID_BYTES.get(distro, 16))
+        apart = Qos(Policy.Partition([partition])) if partition else None
+        self._publisher = Publisher(participant, apart)
+        self._subscriber = Subscriber(participant, apart)
+        self._writers: Dict[str, Any] = {}
+        self._readers: Dict[str, Reader] = {}
+        self._known: Any = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)
+        gone = InstanceState.NotAliveDisposed | InstanceState.NotAliveNoWriters
+        self._gone = ReadCondition(self._known, ViewState.Any | SampleState.Any | gone)
+        self._guard = GuardCondition(participant)
+        self._stopped = False
+        self._use = threading.Lock()
+        """Held while something asks DDS: what is asked must not be deleted meanwhile."""
+        self._thread = threading.Thread(target=self._run, name="dds", daemon=True)
+        info = Topic(participant, _DISCOVERY, self._types.rmw_dds_common_ParticipantEntitiesInfo)
+        self._info: Any = DataWriter(participant, info, writing({}, 1))
+
+    def writer(self, topic: str, cls: Any, qos: Qos) -> Callable[[Any], None]:
+        """Return what writes to a ROS topic."""
+        self._writers[topic] = DataWriter(self._publisher, self._topic(topic, cls), told(cls, qos))
+
+        def write(message: Any) -> None:
+            with self._use:
+                if not self._stopped:  # looked up each time, so that ``close`` deletes it
+                    self._writers[topic].write(message)
+
+        return write
+
+    def reader(self, topic: str, cls: Any, receive: Receive, qos: Qos) -> None:
+        """Read a ROS topic; before ``start``."""
+        made = DataReader(self._subscriber, self._topic(topic, cls), told(cls, qos))
+        self._readers[topic] = Reader(made, receive, {})
+
+    def _topic(self, topic: str, cls: Any) -> Any:
+        return Topic(self._participant, _PREFIX + topic, cls)
+
+    def start(self) -> None:
+        """Begin to receive, and tell the graph the name of the node."""
+        self._tell([one.reader for one in self._readers.values()], [*self._writers.values()])
+        self._thread.start()
+
+    def _tell(self, readers: List[Any], writers: List[Any]) -> None:
+        types, (namespace, name) = self._types, self._node
+        nodes = [
+            types.rmw_dds_common_NodeEntitiesInfo(
+                node_namespace=namespace,
+                node_name=name,
+                reader_gid_seq=[self._gid(one) for one in readers],
+                writer_gid_seq=[self._gid(one) for one in writers],
+            )
+        ]
+        info = types.rmw_dds_common_ParticipantEntitiesInfo(
+            gid=self._gid(self._participant),
+            node_entities_info_seq=nodes if readers or writers else [],
+        )
+        self._info.write(info)
+
+    def _gid(self, entity: Any) -> Any:
+        made = self._types.rmw_dds_common_Gid()
+        made.data = entity.get_guid().bytes.ljust(len(made.data), b"\0")
+        return made
+
+    def _run(self) -> None:
+        waiting = WaitSet(self._participant)
+        conditions = [ReadCondition(one.reader, _ANY) for one in self._readers.values()]
+        for condition in (*conditions, self._guard):
+            waiting.attach(condition)
+        while not self._stopped:
+            waiting.wait(_WAIT)
+            for one in self._readers.values():
+                _take(one)
+        for condition in (*conditions, self._guard):
+            waiting.detach(condition)
+
+    def publications(self) -> List[Publication]:
+        """Return every publication of a ROS topic in the domain that is known now."""
+        with self._use:
+            if self._stopped:
+                return []
+            self._known.take(_MANY, self._gone)  # else the dead are kept, and look like the living
+            seen = self._known.read(_MANY)
+        alive = [one for one in seen if one.sample_info.instance_state == InstanceState.Alive]
+        found = (Publication(one.topic_name[len(_PREFIX) :], one.type_name) for one in alive)
+        return [one for one in found if one.topic.startswith("/")]
+
+    def matched(self, topic: str) -> int:
+        """Return how many publications this process listens to on a topic."""
+        with self._use:
+            if self._stopped:
+                return 0
+            return int(self._readers[topic].reader.get_subscription_matched_status().current_count)
+
+    def refused(self, topic: str) -> str:
+        """Return what of a publication of a topic does not fit, empty when all does."""
+        with self._use:
+            if self._stopped:
+                return ""
+            status = self._readers[topic].reader.get_requested_incompatible_qos_status()
+        return _POLICIES.get(status.last_policy_id, "its QoS") if status.total_count else ""
+
+    def close(self) -> None:
+        """Leave the graph: all is deleted in order, so that no thread of DDS meets a ghost."""
+        with self._use:  # who asks now has its answer first; who asks later has none
+            self._stopped = True
+        with contextlib.suppress(DDSException, RuntimeError):
+            self._guard.set(True)
+            self._thread.join()
+        with contextlib.suppress(Exception):
+            self._tell([], [])
+        self._readers.clear()
+        self._writers.clear()
+        # one by one: a formatter makes a tuple of a line that is too long
+        del self._gone
+        del self._known
+        del self._guard
+        del self._info
+        del self._publisher
+        del self._subscriber
+        del self._participant
+        gc.collect()
+
+
+def _take(one: Reader) -> None:
+    """Hand over all that has arrived; never raises: who waits no more receives nothing more."""
+    try:
+        _take_all(one)
+    except Exception as error:  # noqa: BLE001 - whatever a driver raises
+        LOG.error("dds: %s: %s", type(error).__name__, error)
+        time.sleep(0.1)
+
+
+def _take_all(one: Reader) -> None:
+    while True:
+        samples = one.reader.take(_BATCH)
+        for sample in samples:
+            info = sample.sample_info
+            if info.valid_data:  # else: a writer or its data went, and there is no message
+                writer = info.publication_handle
+                one.receive(sample, one.greeted.get(writer) is None and _keeps(one, writer))
+                one.greeted[writer] = True
+            else:
+                one.greeted.pop(info.publication_handle, None)
+        if len(samples) < _BATCH:
+            return
+
+
+def _keeps(one: Reader, writer: int) -> bool:
+    """Return whether a writer keeps messages for who comes later; the first may be an old one."""
+    with contextlib.suppress(Exception):
+        endpoint = one.reader.get_matched_publication_data(writer)
+        return Policy.Durability.TransientLocal in endpoint.qos
+    return True
+
+
+def discovery_types(gid_bytes: int) -> SimpleNamespace:
+    """Return the messages by which participants name their nodes."""
+    package = "rmw_dds_common/"
+    nodes = "string node_namespace, string node_name"
+    gids = f"{package}Gid[] reader_gid_seq, {package}Gid[] writer_gid_seq"
+    return message_classes(
+        {
+            f"{package}Gid": f"uint8[{gid_bytes}] data",
+            f"{package}NodeEntitiesInfo": f"{nodes}, {gids}",
+            f"{package}ParticipantEntitiesInfo": f"{package}Gid gid,"
+            f" {package}NodeEntitiesInfo[] node_entities_info_seq",
+        }
+    )
+
+
+def reading(given: Mapping[str, Any], depth: int) -> Qos:
+    """Return how evidence is read: of every publication the last messages, only new ones.
+
+    Args:
+        given: what a person wants otherwise.
+        depth: messages that wait.
+    """
+    usual = {"reliability": "best_effort", "durability": "volatile", "depth": depth}
+    cdr = Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False)
+    return _qos({**usual, **given}, cdr)
+
+
+def writing(given: Mapping[str, Any], depth: int) -> Qos:
+    """Return how results are written: nothing is lost, and who comes late gets the last one.
+
+    Args:
+        given: what a person wants otherwise.
+        depth: messages that wait.
+    """
+    usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
+    return _qos({**usual, **given}, Policy.WriterDataLifecycle(autodispose=False))
+
+
+def told(cls: Any, qos: Qos) -> Qos:
+    """Return a quality of service with the hash of the type, which ROS 2 reads since Iron."""
+    return Qos(Policy.Userdata(f"typehash={cls.HASH};".encode()), base=qos) if cls.HASH else qos
+
+
+def _qos(wanted: Mapping[str, Any], *more: Any) -> Qos:
+    policies = [
+        _RELIABILITIES[wanted["reliability"]],
+        _DURABILITIES[wanted["durability"]],
+        Policy.History.KeepLast(wanted["depth"]),
+    ]
+    if "deadline" in wanted:
+        policies.append(Policy.Deadline(duration(seconds=wanted["deadline"])))
+    if "lifespan" in wanted:
+        policies.append(Policy.Lifespan(duration(seconds=wanted["lifespan"])))
+    return Qos(*policies, *more)

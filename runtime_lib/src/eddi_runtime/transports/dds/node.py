@@ -1,0 +1,203 @@
+"""The DDS node of one monitor: a participant of a ROS 2 graph, on a machine without ROS."""
+
+import logging
+import math
+import os
+import signal
+import sys
+import time
+from typing import Any, Callable, Dict, List, Optional
+
+from ... import ModelError
+from ...inputs import UNKNOWN_AGE, EDDIInputBase
+from ...monitor import Steps
+from ...node.conversion import MessageError
+from ...node.health import Status
+from ...node.logs import LOG
+from ...node.node import Node
+from ...node.outputs import Channel, Publish
+from ...node.receipts import MAX_QUEUED, Input
+from ...node.report import GraphFact, why_silent
+from ...node.settings import Settings, settings
+from ...node.start import StartError, write_to_stderr
+from .arguments import Arguments, arguments, domain_id
+from .graph import Graph, reading, writing
+from .messages import OWN, Unreadable, converter, diagnostics_of
+
+DISTROS = {"ros_distro": ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")}
+_DEPTH = 5
+_QUIET_S = 1.0
+"""Without a message for so long, the graph is asked why."""
+
+
+class MonitorNode(Node):
+    """Base class of the generated node.
+
+    Args:
+        monitor: the generated EDDIMonitor.
+        eddi_input: the generated EDDIInput.
+        options: parameters.
+        given: names and remaps.
+    """
+
+    def __init__(
+        self,
+        monitor: Steps,
+        eddi_input: EDDIInputBase,
+        options: Optional[Settings] = None,
+        given: Optional[Arguments] = None,
+    ) -> None:
+        super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
+        self._given = given or arguments([], self.NAME)
+        self._domain: Optional[Graph] = None
+        self._unreadable: Dict[str, float] = {}
+        self._clock: Optional[int] = (
+            0 if self._given.parameters.get("use_sim_time") is True else None
+        )
+
+    @property
+    def _graph(self) -> Graph:
+        assert self._domain is not None, "the node has not joined a graph"
+        return self._domain
+
+    def topics(self) -> Dict[str, str]:
+        """Return input id -> full name of its topic."""
+        return {one.id: self._given.topic(one.topic) for one in self._sources}
+
+    def advertise(self, channel: Channel) -> Publish:
+        """Return what publishes to a topic."""
+        qos = writing(channel.qos, self.options.queue_size)
+        return self._graph.writer(self._given.topic(channel.topic), channel.type, qos)
+
+    def subscribe(self, source: Input) -> None:
+        """Read a topic."""
+
+        def receive(message: Any, kept: bool) -> None:
+            if isinstance(message, Unreadable):
+                self._unreadable[source.id] = time.monotonic()
+            else:
+                self._receipts.receive(source.id, message, _age(message) if kept else 0.0)
+
+        qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
+        self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
+
+    def simulated_ns(self) -> Optional[int]:
+        """Return the time of ``/clock`` where that counts, 0 before its first message."""
+        return self._clock
+
+    def _tick(self, message: Any, _: bool) -> None:
+        if not isinstance(message, Unreadable):
+            self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
+
+    def check_serialises(self, message: object) -> None:
+        """Raise what writing would raise; for messages made by hand."""
+        made: Any = message
+        if made is not None:
+            made.serialize()
+
+    def graph(self) -> GraphFact:
+        """Return why topics are silent, and which have publishers of another type."""
+        now, receipts = time.monotonic(), self._receipts.latest()
+        quiet = [one for one in self._sources if now - _at(receipts, one.id) > _QUIET_S]
+        known = self._graph.publications() if quiet else []
+        reasons: Dict[str, str] = {}
+        wrong: List[str] = []
+        for source in quiet:
+            topic = self._given.topic(source.topic)
+            types = sorted({one.type for one in known if one.topic == topic})
+            expected = str(source.type.TYPE)
+            others = [name for name in map(ros_type, types) if name != expected]
+            refused = self._graph.refused(topic)
+            if others and len(others) == len(types):
+                wrong.append(f"{topic}: {expected} expected, the publisher sends {others[0]}")
+            elif not types:
+                reasons[topic] = why_silent(topic, {one.topic for one in known})
+            elif self._unreadable.get(source.id, -math.inf) > _at(receipts, source.id):
+                reasons[topic] = f"what is sent there is not {expected}, although it is called so"
+            elif not self._graph.matched(topic) and refused:
+                reasons[topic] = f"{refused} that its publisher has does not fit"
+            else:
+                reasons[topic] = "its publisher is there, and silent"
+        return GraphFact((), (), tuple(wrong), reasons)
+
+    def run(self) -> int:
+        """Join the graph and step until the process is to end; return the exit status.
+
+        Raises:
+            StartError: there is no such graph.
+        """
+        domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
+        given, distro = self._given, self.options.words["ros_distro"]
+        partition = str(given.parameters.get("partition", ""))
+        self._domain = joined = Graph(domain, given.namespace, given.name, distro, partition)
+        if self._clock is not None:
+            joined.reader("/clock", OWN.rosgraph_msgs_Clock, self._tick, reading({}, 1))
+        self.ending.install()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: self.ending.begin())
+        _start_log(given.full_name)
+        try:
+            self.run_on(given.full_name, self._statuses, joined.start)
+        finally:
+            self.ending.begin()
+            joined.close()
+            self.ending.wait()
+        return self.ending.status
+
+    def _statuses(self) -> Callable[[List[Status]], None]:
+        cls = OWN.diagnostic_msgs_DiagnosticArray
+        write = self._graph.writer("/diagnostics", cls, writing({}, 1))
+        return lambda statuses: write(diagnostics_of(statuses))
+
+    @classmethod
+    def main(
+        cls,
+        eddi_input_class: Callable[[], EDDIInputBase],
+        eddi_monitor_class: Callable[[], Steps],
+    ) -> int:
+        """Run the node of a generated package and return its exit status: 1 when it cannot start.
+
+        Args:
+            eddi_input_class: the generated EDDIInput.
+            eddi_monitor_class: the generated EDDIMonitor.
+        """
+        try:
+            given = arguments(sys.argv[1:], cls.NAME)
+            options, wrong = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
+            if wrong:
+                write_to_stderr(cls.NAME, f"error: {'; '.join(wrong)}")
+                return 1
+            node = cls(eddi_monitor_class(), eddi_input_class(), options, given)
+            node.prepare()
+            return node.run()
+        except (StartError, ModelError, MessageError) as error:
+            write_to_stderr(cls.NAME, f"error: {error}")
+            return 1
+        except KeyboardInterrupt:
+            return 0
+
+
+def _age(message: Any) -> float:
+    """Return how old a kept message is by its header; one from the future may be of any age."""
+    made = getattr(getattr(message, "header", None), "stamp", None)
+    if made is None or not (made.sec or made.nanosec):
+        return UNKNOWN_AGE
+    age = time.time() - (made.sec + made.nanosec * 1e-9)
+    return age if age >= 0.0 else UNKNOWN_AGE
+
+
+def _at(receipts: Any, source: str) -> float:
+    return receipts[source].at if source in receipts else -math.inf
+
+
+def ros_type(name: str) -> str:
+    """Return the ROS name of a type of DDS: ``std_msgs/Bool`` of ``std_msgs::msg::dds_::Bool_``."""
+    return name.replace("::msg::dds_::", "/").rstrip("_")
+
+
+def _start_log(name: str) -> None:
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format="[%(levelname)s] [%(created).3f] %(message)s"
+    )
+    log = logging.getLogger(name.strip("/").replace("/", "."))
+    LOG.start({"info": log.info, "warn": log.warning, "error": log.error})

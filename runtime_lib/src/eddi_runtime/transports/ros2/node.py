@@ -1,0 +1,170 @@
+"""The ROS 2 node of one monitor, on rclpy: subscribe, one step per period, publish.
+
+Steps follow the monotonic clock, never a timer of ROS: with ``use_sim_time`` and no ``/clock``
+such a timer would not fire at all.
+"""
+
+import math
+import signal
+import time
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.qos import QoSProfile
+from rclpy.serialization import serialize_message
+from rclpy.time import Time
+
+from ... import ModelError
+from ...inputs import UNKNOWN_AGE, EDDIInputBase
+from ...monitor import Steps
+from ...node.conversion import MessageError
+from ...node.health import Status
+from ...node.logs import LOG
+from ...node.node import Node
+from ...node.outputs import Channel, Publish
+from ...node.receipts import MAX_QUEUED, Input
+from ...node.report import GraphFact, why_silent
+from ...node.settings import Settings
+from ...node.start import StartError, write_to_stderr
+from .messages import converter, diagnostics_of, ros_type
+from .parameters import declared_settings
+from .process import Process
+from .qos import keeps, reading, refused, writing
+
+_DEPTH = 5
+_QUIET_S = 1.0
+"""Without a message for so long, the graph is asked why."""
+
+
+class MonitorNode(Node):
+    """Base class of the generated RosNode.
+
+    Args:
+        monitor: the generated EDDIMonitor.
+        eddi_input: the generated EDDIInput.
+        options: parameters.
+        process: the node of rclpy.
+    """
+
+    def __init__(
+        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings, process: Process
+    ) -> None:
+        super().__init__(monitor, eddi_input, converter(self.MESSAGES, process.stamp), options)
+        self._process = process
+        self._read: Dict[str, Tuple[str, QoSProfile]] = {}
+
+    def simulated_ns(self) -> Optional[int]:
+        """Return the time of ``/clock`` where that counts."""
+        return self._process.simulated_ns()
+
+    def topics(self) -> Mapping[str, str]:
+        """Return input id -> full name of its topic."""
+        return {name: topic for name, (topic, _) in dict(self._read).items()}
+
+    def advertise(self, channel: Channel) -> Publish:
+        """Return what publishes to a topic."""
+        qos = writing(channel.qos, self.options.queue_size)
+        return self._process.publisher(channel.topic, channel.type, qos)
+
+    def subscribe(self, source: Input) -> None:
+        """Subscribe to an input topic."""
+        qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
+        kept = keeps(qos)
+
+        def receive(message: Any, sent: Optional[int]) -> None:
+            age = self._age(message, sent) if kept else 0.0
+            self._receipts.receive(source.id, message, age)
+
+        made = self._process.subscription(source.topic, source.type, qos, receive)
+        self._read[source.id] = (made.topic_name, made.qos_profile)
+
+    def _age(self, message: Any, sent: Optional[int]) -> float:
+        """Return how old a message is that may have been kept; one of the future may be of any age.
+
+        Which publisher a message comes from is not told, so each is looked at.
+        """
+        made = getattr(getattr(message, "header", None), "stamp", None)
+        if made is not None and (made.sec or made.nanosec):
+            age = (Time.from_msg(self._process.stamp()) - Time.from_msg(made)).nanoseconds / 1e9
+        elif sent is not None:
+            age = (time.time_ns() - sent) / 1e9
+        else:
+            return UNKNOWN_AGE
+        return age if age >= 0.0 else UNKNOWN_AGE
+
+    def check_serialises(self, message: object) -> None:
+        """Raise what publishing would raise; for messages made by hand."""
+        if message is not None:
+            serialize_message(message)
+
+    def graph(self) -> GraphFact:
+        """Return why topics are silent, which have publishers of another type, and namesakes."""
+        now, receipts = time.monotonic(), self._receipts.latest()
+        reasons: Dict[str, str] = {}
+        wrong: List[str] = []
+        for source in self._sources:
+            last = receipts[source.id].at if source.id in receipts else -math.inf
+            if source.id not in self._read or now - last <= _QUIET_S:
+                continue
+            topic, qos = self._read[source.id]
+            known = self._process.publications(source.topic)
+            expected = ros_type(source.type)
+            fitting = [one.qos for one in known if one.type == expected]
+            lacking = refused(qos, fitting)
+            if not known:
+                reasons[topic] = why_silent(topic, self._process.published())
+            elif not fitting:
+                sent = min(one.type for one in known)
+                wrong.append(f"{topic}: {expected} expected, the publisher sends {sent}")
+            elif lacking:
+                reasons[topic] = f"{lacking} that its publisher has does not fit"
+            else:
+                reasons[topic] = "its publisher is there, and silent"
+        several = f"another node has the name {self._process.name}, too"
+        warnings = (several,) if self._process.namesakes() > 1 else ()
+        return GraphFact((), warnings, tuple(wrong), reasons)
+
+    def run(self) -> int:
+        """Step until the process is to end; return the exit status."""
+        self.ending.install()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: self.ending.begin())
+        LOG.start(self._process.writers())
+        try:
+            self.run_on(self._process.name, self._statuses, self._process.start)
+        finally:
+            self.ending.begin()
+            self.ending.wait()  # before the log of rclpy goes
+            self._process.close()
+        return self.ending.status
+
+    def _statuses(self) -> Callable[[List[Status]], None]:
+        publish = self._process.publisher("/diagnostics", DiagnosticArray, writing({}, 1))
+        return lambda statuses: publish(diagnostics_of(statuses, self._process.stamp()))
+
+    @classmethod
+    def main(
+        cls,
+        eddi_input_class: Callable[[], EDDIInputBase],
+        eddi_monitor_class: Callable[[], Steps],
+    ) -> int:
+        """Run the node of a generated package and return its exit status: 1 when it cannot start.
+
+        Args:
+            eddi_input_class: the generated EDDIInput.
+            eddi_monitor_class: the generated EDDIMonitor.
+        """
+        process = None
+        try:
+            process = Process(cls.NAME)
+            options = declared_settings(process.node, cls.FREQUENCY, cls.STARTUP_GRACE)
+            node = cls(eddi_monitor_class(), eddi_input_class(), options, process)
+            node.prepare()
+            return node.run()
+        except (StartError, ModelError, MessageError) as error:
+            write_to_stderr(cls.NAME, f"error: {error}")
+            if process is not None:
+                process.close()
+            return 1
+        except KeyboardInterrupt:
+            return 0

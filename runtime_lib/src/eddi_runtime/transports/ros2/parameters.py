@@ -1,0 +1,64 @@
+"""Parameters of a node, declared with their meaning and their range (``ros2 param describe``)."""
+
+import sys
+from typing import Any, Dict, List, Tuple
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import ParameterException
+
+from ...node.settings import FREQUENCIES, Settings, settings
+from ...node.start import StartError
+
+_MOST_QUEUED = 1_000_000
+
+
+def declared_settings(node: Any, frequency: float, startup_grace: float) -> Settings:
+    """Declare the parameters of a node, and return what a person has set.
+
+    Args:
+        node: of rclpy.
+        frequency: steps per second of the generated node.
+        startup_grace: of the generated node.
+
+    Raises:
+        StartError: a parameter has a wrong type or value.
+    """
+    given: Dict[str, Any] = {}
+    for name, value, text, ranges in _parameters(frequency, startup_grace):
+        # Read once, so nobody can set them later; 10 is as good a number as 10.0.
+        descriptor = ParameterDescriptor(
+            description=text, read_only=True, dynamic_typing=isinstance(value, float), **ranges
+        )
+        try:
+            given[name] = node.declare_parameter(name, value, descriptor).value
+        except ParameterException as error:
+            raise StartError(f"parameter {name}: {error.args[0]}") from error
+    options, wrong = settings(given, frequency, startup_grace)
+    if wrong:
+        raise StartError("; ".join(wrong))
+    return options
+
+
+def _parameters(
+    frequency: float, startup_grace: float
+) -> List[Tuple[str, object, str, Dict[str, Any]]]:
+    """Return name, default, meaning and range of each."""
+    grace = "seconds in which an input may wait for its first message"
+    queue = "messages that wait for a slow subscriber of the outputs"
+    robot = "name of this robot among others, empty for the configured one"
+    return [
+        ("frequency", frequency, "steps per second", _between(*FREQUENCIES)),
+        ("diagnostics", True, "publish a summary on /diagnostics", {}),
+        ("startup_grace", startup_grace, grace, _between(0.0, sys.float_info.max)),
+        ("robot", "", robot, {}),
+        ("queue_size", 1, queue, {"integer_range": [_whole(1, _MOST_QUEUED)]}),
+    ]
+
+
+def _between(low: float, high: float) -> Dict[str, Any]:
+    made = FloatingPointRange(from_value=low, to_value=high, step=0.0)
+    return {"floating_point_range": [made]}
+
+
+def _whole(low: int, high: int) -> Any:
+    return IntegerRange(from_value=low, to_value=high, step=1)

@@ -1,0 +1,70 @@
+"""Quality of service: what a configuration gives, and what is usual where it gives nothing."""
+
+from typing import Any, Dict, Iterable, Mapping
+
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+_RELIABILITIES = {
+    "reliable": ReliabilityPolicy.RELIABLE,
+    "best_effort": ReliabilityPolicy.BEST_EFFORT,
+}
+_DURABILITIES = {
+    "transient_local": DurabilityPolicy.TRANSIENT_LOCAL,
+    "volatile": DurabilityPolicy.VOLATILE,
+}
+
+
+def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
+    """Return how evidence is read: as sensor data, so that every publisher fits.
+
+    Args:
+        given: what a person wants otherwise.
+        depth: messages that wait.
+    """
+    usual = {"reliability": "best_effort", "durability": "volatile", "depth": depth}
+    return _profile({**usual, **given})
+
+
+def writing(given: Mapping[str, Any], depth: int) -> QoSProfile:
+    """Return how results are written: nothing is lost, and who comes late gets the last one.
+
+    Args:
+        given: what a person wants otherwise.
+        depth: messages that wait.
+    """
+    usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
+    return _profile({**usual, **given})
+
+
+def _profile(wanted: Mapping[str, Any]) -> QoSProfile:
+    times: Dict[str, Any] = {
+        name: Duration(seconds=wanted[name]) for name in ("deadline", "lifespan") if name in wanted
+    }
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=wanted["depth"],
+        reliability=_RELIABILITIES[wanted["reliability"]],
+        durability=_DURABILITIES[wanted["durability"]],
+        **times,
+    )
+
+
+def keeps(profile: QoSProfile) -> bool:
+    """Return whether a reader gets messages of before it was there, which may be of any age."""
+    return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
+    """Return what of every writer is less than a reader asks for, empty when one fits."""
+    reasons = [_lacking(reader, one) for one in writers]
+    return reasons[0] if reasons and all(reasons) else ""
+
+
+def _lacking(reader: QoSProfile, writer: QoSProfile) -> str:
+    reliable = reader.reliability == ReliabilityPolicy.RELIABLE
+    if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
+        return "the reliability"
+    if keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
+        return "the durability"
+    return ""

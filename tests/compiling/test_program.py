@@ -1,0 +1,66 @@
+"""The instruction set: what the page lists is what front ends make and back ends print."""
+
+from __future__ import annotations
+
+import re
+
+from eddi_scaffold.compiling.expressions.form import SIGNATURES
+from eddi_scaffold.compiling.program import instructions
+from eddi_scaffold.compiling.program.instructions import (
+    BOOL,
+    FILTERS,
+    LEAVES,
+    NUMBER,
+    TEXT,
+    Interval,
+    Operation,
+    Program,
+    Read,
+    Result,
+)
+from eddi_scaffold.compiling.program.judgements import JUDGEMENTS
+from eddi_scaffold.compiling.program.python import Printer
+from eddi_scaffold.targets import c_step
+from eddi_scaffold.targets.monitor_model import named
+
+_VALUES = {
+    "variable": 0,
+    "number": 1.0,
+    "truth": 2,
+    "literal": 0,
+    "age": 0,
+    "is_covered": ("a",),
+    "is_within": (Interval(0.0, 1.0, True),),
+    "debounce": 3,
+    "majority": 3,
+}
+_READ = {"is_covered": TEXT, "is_within": NUMBER}
+
+
+def everything() -> set[str]:
+    return {*SIGNATURES, *LEAVES, *JUDGEMENTS, *FILTERS}
+
+
+def test_the_list_is_complete() -> None:
+    _, table, _ = re.split(r"(?s)\n=+ +=+\n", instructions.__doc__ or "")
+    first = re.findall(r"(?m)^``(.*?)``", table)
+    listed = {word for words in first for word in words.split()}
+    assert {one.removesuffix("_bool").removesuffix("_enum") for one in everything()} == listed
+
+
+def test_each_operation_is_printed_by_both_back_ends() -> None:
+    silent = set()
+    for op in sorted(everything() - set(LEAVES)):
+        types, type_ = SIGNATURES.get(op, ((_READ.get(op, BOOL),), BOOL))
+        read = tuple(Read(f"x{k}", one, stamped=True) for k, one in enumerate(types or (NUMBER,)))
+        leaves = [Operation("variable", (), one.type, k) for k, one in enumerate(read)]
+        window = {"window": 10, "capacity": 4} if op in instructions.WINDOWS else {}
+        done = Operation(op, tuple(range(len(types))), type_, _VALUES.get(op), op, **window)
+        last = Result("y", len(leaves))
+        program = Program(1, read, (*leaves, done), (last,))
+        in_python = Printer(program, [one.name for one in read]).operations()
+        in_c = c_step.statements(named(program, "one", []))
+        result = f"r{len(leaves)}"
+        silent |= {op} if not any(result in line for line in in_python) else set()
+        silent |= {op} if not any(f"{result} = " in line for line in in_c) else set()
+    assert silent == set()

@@ -1,0 +1,104 @@
+"""A node of rclpy that a test steers with JSON lines, as ``tests/ros1/probe.py`` is one of rospy.
+
+Commands on stdin, what happened on stdout.
+"""
+
+import importlib
+import json
+import os
+import sys
+import threading
+import time
+
+import rclpy
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+_lock = threading.Lock()
+_publishers, _repeats = {}, {}
+_KEPT = DurabilityPolicy.TRANSIENT_LOCAL
+
+
+def say(**event):
+    with _lock:
+        sys.stdout.write(json.dumps(event) + "\n")
+        sys.stdout.flush()
+
+
+def message_class(name):
+    package, kind = name.split("/")
+    return getattr(importlib.import_module(package + ".msg"), kind)
+
+
+def plain(value):
+    if hasattr(value, "get_fields_and_field_types"):
+        return {field: plain(getattr(value, field)) for field in value.get_fields_and_field_types()}
+    if isinstance(value, bytes):
+        return value[0]
+    return [plain(one) for one in value] if isinstance(value, list) else value
+
+
+def built(cls, fields):
+    """Return a message; a map is the fields of a message in it."""
+    of = {name: getattr(cls(), name).__class__ for name in fields}
+    values = {k: built(of[k], v) if isinstance(v, dict) else v for k, v in fields.items()}
+    return cls(**values)
+
+
+def subscribe(topic, kind):
+    def received(message):
+        say(event="message", topic=topic, t=time.monotonic(), data=plain(message))
+
+    qos = QoSProfile(depth=1000, durability=_KEPT)
+    _node.create_subscription(message_class(kind), topic, received, qos)
+
+
+def publisher(topic, kind, latch, connected):
+    if topic not in _publishers:
+        kept = QoSProfile(depth=1, durability=_KEPT)
+        qos = kept if latch else QoSProfile(depth=1000)
+        _publishers[topic] = _node.create_publisher(message_class(kind), topic, qos)
+    while connected and not _publishers[topic].get_subscription_count():
+        time.sleep(0.01)
+    return _publishers[topic]
+
+
+def publish(topic, kind, fields, latch=False, connected=False):
+    publisher(topic, kind, latch, connected).publish(built(message_class(kind), fields))
+    say(event="published", topic=topic, t=time.monotonic())
+
+
+def every(topic, kind, fields, hz, connected=True):
+    message = built(message_class(kind), fields)
+    stop = _repeats[topic] = threading.Event()
+
+    def run():
+        made = publisher(topic, kind, False, connected)
+        say(event="connected", topic=topic, t=time.monotonic())
+        due, sent = time.monotonic(), 0
+        while not stop.is_set():
+            made.publish(message)
+            sent += 1
+            due += 1.0 / hz
+            stop.wait(max(0.0, due - time.monotonic()))
+        say(event="sent", topic=topic, count=sent)
+
+    threading.Thread(target=run, daemon=True).start()
+
+
+def stop(topic):
+    _repeats.pop(topic).set()
+
+
+def main():
+    say(event="ready")
+    threading.Thread(target=rclpy.spin, args=[_node], daemon=True).start()
+    commands = {f.__name__: f for f in (subscribe, publish, every, stop)}
+    for line in sys.stdin:
+        command = json.loads(line)
+        commands[command.pop("do")](**command)
+
+
+if __name__ == "__main__":
+    rclpy.init()
+    _node = rclpy.create_node(f"probe_{os.getpid()}")
+    main()

@@ -1,0 +1,233 @@
+"""A graph with the same monitor on it, once for each transport: real nodes, real middleware."""
+
+import contextlib
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+from eddi_scaffold.kinds.consert.messages import MESSAGES
+from tests.cli.command import run
+from tests.ros1.world import PYTHON, RUNTIME, World, active, make_messages, until, why_no_ros
+
+HERE = Path(__file__).parent
+CONFIG = HERE / "rover_config.yml"
+FAULT = "        if mode.data == 'raise':\n            raise ValueError('on purpose')\n"
+NAMES = ("/rover", "/robot1/rover")
+
+
+class Stage(World):
+    """What each test runs on.
+
+    Attributes:
+        ear: hears the outputs and the diagnostics.
+        source: publishes evidence.
+    """
+
+    def begin(self):
+        """Start what all tests use together."""
+        self.ear, self.source = self.new_probe(), self.new_probe()
+        self.ear.subscribe("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+        for name in NAMES:
+            self.ear.subscribe(f"{name}/guarantees")
+
+    def feed(self, source, topic, kind, values, *, hz=10, **more):
+        """Have a probe publish a value again and again, until ``stop``."""
+        source.do("every", topic=topic, kind=kind, fields={"data": values}, hz=hz, **more)
+
+    def verdicts(self, after, name="/rover"):
+        """Return the sets of active guarantees in their order, each change once, as a text.
+
+        Before, none was active.
+        """
+        found = ["none"]
+        for event in self.ear.outputs(f"{name}/guarantees", after):
+            said = "+".join(sorted(active(event))) or "none"
+            if found[-1:] != [said]:
+                found.append(said)
+        return " ".join(found)
+
+    def until(self, *guarantees, name="/rover", after=None, timeout=10.0):
+        """Wait until exactly these guarantees are active."""
+        self.ear.active(f"{name}/guarantees", set(guarantees), timeout, after)
+
+    def told(self, words, name="/rover", after=None, timeout=10.0):
+        """Wait until the diagnostics of a node have some words; return (message, values)."""
+        _, message, values = self.ear.diagnostics(
+            name, lambda level, text, values: words in text, timeout, after
+        )
+        return message, values
+
+    def start_simulated(self, namespace):
+        """Start a node whose steps are at the time of /clock."""
+        return self.start(namespace, "use_sim_time:=true")
+
+    def clock(self, seconds):
+        """Let it be so late."""
+        fields = {"clock": {"sec": int(seconds), "nanosec": int(seconds % 1 * 1e9)}}
+        self.source.publish("/clock", "rosgraph_msgs/Clock", fields)
+
+
+class Ros1Stage(Stage):
+    """ROS 1: a master of its own."""
+
+    def __init__(self, folder):
+        super().__init__(folder, make_messages(folder / "messages", MESSAGES))
+        (folder / "src").mkdir()
+        self.package = generated(folder, "src/eddi_monitor/rover", "-w", folder, code="src/rover")
+        self.core = self.master()
+
+    def env(self, master, messages=None):
+        given = super().env(master, messages)
+        return {**given, "PYTHONPATH": f"{self.package / 'src'}:{given['PYTHONPATH']}"}
+
+    def new_probe(self):
+        return self.probe(self.core)
+
+    def start_simulated(self, namespace):
+        """Start a node whose steps are at the time of /clock."""
+        self.core.call("setParam", "/use_sim_time", True)
+        node = self.start(namespace)
+        until(lambda: "monitor of" in node.text, what="the first line of the log")
+        self.core.call("setParam", "/use_sim_time", False)
+        return node
+
+    def clock(self, seconds):
+        """Let it be so late."""
+        fields = {"clock": {"secs": int(seconds), "nsecs": int(seconds % 1 * 1e9)}}
+        self.source.publish("/clock", "rosgraph_msgs/Clock", fields)
+
+    def start(self, namespace="/", *parameters):
+        words = [f"__ns:={namespace}", *(f"_{one}" for one in parameters)]
+        command = [PYTHON, str(self.package / "scripts/RosNode.py"), *words]
+        return self.process(command, self.env(self.core))
+
+
+class DdsStage(Stage):
+    """DDS on loopback, without multicast."""
+
+    def __init__(self, folder, config=CONFIG):
+        super().__init__(folder, None)
+        place = ("--platform", "dds", "-o", folder)
+        self.package = generated(folder, "rover", *place, code=".", config=config)
+        shutil.rmtree(self.package / "eddi_runtime")
+        (self.package / "eddi_runtime").symlink_to(RUNTIME / "eddi_runtime")
+        self.lock, self.domain = free_domain()
+
+    def env(self, master=None, messages=None):
+        return environment(self.domain, self.folder)
+
+    def new_probe(self):
+        command = [sys.executable, str(HERE / "dds_probe.py")]
+        return self.probe_of(command, self.env())
+
+    def start(self, namespace="/", *parameters):
+        words = ["--ros-args", "-r", f"__ns:={namespace}"]
+        words += [word for one in parameters for word in ("-p", one)]
+        return self.process([sys.executable, "-m", "rover", *words], self.env())
+
+    def destroy(self):
+        super().destroy()
+        self.lock.close()
+
+
+class Ros2Stage(Stage):
+    """ROS 2 on loopback: a workspace that its colcon has built."""
+
+    def __init__(self, folder, config=CONFIG):
+        super().__init__(folder, None)
+        (folder / "src").mkdir()
+        place = ("--platform", "ros2", "-w", folder)
+        self.package = generated(
+            folder, "src/eddi_monitor/rover", *place, code="rover", config=config
+        )
+        own = str(Path(sys.prefix) / "bin")
+        path = [one for one in os.environ["PATH"].split(os.pathsep) if one != own]
+        around = {**os.environ, "PATH": os.pathsep.join(path)}
+        subprocess.run(["colcon", "build"], cwd=folder, env=around, check=True, capture_output=True)
+        words = ["/bin/bash", "-c", '. "$0" && env -0', str(folder / "install" / "setup.bash")]
+        done = subprocess.run(words, env=around, check=True, capture_output=True, text=True)
+        self.lock, domain = free_domain()
+        self.domain = domain
+        cyclone = "cyclone" in os.environ.get("RMW_IMPLEMENTATION", "")
+        loopback = (HERE / "loopback.xml").as_uri()
+        near = {"CYCLONEDDS_URI": loopback} if cyclone else {"ROS_LOCALHOST_ONLY": "1"}
+        own = {"ROS_DOMAIN_ID": str(domain), "PYTHONUNBUFFERED": "1", **near}
+        sourced = (line.split("=", 1) for line in done.stdout.split("\0") if "=" in line)
+        self.environment = {**dict(sourced), **own}
+
+    def env(self, master=None, messages=None):
+        return self.environment
+
+    def new_probe(self):
+        return self.probe_of([PYTHON, str(HERE / "ros2_probe.py")], self.environment)
+
+    def start(self, namespace="/", *parameters):
+        words = ["--ros-args", "-r", f"__ns:={namespace}"]
+        words += [word for one in parameters for word in ("-p", one)]
+        node = self.folder / "install" / "rover" / "lib" / "rover" / "ros_node"
+        return self.process([str(node), *words], self.environment)
+
+    def destroy(self):
+        super().destroy()
+        self.lock.close()
+
+
+def generated(folder, package, *place, code, config=CONFIG):
+    """Return the package of the monitor, with a line that somebody wrote."""
+    done = run("generate", *place, "-m", HERE / "rover.yml", "-c", config, cwd=folder)
+    assert done.status == 0, done.err
+    made = folder / package
+    module = made / code / "EDDIInput.py"
+    line = "        self.Mode = mode.data\n"
+    text = module.read_text("utf-8")
+    assert text.count(line) == 1
+    module.write_text(text.replace(line, FAULT + line), "utf-8")
+    return made
+
+
+def environment(domain, *folders):
+    """Return that of a process on loopback which may import what is in the folders."""
+    return {
+        **os.environ,
+        "PYTHONPATH": ":".join(map(str, (*folders, RUNTIME))),
+        "PYTHONUNBUFFERED": "1",
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "ROS_DOMAIN_ID": str(domain),
+        "CYCLONEDDS_URI": (HERE / "loopback.xml").as_uri(),
+    }
+
+
+def free_domain():
+    """Return a domain that no other test of this machine uses, and what keeps it."""
+    for domain in range(1, 100):
+        lock = socket.socket(socket.AF_UNIX)
+        with contextlib.suppress(OSError):
+            lock.bind(f"\0eddi-dds-{domain}")
+            return lock, domain
+        lock.close()
+    raise AssertionError("no free domain")
+
+
+def why_no_dds():
+    """Return why DDS cannot be used here, ``None`` when it can."""
+    try:
+        import cyclonedds.domain  # noqa: F401
+    except ImportError as error:
+        return f"no DDS here: {error}"
+    return None
+
+
+def why_no_rclpy():
+    """Return why ROS 2 cannot be used here, ``None`` when it can."""
+    done = subprocess.run([PYTHON, "-c", "import rclpy"], capture_output=True, check=False)
+    return "no rclpy here, it comes with ROS 2: its adapter is not run" if done.returncode else None
+
+
+STAGES = {
+    "ros1": (Ros1Stage, why_no_ros),
+    "dds": (DdsStage, why_no_dds),
+    "ros2": (Ros2Stage, why_no_rclpy),
+}

@@ -1,0 +1,217 @@
+"""What is generated of a deployment file: a workspace for each robot, and one for the station."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.config.schema import Config
+from eddi_scaffold.deployments.fleet.fleet import read_whole_fleet
+from eddi_scaffold.deployments.fleet.sites import sites_of
+from eddi_scaffold.deployments.fleet.station import with_station
+from eddi_scaffold.deployments.fleet.words import among_others, digests_of
+from eddi_scaffold.monitors.loading import checked_models
+from eddi_scaffold.platforms import MeetingPlace
+from eddi_scaffold.source import Source
+from tests.cli.command import ROOT, files_below, run
+
+EXAMPLE = ROOT / "examples" / "two-robots"
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = Path(shutil.copytree(EXAMPLE, tmp_path_factory.mktemp("fleet") / "two-robots"))
+    result = run("generate", "deployment.yml", "-o", "cell", cwd=folder)
+    assert result.status == 0, result.err
+    return folder
+
+
+def package(cell: Path, robot: str, name: str) -> Path:
+    return cell / "cell" / robot / "src" / "eddi_monitor" / name
+
+
+def digest(cell: Path, robot: str) -> str:
+    model = package(cell, robot, robot) / "config" / "model.json"
+    return str(json.loads(model.read_text("utf-8"))["sha256"])
+
+
+def test_a_robot_knows_the_models_of_those_that_it_relies_on(cell: Path) -> None:
+    for robot, others in (("cart", ["arm"]), ("station", ["arm", "cart", "cart"]), ("arm", [])):
+        node = (package(cell, robot, robot) / "scripts" / "RosNode.py").read_text("utf-8")
+        assert re.findall("'([0-9a-f]{64})'", node) == [digest(cell, other) for other in others]
+        assert "FLEET = Fleet(" in node
+
+
+def test_a_second_time_changes_nothing(cell: Path) -> None:
+    before = files_below(cell / "cell")
+    result = run("generate", "deployment.yml", "-o", "cell", cwd=cell)
+    assert result.status == 0
+    assert "nothing to change" in result.err
+    assert files_below(cell / "cell") == before
+
+
+def test_each_workspace_is_one_by_itself(cell: Path) -> None:
+    for robot in ("arm", "cart", "station"):
+        result = run("status", "-w", f"cell/{robot}", cwd=cell)
+        assert result.status == 0, result.out
+        assert f"{robot}: up to date" in result.out
+        assert run("upgrade", "-w", f"cell/{robot}", cwd=cell).status == 0
+
+
+def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(cell, tmp_path / "copy"))
+    body = package(folder, "cart", "cart") / "src" / "cart" / "EDDIInput.py"
+    text = body.read_text("utf-8")
+    line = "self.WayIsFree = scanner.data"
+    assert line in text
+    body.write_text(text.replace(line, f"{line}  # mine"), "utf-8")
+    deployment = folder / "deployment.yml"
+    more = "  - {name: arm2, monitors: [{config: arm_config.yml}]}\nBindings:"
+    changed = deployment.read_text("utf-8").replace("Bindings:", more).replace("[arm]", "any")
+    deployment.write_text(changed, "utf-8")
+    before = files_below(folder / "cell")
+    dry = run("generate", "deployment.yml", "-o", "cell", "--dry-run", cwd=folder)
+    assert dry.status == 0, dry.err
+    assert files_below(folder / "cell") == before
+    assert "arm2" in dry.out
+    result = run("generate", "deployment.yml", "-o", "cell", cwd=folder)
+    assert result.status == 0, result.err
+    assert "# mine" in body.read_text("utf-8")
+    node = (package(folder, "cart", "cart") / "scripts" / "RosNode.py").read_text("utf-8")
+    assert "'peer_any_Parked'" in node
+
+    deployment.write_text(deployment.read_text("utf-8").replace("lease: 1.0", "lease: 0.1"))
+    before = files_below(folder)
+    assert run("generate", "deployment.yml", "-o", "cell", cwd=folder).status == 2
+    assert files_below(folder) == before
+
+    text = (EXAMPLE / "deployment.yml").read_text("utf-8").replace("[arm]", "[other]")
+    text = text.replace("name: arm", "name: other").replace("cart_config", "arm_config")
+    deployment.write_text(re.sub("Bindings:.*", "", text, flags=re.DOTALL), "utf-8")
+    result = run("generate", "deployment.yml", "-o", "cell", "--dry-run", cwd=folder)
+    assert result.status == 3
+    assert "cart: cart is no monitor of this robot in the deployment file" in result.err
+
+    shutil.copy(EXAMPLE / "deployment.yml", deployment)
+    result = run("generate", "deployment.yml", "-o", "cell", cwd=folder)
+    assert result.status == 3
+    assert "arm2 is no robot of the deployment file" in result.err
+
+
+@pytest.mark.parametrize(
+    ("station", "platform", "graph"),
+    [
+        ("", "dds", MeetingPlace("domain", "4")),
+        ("Station: {platform: ros2}", "ros2", MeetingPlace("domain", "4")),
+        ("Station: {platform: dds, domain: 4}", "dds", MeetingPlace("domain", "4")),
+        ("Station: {domain: 5}", "dds", MeetingPlace("domain", "5")),
+        ("Station: {platform: ros1, name: desk}", "ros1", MeetingPlace("master", "")),
+    ],
+)
+def test_the_station_is_where_the_first_robot_is(
+    station: str, platform: str, graph: MeetingPlace
+) -> None:
+    arms = "\n".join(
+        f"  - {{name: arm{number}, platform: {place}, monitors: [{{config: arm_config.yml}}]}}"
+        for number, place in enumerate(["dds, domain: 4", "dds, domain: 5", "ros1"])
+    )
+    source = Source(str(EXAMPLE / "deployment.yml"), f"Robots:\n{arms}\n{station}".encode())
+    fleet, problems = read_whole_fleet(source, checked_models)
+    assert fleet is not None, problems
+    found = with_station(fleet).robots[-1]
+    assert (found.platform.name, found.graph) == (platform, graph)
+    (bond,) = with_station(fleet).bonds
+    assert bond.offers[0].seat.robot.graph == graph
+
+
+def test_how_a_robot_is_started_where_it_meets_others() -> None:
+    robots = [
+        ("ros1, master: 'http://there:11311'", "ROS_MASTER_URI=http://there:11311 roslaunch"),
+        ("ros1, namespace: /", "roslaunch eddi_monitor_launcher eddi.launch"),
+        ("ros2, domain: 3", "ROS_DOMAIN_ID=3 ros2 launch"),
+        ("dds, partition: hall", "ROS_DOMAIN_ID=0 arm --ros-args -r __ns:=/r3 -p partition:=hall"),
+        ("dds, namespace: /", "ROS_DOMAIN_ID=0 arm"),
+        ("plain", "pip install cell/r5/arm"),
+    ]
+    entries = [
+        f"  - {{name: r{k}, platform: {place}, monitors: [{{config: arm_config.yml}}]}}"
+        for k, (place, _) in enumerate(robots)
+    ]
+    text = "\n".join(["Robots:", *entries])
+    source = Source(str(EXAMPLE / "deployment.yml"), text.encode())
+    sites, _ = sites_of(source, checked_models)
+    assert [one.name for one in sites][-1] == "station"
+    for site, (_, command) in zip(sites, robots, strict=False):
+        steps = site.next_steps(Path("cell", site.name))
+        assert any(f"cell/{site.name}" in one for one in steps)
+        assert any(one.startswith(command) for one in steps), steps
+
+
+def configured(text: str, folder: Path = EXAMPLE) -> dict[str, Config]:
+    """Return robot -> what its monitor is configured with among others."""
+    source = Source(str(folder / "deployment.yml"), text.encode())
+    fleet, problems = read_whole_fleet(source, checked_models)
+    assert fleet is not None, problems
+    digests = digests_of(fleet)
+    found = {one.robot.name: among_others(fleet, one, digests) for one in fleet.seats}
+    for robot in fleet.robots:  # what the others are told is what the monitor is
+        ((monitor,), _) = fleet.monitors(robot, lambda seat: found[seat.robot.name])
+        assert json.loads(monitor.model_json)["sha256"] == digests[robot.name, 0]
+    return {name: config.config for name, config in found.items()}
+
+
+ARM, SLOW = "config: arm_config.yml", "config: arm_config.yml, override: {Model: {debounce: 3}}"
+
+
+@pytest.mark.parametrize(
+    ("whose", "robots"),
+    [("[arm3, arm1, arm2]", [("arm1",), ("arm2",), ("arm3",)]), ("any", ["any", "any"])],
+)
+def test_one_of_several_guarantees_suffices(whose: str, robots: list[object]) -> None:
+    arms = [
+        f"  - {{name: arm{k}, monitors: [{{{of}}}]}}" for k, of in enumerate((ARM, SLOW, SLOW), 1)
+    ]
+    cart = "  - {name: cart, monitors: [{config: cart_config.yml}]}"
+    bindings = f"Bindings: [{{demand: ArmIsParked, from: {whose}}}]"
+    config = configured("\n".join(["Robots:", *arms, cart, bindings]))["cart"]
+    words = [one.peers for one in config.SimulatorOutputs if one.peers is not None]
+    assert [one.robots for one in words] == robots
+    assert len({one.digest for one in words}) == 2
+    entry = next(one for one in config.EDDIInputs if one.id == "ArmIsParked")
+    assert entry.expression == " OR ".join(
+        f"{id_}.guarantees[Parked].active" for id_ in entry.requires
+    )
+    assert entry.max_age == 1.0
+
+
+def test_digests_settle_along_a_chain_of_demands(tmp_path: Path) -> None:
+    """How many models offer what a robot demands is told by its digest, on which others rely."""
+    link = """\
+guarantees: [{id: G, dimensions: [{Binary: {type: LEVEL}}]}]
+demands: [{id: D, dimensions: [{Binary: {type: BELOW}}]}]
+evidence: []
+gates: []
+tree_propagations: [{from: D, to: G}]
+required_services: []
+provided_services: []
+"""
+    robots = []
+    for level, count in ((0, 2), (1, 2), (2, 1)):
+        text = link.replace("LEVEL", f"L{level}").replace("BELOW", f"L{level - 1}")
+        (tmp_path / f"l{level}.yml").write_text(text, "utf-8")
+        config = f"Model: {{id: l{level}, type: ConSert, parameters: [{{model: l{level}.yml}}]}}\n"
+        config += "EDDIOutputs: [{id: out, topic: out}]\n"
+        (tmp_path / f"l{level}_config.yml").write_text(config, "utf-8")
+        robots += [
+            f"  - {{name: r{level}{k}, monitors: [{{config: l{level}_config.yml, "
+            f"override: {{Model: {{debounce: {k + 1}}}}}}}]}}"
+            for k in range(count)
+        ]
+    bindings = [f"  - {{robot: r{one}, demand: D}}" for one in ("10", "11", "20")]
+    found = configured("\n".join(["Robots:", *robots, "Bindings:", *bindings]), tmp_path)
+    heard = [one.peers.digest for one in found["r20"].SimulatorOutputs if one.peers is not None]
+    assert len(set(heard)) == len(heard) == 2

@@ -1,0 +1,1 @@
+"""Two real robots: the guarantee of one rests on that of the other."""

@@ -1,0 +1,179 @@
+"""The platform ros2: packages of ament, with what people write as on ROS 1."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+import yaml
+
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.platforms import platforms
+from eddi_scaffold.ros import package_names
+from tests.cli.command import EXAMPLE, ROOT, run
+from tests.kinds.examples import EXAMPLES
+
+CONTRACT = ROOT / "tests" / "contract"
+MODEL = EXAMPLE / "two_conserts.xml"
+RUNTIME = ROOT / "runtime_lib" / "src"
+OWN = "<exec_depend>my_msgs</exec_depend>\n  "
+EDITED = {
+    "consertb/consertb/EDDIInput.py": ("RtE_A_E0 = RtE_E0.data", "RtE_A_E0 = RtE_E0.data is True"),
+    "consertb/config/parameters.yaml": ("diagnostics: true", "diagnostics: false  # mine"),
+    "consertb/launch/eddi_monitor.launch.py": ("respawn_delay=2.0", "respawn_delay=5.0"),
+    "consertb/package.xml": ("<exec_depend>rclpy", f"{OWN}<exec_depend>rclpy"),
+    "eddi_messages/CMakeLists.txt": ("find_package(ament_cmake", "find_package( ament_cmake"),
+}
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a workspace with both monitors of the example."""
+    place = tmp_path_factory.mktemp("ros2")
+    (place / "src").mkdir()
+    configs = [word for letter in "ab" for word in ("-c", EXAMPLE / f"consert_{letter}_config.yml")]
+    done = run("generate", "--platform", "ros2", "-w", place, "-m", MODEL, *configs, cwd=place)
+    assert done.status == 0, done.err
+    return place
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_what_people_write_is_made_of_the_same_answers_as_on_ros1(kind: str) -> None:
+    model, config = (ROOT / "examples" / name for name in EXAMPLES[kind])
+    (monitor,), _ = monitors_of(model, [config])
+    one, two = (platforms()[name].monitor(monitor)[0].answers for name in ("ros1", "ros2"))
+    for name in ("inputs", "modules", "runtime_names", "aliases", "message_imports"):
+        assert one[name] == two[name]
+
+
+def test_what_people_write_is_equal_to_that_of_ros1(workspace: Path) -> None:
+    expected = EXAMPLE / "expected" / "src" / "eddi_monitor"
+    for name in ("conserta", "consertb"):
+        ours = workspace / "src/eddi_monitor" / name / name / "EDDIInput.py"
+        assert ours.read_bytes() == (expected / name / "src" / name / "EDDIInput.py").read_bytes()
+
+
+def test_packages_are_those_of_ament(workspace: Path) -> None:
+    packages = workspace / "src" / "eddi_monitor"
+    types = {}
+    for path in sorted(packages.glob("*/package.xml")):
+        manifest = ET.parse(path).getroot()
+        assert manifest.get("format") == "3"
+        assert manifest.findtext("name") == path.parent.name
+        types[path.parent.name] = manifest.findtext("export/build_type")
+        if types[path.parent.name] == "ament_python":
+            assert (path.parent / "resource" / path.parent.name).read_bytes() == b""
+    assert types == {
+        "conserta": "ament_python",
+        "consertb": "ament_python",
+        "eddi_messages": "ament_cmake",
+        "eddi_monitor_launcher": "ament_cmake",
+        "eddi_runtime": "ament_python",
+    }
+    for path in packages.rglob("*.py"):
+        ast.parse(path.read_text("utf-8"), feature_version=(3, 8))
+    transports = (packages / "eddi_runtime/eddi_runtime/transports").iterdir()
+    assert {path.name for path in transports} == {"__init__.py", "ros2"}
+    listed = (packages / "eddi_monitor_launcher/launch/eddi.launch.py").read_text("utf-8")
+    assert re.findall(r"^    '(.*)',$", listed, re.MULTILINE) == ["conserta", "consertb"]
+    parameters = yaml.safe_load((packages / "consertb/config/parameters.yaml").read_text("utf-8"))
+    given = parameters["/**"]["ros__parameters"]
+    assert given == {"frequency": 10.0, "diagnostics": True, "startup_grace": 10.0}
+
+
+def test_messages_are_those_of_ros1(workspace: Path) -> None:
+    ours = workspace / "src/eddi_monitor/eddi_messages/msg"
+    theirs = EXAMPLE / "expected/src/eddi_monitor/eddi_messages/msg"
+    texts = [{path.name: path.read_bytes() for path in one.iterdir()} for one in (ours, theirs)]
+    assert texts[0] == texts[1]
+
+
+def test_qos_and_either_spelling_of_a_type() -> None:
+    (monitor,), _ = monitors_of(CONTRACT / "rover.yml", [CONTRACT / "rover_config.yml"])
+    package, problems = platforms()["ros2"].monitor(monitor)
+    assert problems == []
+    heard = {one["id"]: one for one in package.answers["subscriptions"]}
+    assert heard["'mode'"]["more"] == ", qos={'reliability': 'reliable'}"
+    assert heard["'mode'"]["message_class"] == "String"
+    assert "from std_msgs.msg import String" in package.answers["message_imports"]
+    (published,) = package.answers["publications"]
+    assert published["more"].strip() == "qos={'depth': 2, 'lifespan': 5.0},"
+
+
+def test_a_field_that_only_ros1_has_is_refused(tmp_path: Path) -> None:
+    config = yaml.safe_load((CONTRACT / "rover_config.yml").read_text("utf-8"))
+    config["SimulatorOutputs"][1]["type"] = "sensor_msgs/Range"
+    config["EDDIInputs"][1]["field"] = "header.stamp.secs"
+    path = tmp_path / "config.yml"
+    path.write_text(yaml.safe_dump(config, sort_keys=False), "utf-8")
+    (monitor,), _ = monitors_of(CONTRACT / "rover.yml", [path])
+    _, (problem,) = platforms()["ros2"].monitor(monitor)
+    assert problem.message.startswith("builtin_interfaces/Time has no field 'secs'")
+
+
+def test_names_of_packages_that_are_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for place in ("opt/share/rover", "ws/src/lander", "ws/src/hidden/crawler"):
+        folder = tmp_path / place
+        folder.mkdir(parents=True)
+        text = f"<package><name>{folder.name}</name><version>1.0.0</version></package>"
+        (folder / "package.xml").write_text(text)
+    (tmp_path / "ws/src/hidden/COLCON_IGNORE").touch()
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "opt"))
+    taken = platforms()["ros2"].taken_names(tmp_path / "ws" / "src" / "eddi_monitor")
+    assert {"rover", "lander", "rclpy", "json", package_names.LAUNCHER} <= taken.keys()
+    assert "crawler" not in taken
+
+
+def test_a_node_without_ros_says_what_is_missing(workspace: Path) -> None:
+    try:
+        import rclpy  # noqa: F401
+    except ImportError:
+        folder = workspace / "src" / "eddi_monitor" / "consertb"
+        done = subprocess.run(
+            [sys.executable, "-m", "consertb.RosNode"],
+            capture_output=True,
+            text=True,
+            env={"PYTHONPATH": f"{folder}:{RUNTIME}", "PYTHONDONTWRITEBYTECODE": "1"},
+            check=False,
+        )
+        assert (done.returncode, done.stdout) == (1, "")
+        assert done.stderr == (
+            "consertb: error: No module named 'rclpy': source the setup.bash of ROS 2 (Humble or"
+            " newer), then that of this workspace\n"
+        )
+    else:
+        pytest.skip("rclpy is here")
+
+
+def test_hand_edits_survive_an_upgrade(workspace: Path) -> None:
+    packages = workspace / "src" / "eddi_monitor"
+    mine = {}
+    for name, (old, new) in EDITED.items():
+        path = packages / name
+        text = path.read_text("utf-8")
+        assert text.count(old) == 1
+        path.write_text(text.replace(old, new), "utf-8")
+        mine[name] = path.read_bytes()
+    newer = workspace / "newer.xml"
+    text = MODEL.read_text("utf-8")
+    newer.write_text(text.replace("sensor of system B", "camera of system B"), "utf-8")
+    done = run("upgrade", "-w", workspace, "-m", newer, cwd=workspace)
+    assert done.status == 0, done.err
+    assert "camera of system B" in (packages / "consertb/config/model.json").read_text("utf-8")
+    text = mine["consertb/consertb/EDDIInput.py"].decode()
+    mine["consertb/consertb/EDDIInput.py"] = text.replace("sensor of", "camera of").encode()
+    assert {name: (packages / name).read_bytes() for name in EDITED} == mine
+    assert run("status", "-w", workspace, cwd=workspace).status == 0
+    listed = run("regions", packages / "consertb", cwd=workspace)
+    assert "input:RtE_A_E0" in listed.out
+    assert "edited" in listed.out
+    traced = run("trace", "-w", workspace, cwd=workspace)
+    assert traced.status == 0, traced.err
+    assert "consertb" in traced.out

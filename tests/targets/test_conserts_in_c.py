@@ -1,0 +1,199 @@
+"""A ConSert in C99: the verdicts of its Python monitor, whatever is unknown or too old."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+import subprocess
+from pathlib import Path
+
+from eddi_scaffold.compiling.compilation import program_of
+from eddi_scaffold.compiling.document import check_document
+from eddi_scaffold.language.input_expressions import ExpressionText, compile_input
+from eddi_scaffold.problems import Place
+from eddi_scaffold.targets import printed
+from eddi_scaffold.targets.kept_bodies import keep_in_folder
+from eddi_scaffold.targets.monitor_model import named
+from runtime_lib.tests.documents import binary, categorical, compiled, document, give, numeric
+from tests.cli.command import ROOT, run
+from tests.language.c_program import SANITIZE, compile_c
+
+TEXTS = ["low", "mid", 'é ??/ "\\', "a\0b"]
+VALUES = {
+    "numeric": [math.nan, math.inf, -math.inf, 0.0, -0.0, 4.999, 5.0, 7.0, 1.0, 2.0, 6.0, 3, None],
+    "categorical": [*TEXTS[:3], "a", "", "lo", None],
+    "binary": [True, True, False, None],
+}
+SETTINGS = (
+    {},
+    {},
+    {"filter": {"kind": "debounce", "regain_after": 2}},
+    {"filter": {"kind": "majority", "window": 3}},
+)
+PERIOD = 10**8
+OLD = 0.25
+"""Seconds that the first three inputs may be old."""
+
+
+def consert(rng, settings):
+    """Return a document and the kinds of its inputs; each gate reads two to four before it."""
+    dimensions = [
+        binary(),
+        numeric("[0, 5)", "[7, inf]"),
+        categorical(*TEXTS),
+        numeric("[3, 6]"),
+        numeric(),
+    ]
+    evidence = [(f"in {k}", rng.choice(dimensions)) for k in range(10)]
+    ids = [name for name, _ in evidence] + ["d0", "d1"]
+    specs = {name: {"attribute": f"a{k}"} for k, name in enumerate(ids)}
+    specs.update({name: {**specs[name], "max_age": OLD} for name in ids[:3]})
+    gates, edges = [], []
+    for k in range(12):
+        before = [*ids, *(f"g{i}" for i in range(k))]
+        edges += [(one, f"g{k}") for one in rng.sample(before, rng.randint(1, 4))]
+        gates.append(f"g{k}{rng.choice('&|')}")
+    edges += [("g11", "G"), ("g10", "H"), ("g9", "H"), (ids[0], "I")]
+    guarantees = ["G", "H", "I", {"id": "default", "default": True}]
+    made = document(evidence, ["d0", "d1"], gates, guarantees, edges, specs=specs, **settings)
+    return made, [of["kind"] for _, of in evidence] + ["binary"] * 2
+
+
+def in_c(value, kind):
+    if value is None:
+        return {"binary": "1", "numeric": "NAN", "categorical": "NULL"}[kind]
+    if isinstance(value, str):
+        return '"' + "".join(f"\\{one:03o}" for one in value.encode()) + '"'
+    if isinstance(value, bool):
+        return "2" if value else "0"
+    special = {math.inf: "(double)INFINITY", -math.inf: "-(double)INFINITY"}
+    return "NAN" if math.isnan(value) else special.get(value, float(value).hex())
+
+
+def verdicts_in_c(folder, played):
+    """Return what a program prints that calls the steps of models with arguments."""
+    main, calls, sources = [], [], [folder / "main.c"]
+    for model, steps in played:
+        for name, text in printed(model, "c").items():
+            (folder / name).write_text(text, "ascii")
+        sources.append(folder / f"{model.name}_consert.c")
+        monitor = f"s_{model.name}"
+        main += [f'#include "{model.name}_consert.h"', f"static {model.name}_t {monitor};"]
+        calls += [f"{model.name}_reset(&{monitor});"]
+        for arguments in steps:
+            calls += [f"(void){model.name}_step(&{monitor}, {', '.join(arguments)});"]
+            for k in range(len(model.events)):
+                calls += [f'printf("%d ", (int){monitor}.events[{k}].verdict);']
+            calls += ['printf("\\n");']
+    main += ["#include <math.h>", "#include <stdio.h>"]
+    main += ["int main(void)", "{", *calls, "return 0;", "}", ""]
+    sources[0].write_text("\n".join(main))
+    compile_c([*SANITIZE, *map(str, sources), "-o", str(folder / "program"), "-lm"])
+    done = subprocess.run([str(folder / "program")], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:2000]
+    return [list(map(int, line.split())) for line in done.stdout.splitlines()]
+
+
+def verdicts_of(monitor, values):
+    monitor.execute_step(give(**values))
+    return [("FALSE", "UNKNOWN", "TRUE").index(one) for one in monitor.verdicts().values()]
+
+
+def test_c_agrees_with_the_compiled_python(tmp_path: Path) -> None:
+    rng = random.Random(1)
+    played, wanted = [], []
+    for number, settings in enumerate(SETTINGS):
+        made, kinds = consert(rng, settings)
+        program = program_of(check_document(made))
+        monitor, steps = compiled(made), []
+        for step in range(200):
+            t = step * PERIOD
+            values = [rng.choice(VALUES[kind]) for kind in kinds]
+            stamps = [t - rng.choice([0, PERIOD, 2 * PERIOD, 3 * PERIOD]) for _ in range(3)]
+            ages = itertools.chain((t - one for one in stamps), itertools.repeat(0))
+            known = [v if age <= OLD * 1e9 else None for v, age in zip(values, ages)]  # noqa: B905
+            wanted.append(verdicts_of(monitor, {f"a{k}": one for k, one in enumerate(known)}))
+            arguments = [str(t)]
+            for k, (value, kind) in enumerate(zip(values, kinds, strict=True)):
+                arguments += [in_c(value, kind), *([str(stamps[k])] if k < 3 else [])]
+            steps.append(arguments)
+        played.append((named(program, f"m{number}", ["a ConSert"], kind="consert"), steps))
+    assert verdicts_in_c(tmp_path, played) == wanted
+    assert {verdict for row in wanted for verdict in row} == {0, 1, 2}
+
+
+def test_expressions_of_inputs_are_part_of_the_program(tmp_path: Path) -> None:
+    words = ("motor", "pump")
+    texts = {
+        "evidence": ("bool", "EVIDENCE", "ONCE(motor.data > 3, 300ms) AND pump.ok"),
+        "hazard": ("bool", "HAZARD", "TIME(pump.ok, 200ms)"),
+        "number": ("float", "EVIDENCE", "AVERAGE(motor.data, 300ms) - motor.data"),
+    }
+    specs = {}
+    for name, (kind, polarity, text) in texts.items():
+        one = ExpressionText(text, lambda _: Place())
+        found, _ = compile_input([one], kind, rate=10, variables=None, polarity=polarity)
+        expression = {**found.document, "names": {word: ["message", word] for word in words}}
+        specs[name] = {"expression": expression, "requires": [*words], "max_age": OLD}
+    evidence = [("evidence", binary()), ("hazard", binary()), ("number", numeric("[0, 1]"))]
+    ids = [name for name, _ in evidence]
+    made = document(evidence, guarantees=list("GHI"), edges=zip(ids, "GHI"), specs=specs)  # noqa: B905
+    program = program_of(check_document(made))
+    assert [one.name for one in program.reads] == ["motor.data", "pump.ok"]
+    monitor = compiled(made)
+    expressions = [spec.expression() for spec in monitor.inputs]
+    rng = random.Random(2)
+    messages, sent, steps, wanted = {}, {}, [], []
+    for step in range(400):
+        t = step * PERIOD
+        for word in words:
+            if rng.random() < 0.6 or word not in sent:
+                value = {"data": rng.choice([*VALUES["numeric"][:1], 2.5, 3.5, 4.0])}
+                messages[word] = give(ok=rng.random() < 0.9, **value)
+                sent[word] = t - rng.choice([0, PERIOD])
+        ages = {word: (t - sent[word]) / 1e9 for word in words}
+        fresh = {word: messages[word] for word in words if ages[word] <= OLD}
+        values = [one.value(t, fresh, ages) for one in expressions]
+        wanted.append(verdicts_of(monitor, dict(zip(ids, values, strict=True))))
+        motor = [in_c(messages["motor"].data, "numeric"), str(sent["motor"])]
+        steps.append([str(t), *motor, in_c(messages["pump"].ok, "binary"), str(sent["pump"])])
+    model = named(program, "whole", ["a ConSert"], kind="consert")
+    assert verdicts_in_c(tmp_path, [(model, steps)]) == wanted
+    assert [{row[k] for row in wanted} for k in range(3)] == [{0, 1, 2}, {0, 2}, {0, 1, 2}]
+
+
+def test_no_text_of_a_model_is_code_or_a_marker(tmp_path: Path) -> None:
+    ids = [
+        *TEXTS,
+        "*/ int x;",
+        "??/",
+        "\\",
+        "a\nb",
+        "%d",
+        "",
+        "int",
+        "// -----Manual edit end-----",
+    ]
+    made = document(
+        [(one, categorical(*ids)) for one in ids],
+        guarantees=[f"G {one}" for one in ids],
+        edges=[(one, f"G {one}") for one in ids],
+        specs={one: {"attribute": f"a{k}"} for k, one in enumerate(ids)},
+    )
+    model = named(program_of(check_document(made)), "odd", ids, kind="consert")
+    files = printed(model, "c")
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    assert keep_in_folder(files, tmp_path) == (files, [])
+    sources = [str(tmp_path / name) for name in files if name.endswith(".c")]
+    compile_c([*sources, "-o", str(tmp_path / "odd"), "-lm"])
+
+
+def test_a_kind_that_calls_the_runtime_is_refused(tmp_path: Path) -> None:
+    network = ROOT / "examples" / "pedestrian"
+    model, config = (next(network.glob(name)) for name in ("*.xml", "*config.yml"))
+    done = run("event", model, "-c", config, "--target", "c", "-o", "out", cwd=tmp_path)
+    assert done.status == 2
+    assert "there is no standalone monitor in c of the Bayesian network" in done.err
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,69 @@
+"""A page that shows what a test lets two robots publish."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+from eddi_scaffold.watch.fleet import FleetState
+from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
+from eddi_scaffold.watch.page.feed import Feed
+from eddi_scaffold.watch.page.models import pictures_of
+from eddi_scaffold.watch.page.server import open_server
+from eddi_scaffold.watch.page.view import view_of
+from eddi_scaffold.watch.text import seconds
+from tests.watch.recorded import ROBOT, warehouse
+
+
+class Fleet:
+    """Two robots, as far as the test lets time pass."""
+
+    def __init__(self) -> None:
+        self.state = FleetState()
+        self.now = 0.0
+        first = self.state.snapshot(0.0)
+        self.feed = Feed(first, view_of(first, seconds))
+
+    def play(self, until: float, robots: tuple[str, ...] = ("/robot1", "/robot2")) -> None:
+        for one in warehouse():
+            if self.now < one.t <= until:
+                for robot in robots:
+                    node = f"{robot}/{one.node}"
+                    self.take(Message(f"{robot}{one.topic}", one.type, one.content, one.t, node))
+        self.now = until
+        self.show()
+
+    def take(self, message: Message) -> None:
+        self.state.look(message.t)
+        self.state.take(message)
+
+    def show(self) -> None:
+        self.state.look(self.now)
+        snapshot = self.state.snapshot(self.now)
+        self.feed.show(snapshot, view_of(snapshot, seconds))
+
+
+def diagnostics(t: float, node: str, **values: str) -> Message:
+    pairs = {"runtime_version": "1", **{k.replace("__", "."): v for k, v in values.items()}}
+    status = SimpleNamespace(
+        name=f"{node.strip('/')}: Robot",
+        hardware_id=node,
+        message="well",
+        values=[SimpleNamespace(key=k, value=v) for k, v in pairs.items()],
+    )
+    return Message(DIAGNOSTICS_TOPIC, DIAGNOSTICS, SimpleNamespace(status=[status]), t)
+
+
+@contextmanager
+def serving(fleet: Fleet, *, seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
+    models = pictures_of([ROBOT / "warehouse.yml"])
+    limits = {"seconds": seconds, "connections": connections}
+    with open_server(0, fleet.feed, models, **limits) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
+        thread.start()
+        yield server.server_port
+        fleet.feed.close()
+        server.shutdown()
+        thread.join()

@@ -1,0 +1,211 @@
+"""What is known of a fleet, from the messages of its monitors."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.watch import fleet, limits
+from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView
+from eddi_scaffold.watch.messages import Message, heard
+from eddi_scaffold.watch.names import wanted_robots
+from tests.watch.recorded import warehouse
+
+CONSERT = "eddi_messages/ConSertStatus"
+FALSE, UNKNOWN, TRUE = 0, 1, 2
+
+
+def status(**verdicts: Any) -> SimpleNamespace:
+    rows = [
+        SimpleNamespace(id=k, verdict=v, missing=[] if v == TRUE else [f"needs_{k}"])
+        for k, v in verdicts.items()
+    ]
+    return SimpleNamespace(model_id="Cart", model_digest="ab", guarantees=rows, accepted=[])
+
+
+def message(t: float, content: Any, robot: str = "/r1", **more: Any) -> Message:
+    return Message(f"{robot}/cart/guarantees/status", CONSERT, content, t, **more)
+
+
+def only(state: FleetState, now: float = 0.0) -> MonitorView:
+    ((monitor,),) = (robot.monitors for robot in state.snapshot(now).robots)
+    return monitor
+
+
+def brief(changes: list[Change]) -> list[tuple[str, str, str | None]]:
+    return [(one.id, one.state, one.before) for one in changes]
+
+
+def test_states_reasons_and_since_when() -> None:
+    state = FleetState()
+    assert brief(state.take(message(1.0, status(A=TRUE, B=UNKNOWN)))) == [
+        ("A", "active", None),
+        ("B", "unknown", None),
+    ]
+    assert state.take(message(2.0, status(A=TRUE, B=UNKNOWN))) == []
+    assert brief(state.take(message(3.0, status(A=FALSE, B=UNKNOWN)))) == [
+        ("A", "not active", "active")
+    ]
+    a, b = only(state).verdicts
+    assert (a.state, a.reasons, a.since, a.seen) == ("not active", ("needs_A",), 3.0, True)
+    assert (b.state, b.since, b.seen) == ("unknown", 1.0, False)
+    assert (only(state).name, only(state).title, only(state).digest) == ("Cart", "ConSert", "ab")
+
+
+def test_silence_makes_every_verdict_unknown_and_the_next_message_known_again() -> None:
+    state = FleetState(patience=3.0)
+    for k in range(10):
+        state.take(message(k / 10, status(A=TRUE, B=UNKNOWN)))
+    assert state.look(3.9) == []
+    found = state.look(4.0)
+    assert brief(found) == [("A", "unknown", "active"), ("B", "unknown", "unknown")]
+    assert {(one.t, one.reasons) for one in found} == {(4.0, ("no message for more than 3 s",))}
+    assert only(state).silent
+    assert all("no message for more than 3 s" in one.reasons for one in only(state).verdicts)
+    assert state.look(100.0) == []
+    assert brief(state.take(message(101.0, status(A=TRUE, B=UNKNOWN)))) == [
+        ("A", "active", "unknown"),
+        ("B", "unknown", "unknown"),
+    ]
+    assert not only(state).silent
+
+
+def test_a_slow_monitor_is_not_silent_between_its_messages() -> None:
+    state = FleetState(patience=3.0)
+    for t in (0.0, 10.0, 20.0):
+        state.take(message(t, status(A=TRUE)))
+    assert state.look(30.0) == []
+    assert len(state.look(51.0)) == 1
+
+
+def test_one_long_pause_does_not_make_the_view_patient() -> None:
+    state = FleetState(patience=3.0)
+    for t in (0.0, 0.1, 0.2, 0.3, 600.0, 600.1):
+        state.take(message(t, status(A=TRUE)))
+    assert len(state.look(604.0)) == 1
+
+
+def test_a_kept_message_is_believed_only_when_another_one_follows() -> None:
+    state = FleetState(patience=3.0)
+    assert state.take(message(0.0, status(A=TRUE), kept=True)) == []
+    assert brief(state.look(3.5)) == [("A", "unknown", None)]
+    assert "unknown age" in only(state).verdicts[0].reasons[0]
+    assert brief(state.take(message(4.0, status(A=TRUE)))) == [("A", "active", "unknown")]
+    state.take(message(6.0, status(A=TRUE), kept=True))  # of a publisher that came back
+    assert brief(state.look(7.5)) == [("A", "unknown", "active")]
+
+
+def test_robots_are_told_apart_by_node_namespace_or_topic() -> None:
+    state = FleetState()
+    state.take(message(0.0, status(A=TRUE), "/r1"))
+    state.take(message(0.0, status(A=FALSE), "/r2"))
+    state.take(Message("/odd", CONSERT, status(A=TRUE), 0.0, node="/r3/cart"))
+    state.take(Message("/cart/guarantees/status", CONSERT, status(A=TRUE), 0.0))
+    assert [one.name for one in state.snapshot(0.0).robots] == ["/", "/r1", "/r2", "/r3"]
+
+
+def test_only_the_robots_that_are_asked_for() -> None:
+    state = FleetState(wanted_robots(["r1", "arm=/cell/arm"]))
+    for robot in ("/r1", "/r10", "/cell/arm", "/cell"):
+        state.take(message(0.0, status(A=TRUE), robot))
+    assert [one.name for one in state.snapshot(0.0).robots] == ["/r1", "arm"]
+
+
+def test_a_message_that_is_none_of_ours_is_noted_once() -> None:
+    state = FleetState()
+    for content in (SimpleNamespace(), SimpleNamespace(model_id=1, guarantees=3)):
+        assert state.take(message(0.0, content)) == []
+    (note,) = state.snapshot(0.0).notes
+    assert "/r1/cart/guarantees/status" in note
+
+
+def test_what_a_monitor_says_no_more_is_gone() -> None:
+    state = FleetState()
+    state.take(message(0.0, status(A=TRUE, B=TRUE)))
+    state.take(message(0.1, status(B=TRUE)))
+    assert [one.id for one in only(state).verdicts] == ["B"]
+
+
+def test_who_is_silent_for_longest_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fleet, "MAX_MONITORS", 3)
+    state = FleetState(patience=3.0)
+    for k in range(10):
+        state.look(10.0 * k)
+        state.take(message(10.0 * k, status(A=TRUE), f"/r{k}"))
+    assert [one.name for one in state.snapshot(95.0).robots] == ["/r7", "/r8", "/r9"]
+    assert state.snapshot(95.0).notes == ()
+
+
+def test_memory_is_limited_whatever_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fleet, "MAX_VERDICTS", 50)
+    monkeypatch.setattr(fleet, "MAX_MONITORS", 20)
+    state = FleetState()
+    for k in range(100):
+        state.take(message(0.0, status(**{f"G{k}_{n}": TRUE for n in range(7)}), f"/r{k}"))
+    snapshot = state.snapshot(0.0)
+    shown = [one for robot in snapshot.robots for m in robot.monitors for one in m.verdicts]
+    assert len(shown) == 50
+    assert len(snapshot.robots) == 20
+    assert len(snapshot.notes) == 2
+    long = state.take(message(1.0, status(x=TRUE), "/r1", node="n\x1b" * 9999))
+    assert long == []
+    state.take(message(1.0, status(B=TRUE), "/r1"))  # its seven are gone: there is room again
+    assert limits.plain("a\nb\x1b[2J" + "c" * 999).startswith("a b?[2J")
+    assert len(limits.plain("c" * 999)) == limits.MAX_TEXT
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(0.01, 9.0),
+            st.booleans(),
+            st.sampled_from([FALSE, UNKNOWN, TRUE]),
+            st.booleans(),
+        ),
+        max_size=30,
+    )
+)
+def test_nothing_is_active_unless_a_message_said_so_in_time(
+    steps: list[tuple[float, bool, int, bool]],
+) -> None:
+    state, t, fresh, said = FleetState(patience=3.0), 0.0, -1e9, FALSE
+    gaps: list[float] = []
+    for gap, comes, verdict, kept in steps:
+        t += gap
+        state.look(t)
+        if comes:
+            state.take(message(t, status(A=verdict), kept=kept))
+            if not kept:
+                gaps.append(t - fresh)
+                fresh, said = t, verdict
+        robots = state.snapshot(t).robots
+        shown = [one.state for r in robots for m in r.monitors for one in m.verdicts]
+        longest = max(3.0, 3 * max(gaps[-5:], default=0.0))
+        if "active" in shown:
+            assert said == TRUE
+            assert t - fresh <= longest
+
+
+def test_every_kind_says_what_it_publishes() -> None:
+    state = FleetState()
+    last = 0.0
+    for one in warehouse():
+        if one.t > 20.0:
+            break
+        state.look(one.t)
+        state.take(Message(f"/r1{one.topic}", one.type, one.content, one.t, f"/r1/{one.node}"))
+        last = one.t
+    (robot,) = state.snapshot(last).robots
+    found = {m.title: {one.id: one.state for one in m.verdicts} for m in robot.monitors}
+    assert found == {
+        "Event": {"PathClear": "active"},
+        "Bayesian network": {"PoseIsGood": "active", "valid": "active"},
+        "SafeML": {"in_scope": "active"},
+        "Reliability": {"valid": "active", "LastsTheShift": "active"},
+        "ConSert": {"FullSpeed": "active", "WalkingPace": "active", "StandStill": "active"},
+    }
+    assert {one.type for one in warehouse()} >= heard().keys()

@@ -1,0 +1,133 @@
+"""The metrics of a fleet, and what is made of them: alerts and a dashboard."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.watch.messages import Message
+from eddi_scaffold.watch.metrics.families import MAX_REASONS, families
+from tests.cli.command import ROOT
+from tests.watch.served import Fleet, diagnostics, serving
+from tests.watch.test_watch_page import ask
+
+FOLDER = ROOT / "examples" / "fleet-metrics"
+CONSERT = "eddi_messages/ConSertStatus"
+
+
+@pytest.fixture
+def fleet() -> Fleet:
+    found = Fleet()
+    found.play(12.5)
+    steps = {"steps": "125", "overruns": "2", "longest_step_ms": "7.5"}
+    lidar = {"nearest": "stale", "nearest__age_s": "0.9", "nearest__reason": "late"}
+    found.take(diagnostics(12.5, "/robot1/lidar", **steps, **lidar))
+    found.take(diagnostics(12.5, "/robot1/other", some="thing"))
+    found.show()
+    return found
+
+
+def samples(fleet: Fleet) -> dict[str, dict[tuple[str, ...], float]]:
+    return {one.name: one.samples for one in families(fleet.feed.shown.snapshot)}
+
+
+def test_states_reasons_steps_and_ages(fleet: Fleet) -> None:
+    found = samples(fleet)
+    full = ("/robot1", "warehouse", "FullSpeed")
+    states = {k[3]: v for k, v in found["eddi_guarantee_state"].items() if k[:3] == full}
+    assert states == {"active": 0.0, "not active": 1.0, "unknown": 0.0}
+    assert found["eddi_guarantee_state_seconds"][full] == pytest.approx(0.2)
+    assert (*full, "PathClear") in found["eddi_guarantee_reason"]
+    lidar = ("/robot1", "lidar")
+    assert found["eddi_monitor_longest_step_seconds"] == {lidar: 0.0075}
+    assert found["eddi_monitor_steps"] == {lidar: 125}
+    assert found["eddi_input_age_seconds"] == pytest.approx({(*lidar, "nearest"): 0.9})
+    assert found["eddi_input_state"] == {(*lidar, "nearest", "stale"): 1.0}
+    fleet.play(20.0, robots=("/robot2",))
+    found = samples(fleet)
+    assert found["eddi_monitor_silent"][lidar] == 1.0
+    assert (*full, "silent") in found["eddi_guarantee_reason"]
+    assert lidar not in found["eddi_monitor_steps"]  # nobody knows
+
+
+def test_reasons_are_few() -> None:
+    missing = [f"RtE{k}" for k in range(50)]
+    rows = [SimpleNamespace(id="G", verdict=0, missing=missing)]
+    content = SimpleNamespace(model_id="M", model_digest="", guarantees=rows, accepted=[])
+    fleet = Fleet()
+    fleet.take(Message("/r/m/g/status", CONSERT, content, 0.0))
+    fleet.show()
+    reasons = [labels[3] for labels in samples(fleet)["eddi_guarantee_reason"]]
+    assert reasons == [*missing[:MAX_REASONS], "other"]
+
+
+def test_of_two_monitors_of_one_name_the_worse_counts() -> None:
+    fleet = Fleet()
+    for verdict, node in ((2, "/r/a"), (1, "/r/b")):
+        rows = [SimpleNamespace(id="G", verdict=verdict, missing=[])]
+        content = SimpleNamespace(model_id="M", model_digest="", guarantees=rows, accepted=[])
+        fleet.take(Message("/r/m/g/status", CONSERT, content, 0.0, node))
+    fleet.show()
+    states = samples(fleet)["eddi_guarantee_state"]
+    assert [labels[3] for labels, value in states.items() if value] == ["unknown"]
+
+
+def test_it_is_openmetrics(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("prometheus_client", reason="the extra `metrics` is not installed")
+    from prometheus_client.openmetrics.parser import text_string_to_metric_families
+
+    attack = '"} 1\n# EOF\nevil{x="'
+    rows = [SimpleNamespace(id=attack, verdict=2, missing=[])]
+    content = SimpleNamespace(model_id=attack, model_digest="", guarantees=rows, accepted=[])
+    fleet.take(Message(f"/{attack}/m/g/status", CONSERT, content, 12.5))
+    fleet.show()
+    with serving(fleet) as port:
+        status, headers, text = ask(port, "/metrics")
+        assert status == 200
+        assert headers["Content-Type"].startswith("application/openmetrics-text; version=1.0.0")
+        parsed: Any = {one.name: one for one in text_string_to_metric_families(text)}
+        assert parsed.keys() == samples(fleet).keys()
+        assert ask(port, "/metrics", Host="prometheus.example:80")[0] == 403
+        monkeypatch.setattr("eddi_scaffold.watch.page.server._OLD_S", -1.0)
+        assert ask(port, "/metrics")[0] == 503
+
+
+def test_without_the_library_the_page_says_so(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "eddi_scaffold.watch.metrics.exposition", None)
+    with serving(fleet) as port:
+        status, _, text = ask(port, "/metrics")
+        assert (status, "prometheus-client" in text) == (501, True)
+
+
+def test_alerts_and_dashboard_ask_for_what_there_is(fleet: Fleet) -> None:
+    text = (FOLDER / "dashboard.json").read_text("utf-8")
+    assert json.loads(text)["panels"]
+    text += (FOLDER / "alerts.yml").read_text("utf-8")
+    counters = {one.name for one in families(fleet.feed.shown.snapshot) if one.type == "counter"}
+    there = {f"{name}_total" if name in counters else name for name in samples(fleet)}
+    asked = set(re.findall(r"\beddi_[a-z_]+", text))
+    assert asked <= there
+    readme = (FOLDER / "README.md").read_text("utf-8")
+    assert set(re.findall(r"`(eddi_[a-z_]+)`", readme)) == there
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("check", "config", "prometheus.yml"), ("test", "rules", "alerts_test.yml")],
+)
+def test_alerts_rise_when_they_should(words: tuple[str, ...]) -> None:
+    promtool = shutil.which("promtool")
+    if promtool is None:
+        pytest.skip("promtool is not installed on this machine (Debian: prometheus)")
+    done = subprocess.run(
+        [promtool, *words], cwd=FOLDER, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
