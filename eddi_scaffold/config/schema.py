@@ -7,6 +7,7 @@ import re
 from typing import Annotated, Any, Literal
 
 from eddi_runtime.node.settings import FREQUENCIES
+from eddi_runtime.peers import LONGEST_LEASE
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -90,12 +91,20 @@ def _seconds(value: object) -> object:
     return float(value)
 
 
-def _positive(value: object) -> object:
+def _positive(value: object, longest: float = _LONGEST_GRACE) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError("seconds (a number above 0) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
-    if not 0 < value <= _LONGEST_GRACE:
-        raise ValueError(f"seconds above 0, up to {_LONGEST_GRACE:g}, are expected")
+    if not 0 < value <= longest:
+        raise ValueError(f"seconds above 0, up to {longest:g}, are expected")
     return float(value)
+
+
+def _lease(value: object) -> object:
+    return _positive(value, LONGEST_LEASE)
+
+
+Lease = Annotated[float, BeforeValidator(_lease)]
+"""Seconds for which a word of another robot counts."""
 
 
 def _version(text: str) -> str:
@@ -310,7 +319,7 @@ class FleetSection(_Section):
 
     robot: Line
     topic: Topic = PEERS_TOPIC
-    lease: Annotated[float, BeforeValidator(_positive)] = PEERS_LEASE
+    lease: Lease = PEERS_LEASE
 
 
 class ConnectSection(_Section):

@@ -36,6 +36,12 @@ def test_the_least_configuration_and_its_defaults() -> None:
     assert (config.Package.version, config.Package.license) == ("0.1.0", "Apache-2.0")
 
 
+def test_no_lease_is_longer_than_words_are_remembered() -> None:
+    head = "Model: {id: A, type: ConSert}\n"
+    assert codes(f"{head}Fleet: {{robot: b, lease: 60}}\n") == []
+    assert codes(f"{head}Fleet: {{robot: b, lease: 60.5}}\n") == ["K005"]
+
+
 def test_an_empty_section_is_an_empty_list() -> None:
     config = read("Model: {id: A, type: ConSert}\nEDDIInputs:\nSimulatorOutputs: ~\n").config
     assert (config.EDDIInputs, config.SimulatorOutputs) == ([], [])

@@ -8,13 +8,12 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StrictInt
 from pydantic import StrictStr as Text
 
-from eddi_scaffold.config.schema import PEERS_LEASE, PEERS_TOPIC, FileName, Line, Name, Topic
+from eddi_scaffold.config.schema import PEERS_LEASE, PEERS_TOPIC, FileName, Lease, Line, Name, Topic
 from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.problems import HintedError
 
 LAST_DOMAIN = 232
 """Of DDS: the ports of the next one would be beyond 65535."""
-_LONGEST_LEASE = 3600.0
 _ROBOT = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -45,14 +44,6 @@ def _some(entries: list[Any]) -> list[Any]:
     return entries
 
 
-def _lease(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError("seconds (a number above 0) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
-    if not 0 < value <= _LONGEST_LEASE:
-        raise ValueError(f"seconds above 0, up to {_LONGEST_LEASE:g}, are expected")
-    return float(value)
-
-
 def _providers(value: object) -> object:
     if value == "any":
         return value
@@ -64,7 +55,6 @@ def _providers(value: object) -> object:
 
 RobotName = Annotated[Text, AfterValidator(_robot_name)]
 Partition = Annotated[Text, AfterValidator(_partition)]
-Lease = Annotated[float, BeforeValidator(_lease)]
 Providers = Annotated[Literal["any"] | tuple[Text, ...], BeforeValidator(_providers)]
 
 

@@ -35,8 +35,8 @@ from .node.receipts import Receipt
 
 __all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
 
-_REMEMBERED_S = 60.0
-"""A node that was silent for so long is forgotten, and so is when a word of this one was told."""
+LONGEST_LEASE = 60.0
+"""Seconds: a node that was silent for longer is forgotten, and so is when a word was told."""
 _MOST = 10_000
 """Words and nodes that are remembered, so that no sender can fill the memory."""
 
@@ -157,7 +157,7 @@ class Peers:
         """
         self._number += 1
         self._told.append((self._number, now))
-        while now - self._told[0][1] > _REMEMBERED_S:
+        while now - self._told[0][1] > LONGEST_LEASE:
             self._told.popleft()
         robot, model, session = self.name
         told: List[Tree] = [
@@ -202,7 +202,7 @@ class Peers:
         if before is not None:  # a later word was made later
             made_after, received = max(made_after, before.made_after), before.received + 1
         self._speakers[name] = _Speaker(message, made_after, now, received)
-        while len(self._speakers) > _MOST or self._oldest() < now - _REMEMBERED_S:
+        while len(self._speakers) > _MOST or self._oldest() < now - LONGEST_LEASE:
             del self._speakers[next(iter(self._speakers))]
 
     def _oldest(self) -> float:
