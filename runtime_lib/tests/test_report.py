@@ -120,6 +120,19 @@ def test_every_guarantee_is_listed_and_an_inactive_one_with_its_reason():
     assert values["in_scope"] == "inactive: X: no value"
 
 
+def test_another_type_is_the_reason_of_the_input_or_a_finding_by_itself():
+    node = CALM._replace(graph=GraphFact(wrong_types={"/c": "X expected", "/z": "Y expected"}))
+    waiting = InputFact("M", "waiting", sources=(A, C._replace(reason="X expected")))
+    found = said(waiting, node=node)
+    assert found.level == ERROR
+    assert found.message == (
+        "M waiting: waiting for first message of /c (X expected); /z: Y expected"
+    )
+    values = dict(found.values)
+    assert values["wrong_type.0"] == "/c: X expected"
+    assert values["wrong_type.1"] == "/z: Y expected"
+
+
 def test_a_long_reason_stays_one_line():
     many = tuple((f"I{k}", "no value") for k in range(7))
     text = standing_text(Standing("guarantee", "G", active=False, lacks=many), {})

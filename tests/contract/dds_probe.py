@@ -78,13 +78,12 @@ def subscribe(topic, kind):
     threading.Thread(target=run, daemon=True).start()
 
 
-def writer(topic, kind, latch, connected, reliability=_RELIABLE):
+def writer(topic, kind, latch, connected, *promises, reliability=_RELIABLE):
     if topic not in _writers:
         keeps = _KEPT if latch else Policy.Durability.Volatile
         history = Policy.History.KeepLast(1 if latch else 1000)
-        _writers[topic] = DataWriter(
-            _participant, topic_of(topic, kind), Qos(reliability, keeps, history)
-        )
+        qos = Qos(reliability, keeps, history, *promises)
+        _writers[topic] = DataWriter(_participant, topic_of(topic, kind), qos)
     while connected and not _writers[topic].get_publication_matched_status().current_count:
         time.sleep(0.01)
     return _writers[topic]
@@ -103,13 +102,17 @@ def publish(topic, kind, fields, latch=False, connected=False):
     say(event="published", topic=topic, t=time.monotonic())
 
 
-def every(topic, kind, fields, hz, connected=True, best_effort=False):
+def every(topic, kind, fields, hz, connected=True, best_effort=False, deadline=None, lease=None):
+    """Publish again and again; what promises a deadline or a sign of life must keep that."""
+    promises = [Policy.Deadline(duration(seconds=deadline))] if deadline else []
+    if lease:
+        promises.append(Policy.Liveliness.ManualByTopic(duration(seconds=lease)))
     message = built(_classes[kind.replace("/", "_")], fields)
     stop = _repeats[topic] = threading.Event()
 
     def run():
         reliability = Policy.Reliability.BestEffort if best_effort else _RELIABLE
-        made = writer(topic, kind, False, connected, reliability)
+        made = writer(topic, kind, False, connected, *promises, reliability=reliability)
         say(event="connected", topic=topic, t=time.monotonic())
         due, sent = time.monotonic(), 0
         while not stop.is_set():

@@ -13,7 +13,6 @@ pytest.importorskip("cyclonedds", reason="no DDS here")
 
 from cyclonedds.qos import Policy
 from cyclonedds.util import duration
-from eddi_runtime.node.report import why_silent
 from eddi_runtime.node.start import StartError
 from eddi_runtime.transports.dds.arguments import arguments, domain_id
 from eddi_runtime.transports.dds.graph import reading, told, writing
@@ -155,13 +154,6 @@ def test_domains():
             domain_id(text)
 
 
-def test_a_silent_topic_has_the_nearest_name():
-    assert why_silent("/rte/e0b", ["/rte/e0c", "/x"]) == (
-        "nobody publishes it, the nearest name is /rte/e0c"
-    )
-    assert why_silent("/rte/e0b", ["/camera/image"]) == "nobody publishes it"
-
-
 def test_an_endpoint_tells_the_hash_of_its_type():
     made = message_classes({"std_msgs/Bool": "bool data"}, {"std_msgs/Bool": "RIHS01_0"})
     with_hash = told(made.std_msgs_Bool, writing({}, 1))
@@ -199,13 +191,14 @@ for _ in range(20):
     ended, asked = threading.Event(), threading.Event()
     def ask():
         while not ended.is_set():
-            graph.publications(), graph.matched("/a"), graph.refused("/a")
+            graph.publications(), graph.matched("/a"), graph.refused("/a"), graph.alive("/a")
             asked.set()
     threads = [threading.Thread(target=ask) for _ in range(3)]
     for one in threads: one.start()
     asked.wait()
     graph.close()
     assert (graph.publications(), graph.matched("/a"), graph.refused("/a")) == ([], 0, "")
+    assert not graph.alive("/a")
     write(None)
     ended.set()
     for one in threads: one.join()
@@ -219,6 +212,20 @@ def test_the_end_waits_for_who_asks_about_the_graph():
         command = [sys.executable, "-c", ASKING, str(domain)]
         done = subprocess.run(command, check=False, env=environment(domain), stderr=subprocess.PIPE)
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def promises_that_are_broken(stage):
+    """Name the deadline, and the sign of life, that a publisher owes."""
+    name = "/robot2/rover"
+    for one, promise, words in (
+        ("Healthy", {"deadline": 0.5}, "has missed its deadline of 0.5 s)"),
+        ("Steady", {"lease": 0.5}, "gives no sign of life)"),
+    ):
+        topic, mark = f"/robot2/in/{one.lower()}", stage.ear.mark()
+        stage.feed(stage.source, topic, "std_msgs/Bool", True, **promise)
+        stage.ear.diagnostics(name, lambda _, __, found, one=one: found[one] == "ok", 10.0, mark)
+        stage.source.do("stop", topic=topic)
+        stage.told(f"s old, the limit is 0.8 s (its publisher {words}", name, after=mark)
 
 
 def in_another_partition(stage):
@@ -276,8 +283,9 @@ def test_the_graph_knows_the_name_and_the_monitor_knows_why(tmp_path):
         stage.told("/robot2/in/mode", "/robot2/rover", after=stage.ear.mark())
         other.popen.kill()
         stage.told(
-            "the limit is 0.8 s (nobody publishes it", "/robot2/rover", timeout=30.0
-        )  # lease: 10 s
+            "the limit is 0.8 s (its publisher is gone)", "/robot2/rover", timeout=30.0
+        )  # lease of the participant
+        promises_that_are_broken(stage)
 
         in_another_partition(stage)
         broken = stage.start("/", "frequency:=fast")

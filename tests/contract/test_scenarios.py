@@ -89,6 +89,16 @@ def test_a_publisher_that_is_killed_and_its_successor(stage):
     assert stage.verdicts(mark) == "none Slow none Slow none"
 
 
+def test_a_publisher_that_ends_is_said_to_be_gone(stage):
+    other = stage.new_probe()
+    stage.feed(other, HEALTHY, BOOL, True)
+    stage.until("Slow")
+    other.popen.send_signal(signal.SIGINT)
+    stage.until()
+    stage.told("/in/healthy is late")
+    stage.told("(its publisher is gone)")
+
+
 def test_of_two_publishers_the_living_one_counts(stage):
     mark = stage.ear.mark()
     other = stage.new_probe()

@@ -116,7 +116,7 @@ def test_publishers_of_another_type(world, master, probe, model_files, tmp_path)
         "/typed/tester", lambda lv, t, v: "wrong_type.0" in v, after=mark
     )
     assert level == 2
-    assert "/typed/flag: std_msgs/Bool expected, the publisher sends std_msgs/Float64" in text
+    assert "/typed/flag (std_msgs/Bool expected, the publisher sends std_msgs/Float64)" in text
     level, text, values = probe.diagnostics(
         "/typed/conserta", lambda lv, t, v: "wrong_type.0" in v, after=mark
     )

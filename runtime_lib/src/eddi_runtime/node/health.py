@@ -186,11 +186,12 @@ class Health:
         seen, said = self._seen, self._said
         then = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
         receipts = {**seen.receipts, **receipts}  # the words of other robots are in the first only
+        reasons = {**graph.reasons, **graph.wrong_types}
         facts = [
             self._fact(spec, state, receipts, now)._replace(
                 blocks=tuple(said.blocks.get(spec.id, ())) if state[0] != FRESH else (),
                 sources=tuple(
-                    SourceFact(topic, then.get(name), graph.reasons.get(topic, ""))
+                    SourceFact(topic, then.get(name), reasons.get(topic, ""))
                     for name in spec.requires
                     for topic in [topics.get(name, name)]
                 ),

@@ -32,6 +32,7 @@ from .receipts import Input, Receipt, Receipts
 from .report import GraphFact
 from .schedule import Schedule, Waker
 from .settings import STARTUP_GRACE_S, Settings
+from .silence import Silence
 
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet
@@ -111,6 +112,7 @@ class Node:
             words = Input(_PEERS, fleet.topic, fleet.type, every_message=True, wakes=False)
             self._sources.append(words)
         on_change = self.MODE == "on_change"
+        self._silence = Silence(self._sources, self.options.startup_grace)
         self._waker = Waker()
         self._schedule = Schedule(1.0 / self.options.frequency, on_change)
         self._receipts = Receipts(self._sources, self._waker.wake if on_change else lambda: None)

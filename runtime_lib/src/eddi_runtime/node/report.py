@@ -6,7 +6,7 @@ message came, "satisfied" and "good" only of evidence that speaks for a guarante
 
 from __future__ import annotations
 
-from typing import Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from ..inputs import UNKNOWN_AGE
 from ..monitor import Standing
@@ -92,13 +92,13 @@ class GraphFact(NamedTuple):
     Attributes:
         values: for the diagnostics, such as the state of a master.
         warnings: sentences.
-        wrong_types: topics whose publisher sends another type, as sentences.
-        reasons: full name of a topic -> why nothing usable comes from it.
+        wrong_types: full name of a topic -> the type that its publisher sends, and that expected.
+        reasons: full name of a topic -> why else nothing usable comes from it.
     """
 
     values: Tuple[Tuple[str, str], ...] = ()
     warnings: Tuple[str, ...] = ()
-    wrong_types: Tuple[str, ...] = ()
+    wrong_types: Mapping[str, str] = {}
     reasons: Mapping[str, str] = {}
 
 
@@ -157,7 +157,7 @@ def report(
         monitor: what it made of them.
         node: the rest.
     """
-    findings = [*_of_inputs(inputs), *_of_node(node)]
+    findings = [*_of_inputs(inputs, node.graph), *_of_node(node)]
     findings += [(WARN, f"accepted: {text}") for text in monitor.accepted]
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
@@ -178,16 +178,22 @@ def because(fact: InputFact) -> str:
     """Return in one line why an input is not fresh, with the topics that are late or missing."""
     if fact.state == LATCHED:
         return "age unknown"
-    if fact.state not in (WAITING, NEVER, LATE):
-        return fact.reason
+    blamed = _blamed(fact)
     parts = []
-    absent = ", ".join(_explained(one.topic, one) for one in fact.sources if one.age is None)
+    absent = ", ".join(_explained(one.topic, one) for one in blamed if one.age is None)
     if absent and fact.state == WAITING:
         parts.append(f"waiting for first message of {absent}")
     elif absent:
         parts.append(f"never received since start: {absent}")
-    parts += [_late(one, fact.limit) for one in fact.sources if _is_late(one, fact.limit)]
+    parts += [_late(one, fact.limit) for one in blamed if one.age is not None]
     return ", ".join(parts) or fact.reason
+
+
+def _blamed(fact: InputFact) -> List[SourceFact]:
+    """Return the sources of an input that are late or missing."""
+    if fact.state not in (WAITING, NEVER, LATE):
+        return []
+    return [one for one in fact.sources if one.age is None or _is_late(one, fact.limit)]
 
 
 def _is_late(source: SourceFact, limit: Union[float, str, None]) -> bool:
@@ -205,19 +211,6 @@ def _late(source: SourceFact, limit: Union[float, str, None]) -> str:
 
 def _explained(text: str, source: SourceFact) -> str:
     return f"{text} ({source.reason})" if source.reason else text
-
-
-def why_silent(topic: str, published: Iterable[str]) -> str:
-    """Return that nobody publishes a topic, with the name that comes nearest to it.
-
-    Args:
-        topic: full name.
-        published: full names of the topics that somebody publishes.
-    """
-    import difflib  # noqa: PLC0415 - only for what should not happen
-
-    near = difflib.get_close_matches(topic, sorted(published), 1)
-    return "nobody publishes it" + (f", the nearest name is {near[0]}" if near else "")
 
 
 def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
@@ -244,14 +237,18 @@ def _standing_value(one: Standing, inputs: Mapping[str, InputFact]) -> Tuple[str
     return key, standing_text(one, inputs)
 
 
-def _of_inputs(inputs: Sequence[InputFact]) -> Iterator[Tuple[int, str]]:
+def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[Tuple[int, str]]:
+    wrong = dict(graph.wrong_types)
     for fact in inputs:
         if fact.state != FRESH:
-            yield _LEVEL_OF_STATE[fact.state], _sentence(fact)
+            mistaken = [one.topic for one in _blamed(fact) if one.topic in graph.wrong_types]
+            yield ERROR if mistaken else _LEVEL_OF_STATE[fact.state], _sentence(fact)
+            for topic in mistaken:
+                wrong.pop(topic, None)
+    yield from ((ERROR, text) for text in _sentences(wrong))
 
 
 def _of_node(node: NodeFact) -> Iterator[Tuple[int, str]]:
-    yield from ((ERROR, text) for text in node.graph.wrong_types)
     if node.error:
         yield ERROR, node.error
     if node.silent_for is not None:
@@ -259,6 +256,10 @@ def _of_node(node: NodeFact) -> Iterator[Tuple[int, str]]:
     if node.recent_overruns:
         yield WARN, f"{node.recent_overruns} steps left out"
     yield from ((WARN, text) for text in node.graph.warnings)
+
+
+def _sentences(wrong_types: Mapping[str, str]) -> List[str]:
+    return [f"{topic}: {text}" for topic, text in wrong_types.items()]
 
 
 def _sentence(fact: InputFact) -> str:
@@ -290,5 +291,6 @@ def _node_values(node: NodeFact) -> List[Tuple[str, str]]:
         ("longest_step_ms", f"{node.longest_step * 1e3:.3f}"),
         *node.graph.values,
     ]
-    values += [(f"wrong_type.{index}", text) for index, text in enumerate(node.graph.wrong_types)]
+    wrong = _sentences(node.graph.wrong_types)
+    values += [(f"wrong_type.{index}", text) for index, text in enumerate(wrong)]
     return values + ([("error", node.error)] if node.error else [])

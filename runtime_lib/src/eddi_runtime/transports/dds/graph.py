@@ -9,7 +9,7 @@ import gc
 import threading
 import time
 from types import SimpleNamespace
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.core import (
@@ -61,10 +61,17 @@ _DISCOVERY = "ros_discovery_info"
 
 
 class Publication(NamedTuple):
-    """One writer of a ROS topic, anywhere on the graph."""
+    """One writer of a ROS topic, anywhere on the graph.
+
+    Attributes:
+        topic: full name.
+        type: as DDS calls it.
+        deadline: seconds between two messages that it promises, if it does.
+    """
 
     topic: str
     type: str
+    deadline: Optional[float]
 
 
 class Reader(NamedTuple):
@@ -180,7 +187,10 @@ class Graph:
             self._known.take(_MANY, self._gone)  # else the dead are kept, and look like the living
             seen = self._known.read(_MANY)
         alive = [one for one in seen if one.sample_info.instance_state == InstanceState.Alive]
-        found = (Publication(one.topic_name[len(_PREFIX) :], one.type_name) for one in alive)
+        found = (
+            Publication(one.topic_name[len(_PREFIX) :], one.type_name, _deadline(one.qos))
+            for one in alive
+        )
         return [one for one in found if one.topic.startswith("/")]
 
     def matched(self, topic: str) -> int:
@@ -189,6 +199,13 @@ class Graph:
             if self._stopped:
                 return 0
             return int(self._readers[topic].reader.get_subscription_matched_status().current_count)
+
+    def alive(self, topic: str) -> bool:
+        """Return whether one of the publications that this process listens to gives signs of it."""
+        with self._use:
+            if self._stopped:
+                return False
+            return bool(self._readers[topic].reader.get_liveliness_changed_status().alive_count)
 
     def refused(self, topic: str) -> str:
         """Return what of a publication of a topic does not fit, empty when all does."""
@@ -218,6 +235,13 @@ class Graph:
         del self._subscriber
         del self._participant
         gc.collect()
+
+
+def _deadline(qos: Any) -> Optional[float]:
+    promised = None if qos is None else qos[Policy.Deadline]
+    if promised is None or not 0 < promised.deadline < duration(infinite=True):
+        return None
+    return float(promised.deadline / 1e9)
 
 
 def _take(one: Reader) -> None:

@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import time
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
@@ -17,17 +17,16 @@ from ...node.logs import LOG
 from ...node.node import Node
 from ...node.outputs import Channel, Publish
 from ...node.receipts import MAX_QUEUED, Input
-from ...node.report import GraphFact, why_silent
+from ...node.report import GraphFact
 from ...node.settings import Settings, settings
+from ...node.silence import Topic
 from ...node.start import StartError, write_to_stderr
 from .arguments import Arguments, arguments, domain_id
-from .graph import Graph, reading, writing
+from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter, diagnostics_of
 
 DISTROS = {"ros_distro": ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")}
 _DEPTH = 5
-_QUIET_S = 1.0
-"""Without a message for so long, the graph is asked why."""
 
 
 class MonitorNode(Node):
@@ -97,28 +96,26 @@ class MonitorNode(Node):
 
     def graph(self) -> GraphFact:
         """Return why topics are silent, and which have publishers of another type."""
-        now, receipts = time.monotonic(), self._receipts.latest()
-        quiet = [one for one in self._sources if now - _at(receipts, one.id) > _QUIET_S]
+        quiet = self._silence.quiet(self._receipts.latest())
         known = self._graph.publications() if quiet else []
-        reasons: Dict[str, str] = {}
-        wrong: List[str] = []
-        for source in quiet:
-            topic = self._given.topic(source.topic)
-            types = sorted({one.type for one in known if one.topic == topic})
-            expected = str(source.type.TYPE)
-            others = [name for name in map(ros_type, types) if name != expected]
-            refused = self._graph.refused(topic)
-            if others and len(others) == len(types):
-                wrong.append(f"{topic}: {expected} expected, the publisher sends {others[0]}")
-            elif not types:
-                reasons[topic] = why_silent(topic, {one.topic for one in known})
-            elif self._unreadable.get(source.id, -math.inf) > _at(receipts, source.id):
-                reasons[topic] = f"what is sent there is not {expected}, although it is called so"
-            elif not self._graph.matched(topic) and refused:
-                reasons[topic] = f"{refused} that its publisher has does not fit"
-            else:
-                reasons[topic] = "its publisher is there, and silent"
-        return GraphFact((), (), tuple(wrong), reasons)
+        topics = [self._topic(source, age, known) for source, age in quiet]
+        return self._silence.explained(topics, {one.topic for one in known})
+
+    def _topic(self, source: Input, age: Optional[float], known: Sequence[Publication]) -> Topic:
+        name = self._given.topic(source.topic)
+        found = [one for one in known if one.topic == name]
+        unreadable = time.monotonic() - self._unreadable.get(source.id, -math.inf)
+        return Topic(
+            name=name,
+            expected=str(source.type.TYPE),
+            types={ros_type(one.type) for one in found},
+            age=age,
+            unreadable=unreadable < (math.inf if age is None else age),
+            refused=self._graph.refused(name),
+            connected=self._graph.matched(name) > 0,
+            alive=self._graph.alive(name),
+            deadline=min((one.deadline for one in found if one.deadline), default=None),
+        )
 
     def run(self) -> int:
         """Join the graph and step until the process is to end; return the exit status.
@@ -184,10 +181,6 @@ def _age(message: Any) -> float:
         return UNKNOWN_AGE
     age = time.time() - (made.sec + made.nanosec * 1e-9)
     return age if age >= 0.0 else UNKNOWN_AGE
-
-
-def _at(receipts: Any, source: str) -> float:
-    return receipts[source].at if source in receipts else -math.inf
 
 
 def ros_type(name: str) -> str:

@@ -16,8 +16,9 @@ from ...node.conversion import MessageError
 from ...node.node import Node
 from ...node.outputs import Channel, Publish
 from ...node.receipts import Input
-from ...node.report import GraphFact, why_silent
+from ...node.report import GraphFact
 from ...node.settings import Settings
+from ...node.silence import Topic
 from ...node.start import StartError
 from .messages import check_serialises, converter, diagnostics_publisher, start_log, subscribe
 from .process import RosEnding, node_name, options_of
@@ -66,7 +67,10 @@ class MonitorNode(Node):
         return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
 
     def graph(self) -> GraphFact:
-        """Return what the master knows: topics without a publisher, types that do not fit."""
+        """Return what the master knows: topics without a publisher, types that do not fit.
+
+        It also lists a publisher that was killed.
+        """
         watchdog = self._watchdog
         seen = {} if watchdog is None else dict(watchdog.wrong_types)
         expected = self.expected_types()
@@ -76,13 +80,18 @@ class MonitorNode(Node):
             last = receipts[name].at if name in receipts else None
             reason = self._refusals.standing(topic, last)
             if reason is not None:
-                wrong.setdefault(topic, f"{topic}: {reason}")
+                wrong.setdefault(topic, reason)
         state = "not watched" if watchdog is None else watchdog.state
         lost = ("ROS master lost",) if state == LOST else ()
-        known = None if watchdog is None else watchdog.published
-        absent = () if known is None or lost else set(expected) - set(known)
-        reasons = {topic: why_silent(topic, known or ()) for topic in absent}
-        return GraphFact((("master", state),), lost, tuple(wrong.values()), reasons)
+        known = None if watchdog is None or lost else watchdog.published
+        ages = {source.id: age for source, age in self._silence.quiet(receipts)}
+        silent = [
+            Topic(topic, kind, (kind,) if topic in known else (), ages[name], alive=None)
+            for topic, (name, kind) in expected.items()
+            if known is not None and name in ages
+        ]
+        found = self._silence.explained(silent, known or ())
+        return found._replace(values=(("master", state),), warnings=lost, wrong_types=wrong)
 
     def expected_types(self) -> Dict[str, Tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""

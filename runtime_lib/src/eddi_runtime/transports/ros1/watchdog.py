@@ -71,7 +71,7 @@ class Watchdog:
 
     Attributes:
         state: of the master.
-        wrong_types: topic -> that its publisher sends another type, as a sentence.
+        wrong_types: topic -> the type that its publisher sends, and that expected.
         published: topics with a publisher -> type, when the master was asked last.
     """
 
@@ -173,10 +173,10 @@ class Watchdog:
         for topic, (_, expected) in self._expected().items():
             found = published.get(topic)
             if found not in (None, "*", expected):
-                wrong[topic] = f"{topic}: {expected} expected, the publisher sends {found}"
+                wrong[topic] = f"{expected} expected, the publisher sends {found}"
         for topic, text in wrong.items():
             if self.wrong_types.get(topic) != text:
-                LOG.error("wrong message type on %s", text)
+                LOG.error("wrong message type on %s: %s", topic, text)
         self.wrong_types = wrong
 
 

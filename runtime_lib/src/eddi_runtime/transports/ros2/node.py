@@ -4,7 +4,6 @@ Steps follow the monotonic clock, never a timer of ROS: with ``use_sim_time`` an
 such a timer would not fire at all.
 """
 
-import math
 import signal
 import time
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
@@ -23,17 +22,16 @@ from ...node.logs import LOG
 from ...node.node import Node
 from ...node.outputs import Channel, Publish
 from ...node.receipts import MAX_QUEUED, Input
-from ...node.report import GraphFact, why_silent
+from ...node.report import GraphFact
 from ...node.settings import Settings
+from ...node.silence import Topic
 from ...node.start import StartError, write_to_stderr
 from .messages import converter, diagnostics_of, ros_type
 from .parameters import declared_settings
 from .process import Process
-from .qos import keeps, reading, refused, writing
+from .qos import deadline, keeps, reading, refused, writing
 
 _DEPTH = 5
-_QUIET_S = 1.0
-"""Without a message for so long, the graph is asked why."""
 
 
 class MonitorNode(Node):
@@ -99,30 +97,29 @@ class MonitorNode(Node):
 
     def graph(self) -> GraphFact:
         """Return why topics are silent, which have publishers of another type, and namesakes."""
-        now, receipts = time.monotonic(), self._receipts.latest()
-        reasons: Dict[str, str] = {}
-        wrong: List[str] = []
-        for source in self._sources:
-            last = receipts[source.id].at if source.id in receipts else -math.inf
-            if source.id not in self._read or now - last <= _QUIET_S:
-                continue
-            topic, qos = self._read[source.id]
-            known = self._process.publications(source.topic)
-            expected = ros_type(source.type)
-            fitting = [one.qos for one in known if one.type == expected]
-            lacking = refused(qos, fitting)
-            if not known:
-                reasons[topic] = why_silent(topic, self._process.published())
-            elif not fitting:
-                sent = min(one.type for one in known)
-                wrong.append(f"{topic}: {expected} expected, the publisher sends {sent}")
-            elif lacking:
-                reasons[topic] = f"{lacking} that its publisher has does not fit"
-            else:
-                reasons[topic] = "its publisher is there, and silent"
+        quiet = self._silence.quiet(self._receipts.latest())
+        topics = [self._topic(source, age) for source, age in quiet if source.id in self._read]
+        published = self._process.published() if topics else []
         several = f"another node has the name {self._process.name}, too"
         warnings = (several,) if self._process.namesakes() > 1 else ()
-        return GraphFact((), warnings, tuple(wrong), reasons)
+        return self._silence.explained(topics, published)._replace(warnings=warnings)
+
+    def _topic(self, source: Input, age: Optional[float]) -> Topic:
+        name, qos = self._read[source.id]
+        known = self._process.publications(source.topic)
+        expected = ros_type(source.type)
+        fitting = [one.qos for one in known if one.type == expected]
+        lacking = refused(qos, fitting)
+        return Topic(
+            name=name,
+            expected=expected,
+            types={one.type for one in known},
+            age=age,
+            refused=lacking,
+            connected=not lacking,
+            alive=self._process.alive(source.topic),
+            deadline=deadline(fitting),
+        )
 
     def run(self) -> int:
         """Step until the process is to end; return the exit status."""

@@ -20,6 +20,11 @@ from ...node.logs import LOG
 from ...node.start import StartError
 from ...plain_values import one_line
 
+try:  # since Iron
+    from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
+except ImportError:
+    from rclpy.qos_event import SubscriptionEventCallbacks, UnsupportedEventTypeError
+
 _WAIT_S = 0.2
 _END_S = 0.5
 _TELLS_TIMES = hasattr(rclpy.subscription, "MessageInfo")
@@ -60,6 +65,7 @@ class Process:
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
+        self._signs: Dict[str, Any] = {}
         self._closed = False
         self._open = threading.RLock()
 
@@ -83,11 +89,29 @@ class Process:
         def without(message: Any) -> None:
             receive(message, None)
 
-        overriding = QoSOverridingOptions.with_default_policies()
-        taken = with_time if _TELLS_TIMES else without
-        return self.node.create_subscription(
-            cls, topic, taken, qos, qos_overriding_options=overriding
-        )
+        def changed(signs: Any) -> None:
+            self._signs[topic] = signs
+
+        def made(**more: Any) -> Any:
+            overriding = QoSOverridingOptions.with_default_policies()
+            taken = with_time if _TELLS_TIMES else without
+            return self.node.create_subscription(
+                cls, topic, taken, qos, qos_overriding_options=overriding, **more
+            )
+
+        try:
+            return made(event_callbacks=SubscriptionEventCallbacks(liveliness=changed))
+        except UnsupportedEventTypeError:  # of this middleware: nothing is told of signs of life
+            return made()
+
+    def alive(self, topic: str) -> Optional[bool]:
+        """Return whether a publisher of a topic gives signs of life, ``None`` if that is not told.
+
+        Args:
+            topic: by the name that the node uses for it.
+        """
+        signs = self._signs.get(topic)
+        return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
     def start(self) -> None:
         """Begin to receive."""

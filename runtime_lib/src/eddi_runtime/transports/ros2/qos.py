@@ -1,6 +1,6 @@
 """Quality of service: what a configuration gives, and what is usual where it gives nothing."""
 
-from typing import Any, Dict, Iterable, Mapping
+from typing import Any, Dict, Iterable, Mapping, Optional
 
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -13,6 +13,9 @@ _DURABILITIES = {
     "transient_local": DurabilityPolicy.TRANSIENT_LOCAL,
     "volatile": DurabilityPolicy.VOLATILE,
 }
+
+_FOR_EVER_NS = 2**62
+"""Whatever is longer: what counts as infinite depends on the middleware and the release."""
 
 
 def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
@@ -67,4 +70,18 @@ def _lacking(reader: QoSProfile, writer: QoSProfile) -> str:
         return "the reliability"
     if keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
         return "the durability"
+    wanted, promised = _period(reader), _period(writer)
+    if wanted is not None and (promised is None or promised > wanted):
+        return "the deadline"
     return ""
+
+
+def deadline(writers: Iterable[QoSProfile]) -> Optional[float]:
+    """Return the shortest time between two messages that a writer promises, in seconds."""
+    return min((one for one in map(_period, writers) if one is not None), default=None)
+
+
+def _period(profile: QoSProfile) -> Optional[float]:
+    """Return the deadline in seconds: ROS 2 writes none as zero, and as the longest there is."""
+    given = profile.deadline.nanoseconds
+    return given / 1e9 if 0 < given < _FOR_EVER_NS else None
