@@ -24,6 +24,7 @@ from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.check import broken_files
+from eddi_scaffold.regions.store import load_orphans
 from eddi_scaffold.regions.sync import sync_package
 from tests.updates.inputs import Element, elements
 from tests.updates.templates import Templates, git
@@ -140,6 +141,7 @@ class QuickLife(Life):
         self.world.renderings.rendered(self.world)  # what is killed is not the first rendering
         with pytest.MonkeyPatch.context() as context:
             died = killed_at(self.chance.randrange(60), getattr(self.world, word), context)
+        self.world.is_cut = died
         DONE[f"kill {word}" if died else f"kill {word} too late"] += 1
         self.world.check(finished=False)
         if self.chance.random() < 0.5:
@@ -189,6 +191,43 @@ def test_many_lives(
             life.act(word)
         life.run(life.chance.choice(OPERATIONS))
         DONE["lives"] += 1
+
+
+@pytest.mark.parametrize("edited", [True, False])
+def test_a_body_that_was_edited_after_a_kill_may_be_kept_as_it_was_before_too(
+    templates: Templates, renderings: Renderings, fast_folder: Path, edited: bool
+) -> None:
+    """A killed copy has saved the body of a removed input; the input is back before the next."""
+    with tempfile.TemporaryDirectory(dir=fast_folder) as folder, patch.object(os, "fsync"):
+        world = QuickWorld(Path(folder), templates, "plain", START)
+        world.renderings = renderings
+        _copied(world)
+        token = world.edit("alpha")
+        world.change(*(item for item in START if item.name != "alpha"))
+        renderings.pool.append(world.inputs)
+        renderings.rendered(world)  # what is killed is not the first rendering
+        world.seen.append(world.inputs)
+        world.is_cut, step = True, 0
+        with pytest.MonkeyPatch.context() as context:
+            while not load_orphans(world.package):
+                assert killed_at(step, world.copy, context)
+                step += 1
+        assert token in world.text()
+        if edited:  # not only below what was saved
+            world.edit("alpha")
+            region = world.document().regions["input:alpha"]
+            world.put(region, "".join(reversed(region.body.splitlines(keepends=True))))
+        world.change(*START)
+        _copied(world)
+        saved = [one.body for one in load_orphans(world.package).values()]
+        assert [token in body for body in saved] == [True] * edited
+        assert world.twice == ({token} if edited else set())
+
+
+def _copied(world: World) -> None:
+    assert world.copy().status == 0
+    world.settle()
+    world.check()
 
 
 def test_the_pool_has_every_kind_of_change(renderings: Renderings) -> None:

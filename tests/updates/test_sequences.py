@@ -170,6 +170,7 @@ class Life:
             seconds = 1.5
         self.world.seen.append(self.world.inputs)
         self.world.killed(getattr(self.world, word), self.chance.random() ** 0.7 * seconds)
+        self.world.is_cut = True
         self.world.check(finished=False)
         if self.chance.random() < 0.5:
             self.edit()
