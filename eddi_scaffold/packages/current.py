@@ -29,13 +29,13 @@ def is_current(target: Path, package: PackageAnswers, template: Template, source
     """
     if source.changed or package.saved or target.is_symlink() or not target.is_dir():
         return False
-    tree = transaction.survey(target)
-    if tree.others or UNCOMMITTED in tree.files or broken_files(target) or unfit_files(target):
-        return False
     origin = {"_commit": source.commit, "_src_path": template.location}
     answers = read_answers(target) or {}
     wanted = {**package.answers, **origin}
     if any(answers.get(key, _NOTHING) != value for key, value in wanted.items()):
+        return False
+    tree = transaction.survey(target)
+    if tree.others or UNCOMMITTED in tree.files or broken_files(target) or unfit_files(target):
         return False
     if any(tree.files.get(name, _NO_FILE).data != data for name, data in package.files.items()):
         return False

@@ -9,7 +9,6 @@ from __future__ import annotations
 import difflib
 import os
 import shutil
-import tempfile
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -24,6 +23,7 @@ from eddi_scaffold.packages.links import follow
 from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
+from eddi_scaffold.packages.scratch import scratch_folder
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.packages.unpacking import unpacked
 from eddi_scaffold.packages.workspace import linked_package, refuse_newer
@@ -119,7 +119,7 @@ def write_packages(
             work.notes += transaction.recover(place)
         template.keep()
     with (
-        tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch,
+        scratch_folder("eddi-scaffold-") as scratch,
         unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):
         work.notes += source.notes
@@ -304,8 +304,9 @@ def _foreign(target: Path) -> EddiError:
 
 def _copy(files: Mapping[str, FileState], folder: Path) -> None:
     """Lay files into the scratch folder; what they may do is decided when they are written."""
+    for parent in dict.fromkeys((folder / path).parent for path in files):
+        parent.mkdir(parents=True, exist_ok=True)
     for path, state in files.items():
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_bytes(state.data)
 
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import io
 import tarfile
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from eddi_scaffold.packages.scratch import scratch_folder
 from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.regions.git import GitError, Repository, git, git_dir_of
 
@@ -67,7 +67,7 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
     if ref is None:
         yield Unpacked(None, True, lambda: place)
         return
-    with tempfile.TemporaryDirectory(prefix="eddi-templates-") as scratch:
+    with scratch_folder("eddi-templates-") as scratch:
         if place.is_file():
             templates = _cloned(place, Path(scratch, "bundle.git"))
         else:
