@@ -22,6 +22,7 @@ RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 ONLY_IN_ROS = {
     "eddi_runtime.ros1": "ros1.py",
     "eddi_runtime.transports.ros2": "transports/ros2/__init__.py",
+    "eddi_runtime.transports.ros2.lifecycle": "transports/ros2/lifecycle.py",
 }
 """Modules that cannot be imported elsewhere -> their files."""
 IMPORT = re.compile(r"^\s*from (eddi_runtime[\w.]*) import ([\w, ]+)", re.MULTILINE)

@@ -167,6 +167,7 @@ class ModelSection(_Section):
         mode: one step per period, or at once when a message comes (and per period).
         startup_grace: seconds from the start in which an input may wait for its first message
             before the diagnostics call that an error; verdicts do not depend on it.
+        lifecycle: on ROS 2, others say when the node monitors.
         parameters: D7.2's list of maps; names the file of a kind that has one.
 
     Further keys belong to the kind, which checks them.
@@ -179,6 +180,7 @@ class ModelSection(_Section):
     frequency: Annotated[float, BeforeValidator(_frequency)] = 10.0
     mode: Literal["rate", "on_change"] = "rate"
     startup_grace: Annotated[float, BeforeValidator(_seconds)] = 10.0
+    lifecycle: StrictBool = False
     parameters: Any = None
 
 

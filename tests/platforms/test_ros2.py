@@ -105,6 +105,36 @@ def test_qos_and_either_spelling_of_a_type() -> None:
     assert published["more"].strip() == "qos={'depth': 2, 'lifespan': 5.0},"
 
 
+def test_a_life_cycle_concerns_only_what_starts_the_node(workspace: Path, tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    config = tmp_path / "consert_b_config.yml"
+    text = (EXAMPLE / config.name).read_text("utf-8")
+    config.write_text(text.replace("type: ConSert", "type: ConSert\n  lifecycle: true"), "utf-8")
+    words = ("-w", tmp_path, "-m", MODEL, "-c", config)
+    done = run("-q", "generate", "--platform", "ros2", *words, cwd=tmp_path)
+    assert done.status == 0, done.err
+    without, managed = (
+        {
+            str(path.relative_to(folder)): path.read_bytes()
+            for path in folder.rglob("*")
+            if path.is_file() and not {".eddi", "__pycache__"} & {*path.parts}
+        }
+        for folder in (one / "src/eddi_monitor/consertb" for one in (workspace, tmp_path))
+    )
+    assert without.keys() == managed.keys()
+    changed = {name for name in managed if managed[name] != without[name]}
+    launch, node = "launch/eddi_monitor.launch.py", "consertb/RosNode.py"
+    test, readme = "test/test_node.py", "README.md"
+    assert changed == {".copier-answers.yml", launch, node, test, readme}
+    for name in (launch, node, test):
+        ast.parse(managed[name], feature_version=(3, 8))
+    assert b"import LifecycleNode\n" in managed[launch]
+    assert b"'autostart', default_value='true'" in managed[launch]
+    assert b"{'autostart': LaunchConfiguration('autostart')}" in managed[launch]
+    assert b"import ManagedMonitorNode as MonitorNode" in managed[node]
+    assert b"autostart" not in b"".join(without[name] for name in (launch, node, test, readme))
+
+
 def test_a_field_that_only_ros1_has_is_refused(tmp_path: Path) -> None:
     config = yaml.safe_load((CONTRACT / "rover_config.yml").read_text("utf-8"))
     config["SimulatorOutputs"][1]["type"] = "sensor_msgs/Range"

@@ -43,6 +43,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(partial(class_of, classes=classes), has_qos=True)
+    answers["lifecycle"] = node.config.config.Model.lifecycle
     files = {
         f"{monitor.package}/{name}": data
         for name, data in monitor.kind.functions.data_files(monitor.model).items()

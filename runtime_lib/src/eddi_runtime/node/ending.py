@@ -34,6 +34,8 @@ class Ending:
     def on_end(self, stop: Callable[[], None]) -> None:
         """Have something stopped first; it may run in a signal handler and must return at once."""
         self._stops.append(stop)
+        if self.begun:  # already, or between the two lines
+            stop()
 
     def install(self) -> None:
         """Guard the end: when it takes too long, the process ends without it."""

@@ -317,6 +317,10 @@ class Node:
         told = [(one.id, one.active, core.robots(one.id) if one.active else ()) for one in given]
         return self._converter.message(self._peers.word(told, time.monotonic()))
 
+    def withdraw(self) -> None:
+        """Publish that nothing is known, as the last word of a node which stays on the graph."""
+        self._publish_nothing_known()
+
     def _publish_nothing_known(self) -> Any:
         """Publish what holds when nothing is known, by our own code only."""
         output = None

@@ -4,9 +4,8 @@ Steps follow the monotonic clock, never a timer of ROS: with ``use_sim_time`` an
 such a timer would not fire at all.
 """
 
-import signal
 import time
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, ClassVar, Dict, List, Mapping, Optional, Tuple, Type
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.qos import QoSProfile
@@ -18,7 +17,6 @@ from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
 from ...node.conversion import MessageError
 from ...node.health import Status
-from ...node.logs import LOG
 from ...node.node import Node
 from ...node.outputs import Channel, Publish
 from ...node.receipts import MAX_QUEUED, Input
@@ -37,12 +35,17 @@ _DEPTH = 5
 class MonitorNode(Node):
     """Base class of the generated RosNode.
 
+    Class attributes:
+        PROCESS: what it runs in.
+
     Args:
         monitor: the generated EDDIMonitor.
         eddi_input: the generated EDDIInput.
         options: parameters.
         process: the node of rclpy.
     """
+
+    PROCESS: ClassVar[Type[Process]] = Process
 
     def __init__(
         self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings, process: Process
@@ -121,23 +124,31 @@ class MonitorNode(Node):
             deadline=deadline(fitting),
         )
 
-    def run(self) -> int:
-        """Step until the process is to end; return the exit status."""
-        self.ending.install()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: self.ending.begin())
-        LOG.start(self._process.writers())
-        try:
-            self.run_on(self._process.name, self._statuses, self._process.start)
-        finally:
-            self.ending.begin()
-            self.ending.wait()  # before the log of rclpy goes
-            self._process.close()
-        return self.ending.status
+    def run(self, begun: Callable[[], None]) -> None:
+        """Step until its end.
+
+        Args:
+            begun: called once all topics are advertised and subscribed to.
+        """
+        self.run_on(self._process.name, self._statuses, begun)
 
     def _statuses(self) -> Callable[[List[Status]], None]:
         publish = self._process.publisher("/diagnostics", DiagnosticArray, writing({}, 1))
         return lambda statuses: publish(diagnostics_of(statuses, self._process.stamp()))
+
+    @classmethod
+    def serve(cls, process: Any, make: "Callable[[], MonitorNode]") -> int:
+        """Run a node until its process is to end; return the exit status.
+
+        Args:
+            process: a ``PROCESS``.
+            make: returns a node that knows nothing.
+        """
+        node = make()
+        node.prepare()
+        with process.until(node.ending):
+            node.run(process.start)
+        return node.ending.status
 
     @classmethod
     def main(
@@ -153,11 +164,12 @@ class MonitorNode(Node):
         """
         process = None
         try:
-            process = Process(cls.NAME)
+            process = cls.PROCESS(cls.NAME)
             options = declared_settings(process.node, cls.FREQUENCY, cls.STARTUP_GRACE)
-            node = cls(eddi_monitor_class(), eddi_input_class(), options, process)
-            node.prepare()
-            return node.run()
+            around = process
+            return cls.serve(
+                around, lambda: cls(eddi_monitor_class(), eddi_input_class(), options, around)
+            )
         except (StartError, ModelError, MessageError) as error:
             write_to_stderr(cls.NAME, f"error: {error}")
             if process is not None:

@@ -25,18 +25,27 @@ def declared_settings(node: Any, frequency: float, startup_grace: float) -> Sett
     """
     given: Dict[str, Any] = {}
     for name, value, text, ranges in _parameters(frequency, startup_grace):
-        # Read once, so nobody can set them later; 10 is as good a number as 10.0.
-        descriptor = ParameterDescriptor(
-            description=text, read_only=True, dynamic_typing=isinstance(value, float), **ranges
-        )
-        try:
-            given[name] = node.declare_parameter(name, value, descriptor).value
-        except ParameterException as error:
-            raise StartError(f"parameter {name}: {error.args[0]}") from error
+        given[name] = declared(node, name, value, text, **ranges)
     options, wrong = settings(given, frequency, startup_grace)
     if wrong:
         raise StartError("; ".join(wrong))
     return options
+
+
+def declared(node: Any, name: str, default: object, meaning: str, **ranges: Any) -> Any:
+    """Declare a parameter of a node, and return what a person has set.
+
+    Raises:
+        StartError: it has a wrong type or value.
+    """
+    # Read once, so nobody can set them later; 10 is as good a number as 10.0.
+    descriptor = ParameterDescriptor(
+        description=meaning, read_only=True, dynamic_typing=isinstance(default, float), **ranges
+    )
+    try:
+        return node.declare_parameter(name, default, descriptor).value
+    except ParameterException as error:
+        raise StartError(f"parameter {name}: {error.args[0]}") from error
 
 
 def _parameters(

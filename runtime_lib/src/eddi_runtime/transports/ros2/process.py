@@ -3,10 +3,12 @@
 Signals are the monitor's own: rclpy would end its context while the last step still publishes.
 """
 
+import contextlib
+import signal
 import sys
 import threading
 import time
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional
 
 import rclpy
 import rclpy.subscription
@@ -16,6 +18,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
+from ...node.ending import Ending
 from ...node.logs import LOG
 from ...node.start import StartError
 from ...plain_values import one_line
@@ -57,7 +60,7 @@ class Process:
     def __init__(self, name: str) -> None:
         try:
             rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
-            self.node: Any = rclpy.create_node(name)
+            self.node: Any = self.new_node(name)
         except Exception as error:  # rclpy has no base of what it raises for arguments and names
             rclpy.try_shutdown()
             raise StartError(one_line(error)) from error
@@ -69,9 +72,17 @@ class Process:
         self._closed = False
         self._open = threading.RLock()
 
+    def new_node(self, name: str) -> Any:
+        """Return the node of rclpy."""
+        return rclpy.create_node(name)
+
+    def new_publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Any:
+        """Return a publisher of rclpy."""
+        return self.node.create_publisher(cls, topic, qos)
+
     def publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Callable[[Any], None]:
         """Return what publishes to a topic; after the end it does nothing."""
-        publisher = self.node.create_publisher(cls, topic, qos)
+        publisher = self.new_publisher(topic, cls, qos)
 
         def publish(message: Any) -> None:
             with self._open:
@@ -112,6 +123,20 @@ class Process:
         """
         signs = self._signs.get(topic)
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
+
+    @contextlib.contextmanager
+    def until(self, ending: Ending) -> Iterator[None]:
+        """Be in a process that signals end, and leave the graph at last."""
+        ending.install()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: ending.begin())
+        LOG.start(self.writers())
+        try:
+            yield
+        finally:
+            ending.begin()
+            ending.wait()  # before the log of rclpy goes
+            self.close()
 
     def start(self) -> None:
         """Begin to receive."""
