@@ -91,11 +91,11 @@ def test_a_publisher_that_is_killed_and_its_successor(stage):
 
 def test_a_publisher_that_ends_is_said_to_be_gone(stage):
     other = stage.new_probe()
-    stage.feed(other, HEALTHY, BOOL, True)
-    stage.until("Slow")
+    stage.feed(other, MODE, TEXT, "park")  # nobody else has published it before
+    stage.until("Calm")
     other.popen.send_signal(signal.SIGINT)
     stage.until()
-    stage.told("/in/healthy is late")
+    stage.told("/in/mode is late")
     stage.told("(its publisher is gone)")
 
 
