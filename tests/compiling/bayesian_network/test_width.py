@@ -1,7 +1,5 @@
 """What a network costs is known before anything is allocated."""
 
-import time
-
 import pytest
 
 from eddi_scaffold.compiling.bayesian_network.elimination import (
@@ -37,22 +35,13 @@ def test_cost_depends_on_the_width_not_on_the_number_of_nodes():
 
 
 def test_a_wide_network_is_refused_without_memory():
-    start = time.process_time()
-    width = width_of(grid(30, 30), [899], range(899))
-    assert width.too_large
-    assert width.largest > 10**7 > LARGE
-    assert len(width.nodes) > 20
-    assert time.process_time() - start < 60
-
-
-def test_the_refusal_names_the_table_and_what_to_do():
-    shape = grid(30, 30)
+    shape = grid(24, 24)
     tables = [[0.5] * 2 ** (1 + len(one)) for one in shape.parents]
     net = network(shape.cards, shape.parents, tables)
     with pytest.raises(TooWideError, match=f"limit is {TOO_LARGE}; observe fewer nodes") as caught:
-        foreseen(net, [899], range(899), trials=1)
-    assert caught.value.width.largest > TOO_LARGE
-    assert "n" in str(caught.value)
+        foreseen(net, [24 * 24 - 1], range(24 * 24 - 1), trials=1)
+    assert caught.value.width.largest > TOO_LARGE > LARGE
+    assert len(caught.value.width.nodes) > 20
 
 
 def test_a_model_file_that_is_too_wide_is_refused():
