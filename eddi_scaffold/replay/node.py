@@ -99,11 +99,11 @@ class ReplayedNode:
         self._running = running
         self._execute = step or running.execute_step
         self._eddi_input = eddi_input
+        for spec in running.inputs:
+            setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)
         self._latest: dict[str, Received] = {}
         self.raised: dict[str, tuple[str, str]] = {}
-        for spec in running.inputs:
-            setattr(self._eddi_input, spec.attribute, spec.default)
 
     def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
         """Take messages over, update every input, and evaluate.
@@ -120,6 +120,7 @@ class ReplayedNode:
         now = t if clock is None else clock
         self._eddi_input.begin_step(self._ages(t), new, now)
         self._eddi_input.processing({name: one.message for name, one in self._latest.items()})
+        self._eddi_input.end_step()
         for name, state in self._eddi_input.states.items():
             if state.state == "invalid" and getattr(state, "detail", ""):
                 self.raised.setdefault(name, (state.reason, state.detail))

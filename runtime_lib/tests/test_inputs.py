@@ -84,6 +84,23 @@ def test_an_exception_that_cannot_be_printed():
     assert one.states["front left"].reason == "OddError: it cannot be printed"
 
 
+def test_another_method_makes_no_input_known():
+    """A body that was copied and sets the first input as well: silence must not look good."""
+    one = Input()
+    one.front = None  # the default
+    one.bind([InputSpec("front left", "front", ("a", "b"), 0.5), InputSpec("free", "free")])
+
+    def stray():
+        one.front = one.free = True
+
+    for messages, ages in (({}, None), (BOTH, None), (BOTH, {"a": 0.6, "b": 0.0}), ({}, None)):
+        one.go(messages, ages)
+        one.update("free", stray, {}, ())
+        one.end_step()
+        assert one.front is (True if messages and ages is None else None)
+        assert one.free is True
+
+
 def test_none_is_invalid():
     one = Input()
 

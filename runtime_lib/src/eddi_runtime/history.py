@@ -83,8 +83,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
                     values.append(getattr(self, attribute, None))
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, before)
-        setattr(self, attribute, values)
-        self.states[input_id] = after
+        self.__leave(input_id, attribute, after, values)
 
     def update_expression(
         self,
@@ -118,9 +117,9 @@ class EDDIInputBase(inputs.EDDIInputBase):
                 reason = getattr(self.__expressions.get(input_id), "reason", "")
                 after = InputState("invalid", reason or "not known yet", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
-            setattr(self, attribute, None)
             after = invalid(problem, self.states.get(input_id))
-        self.states[input_id] = after
+        value = getattr(self, attribute, None) if after.state == "ok" else None
+        self.__leave(input_id, attribute, after, value)
 
     def expression(self, input_id: str) -> Union[bool, float, str, None]:
         """Return what the expression of an input gives in this step, None for UNKNOWN.

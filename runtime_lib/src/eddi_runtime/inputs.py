@@ -135,10 +135,14 @@ class EDDIInputBase:
         self.__specs: Dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = {}
         self.__words: Mapping[str, Word] = {}
+        self.__defaults: Dict[str, object] = {}
+        self.__unknown: Dict[str, object] = {}
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
+        attributes = [spec.attribute for spec in specs]
+        self.__defaults = {name: getattr(self, name, None) for name in attributes}
 
     def begin_step(
         self,
@@ -159,6 +163,11 @@ class EDDIInputBase:
         """
         self.__ages = {} if ages is None else ages
         self.__words = words or {}
+
+    def end_step(self) -> None:
+        """Take back what methods of other inputs have set for those that are not known."""
+        for attribute, value in self.__unknown.items():
+            setattr(self, attribute, value)
 
     def update(
         self,
@@ -184,10 +193,21 @@ class EDDIInputBase:
                     after = InputState("invalid", "its method left it at None", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, before)
-        # Missing from the start: the default is kept.
-        if after.state != "ok" and not (after.state == before.state == "missing"):
-            setattr(self, attribute, None)
-        self.states[input_id] = after
+        if after.state == before.state == "missing":  # from the start: the default is kept
+            now = getattr(self, attribute, None)
+            value = self.__unknown.get(attribute, self.__defaults.get(attribute, now))
+        else:
+            value = getattr(self, attribute, None) if after.state == "ok" else None
+        self.__leave(input_id, attribute, after, value)
+
+    def __leave(self, input_id: str, attribute: str, state: InputState, value: object) -> None:
+        """Give an input its value of this step."""
+        setattr(self, attribute, value)
+        self.states[input_id] = state
+        if state.state == "ok":
+            self.__unknown.pop(attribute, None)
+        else:
+            self.__unknown[attribute] = value
 
     def __spec(self, input_id: str) -> Tuple[str, Union[float, str, None]]:
         """Return the attribute of an input and how old its messages may be."""

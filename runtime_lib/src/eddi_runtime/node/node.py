@@ -289,6 +289,7 @@ class Node:
         if new:
             self._health.log_error("queue", self._receipts.dropped())
         self.eddi_input.processing(self.simulator_values)
+        self.eddi_input.end_step()
         return self.monitor.execute_step(self.eddi_input, t_ns)
 
     def _publish(self, output: Any) -> str:
