@@ -21,6 +21,7 @@ from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.packages.versions import is_newer
 from eddi_scaffold.positioned_yaml.nodes import dump_11, read_document, value_11
 from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.regions.conflicts import conflict_lines
 from eddi_scaffold.source import read_source
 
 if TYPE_CHECKING:
@@ -119,9 +120,12 @@ def read_answers(package: Path) -> dict[str, Any] | None:
     path = package / ANSWERS_FILE
     if not path.is_file():
         return None
-    node, problems = read_document(read_source(path), "T005")
+    source = read_source(path)
+    node, problems = read_document(source, "T005")
     if node is None:
         hint = "put it back: git checkout -- FILE, or copy the package again with plain copier copy"
+        if conflict_lines(source.data.decode(errors="replace")):
+            hint = f"take one side and generate again: git checkout --ours {path}"
         raise EddiError(*(replace(problem, hint=hint) for problem in problems))
     data = value_11(node)
     known = isinstance(data, dict) and "template" in data and "generator_version" in data

@@ -20,6 +20,9 @@ from .merge import LANGUAGES, check_text, kind_of
 from .outside import Language, merge_items, regions_in
 
 _WRITTEN = "  # written"
+_OF_TWO_BRANCHES = "of two branches"
+"""In place of a digest: no package has it."""
+_ALL_DIFFER = 3
 
 
 class Joined(NamedTuple):
@@ -61,12 +64,15 @@ def join_renderings(path: str, base: str, ours: str, theirs: str) -> str:
 def join_manifests(base: str, ours: str, theirs: str) -> str | None:
     """Return the digests of two branches, ``None`` where one is damaged.
 
-    That of the whole rendering fits no package where both branches have a new one. A base that
-    both have anew is merged, and has none of their digests.
+    That of the whole rendering fits no package where both branches have a new one: their answers
+    are not merged. A base that both have anew is merged, and has none of their digests.
     """
     try:
         old, own, new = ({} if not text else json.loads(text) for text in (base, ours, theirs))
-        record = {"rendering": _chosen(*(one.get("rendering") for one in (old, own, new)))}
+        was, mine, other = (one.get("rendering") for one in (old, own, new))
+        record = {"rendering": _chosen(was, mine, other)}
+        if len({was, mine, other}) == _ALL_DIFFER:
+            record["rendering"] = _OF_TWO_BRANCHES
         for part in ("meaning", "sha256"):
             before, mine, other = (dict(one.get(part, {})) for one in (old, own, new))
             record[part] = {

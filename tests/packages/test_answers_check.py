@@ -49,3 +49,16 @@ def test_damaged_answers_are_bad_input(workspace: Path, name: str) -> None:
         assert run("upgrade", "-w", "ws", cwd=workspace).status == 0
     finally:
         file.write_text(sound, "utf-8")
+
+
+def test_after_a_merge_that_left_markers(workspace: Path) -> None:
+    file = workspace / ANSWERS
+    sound = file.read_text("utf-8")
+    file.write_text(f"<<<<<<< HEAD\n{sound}=======\n>>>>>>> side\n", "utf-8")
+    try:
+        found = run(*GENERATE, "consert_b_config.yml", cwd=workspace)
+    finally:
+        file.write_text(sound, "utf-8")
+    assert found.status == 2
+    hint = "hint: take one side and generate again: git checkout --ours "
+    assert f"{hint}ws/src/eddi_monitor/consertb/.copier-answers.yml" in found.err

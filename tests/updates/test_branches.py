@@ -134,6 +134,21 @@ def test_what_is_said_to_do_puts_it_right(world: World) -> None:
     assert world.command("regions", "--check", world.package).status == 0
 
 
+def test_what_both_branches_generated_is_generated_again(world: World) -> None:
+    diverge(world, "model", "renamed")
+    git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
+    assert not merge(world)
+    assert b"<<<<<<<" not in b"".join(snapshot(world.package).values())
+    world.change(START[0], Element("bravo", was="beta"), START[2], Element("delta"))
+    assert world.command("regions", "--check", world.package).status == 3
+    assert world.generate().status == 0
+    world.settle()
+    world.check()
+    assert updated(world)
+    assert not list(world.package.glob(".eddi/rejects/*"))
+    assert world.command("regions", "--check", world.package).status == 0
+
+
 def test_plain_update_after_the_merge(world: World) -> None:
     diverge(world, "both")
     git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
@@ -146,14 +161,12 @@ def test_plain_update_after_the_merge(world: World) -> None:
     assert "unfit" not in world.command("regions", world.package).words
 
 
-@pytest.mark.parametrize("with_driver", [True, False])
 def test_plain_update_of_renderings_of_two_branches_waits_for_one(
-    world: World, capfd: pytest.CaptureFixture[str], *, with_driver: bool
+    world: World, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Copier would undo in the new rendering what it misses in the merged one, without a word."""
     diverge(world, "template", "renamed")
-    if with_driver:
-        git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
+    git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
     assert not merge(world)
     for name in git(world.workspace, "diff", "--name-only", "--diff-filter=U").split():
         git(world.workspace, "checkout", "--ours", name)
