@@ -68,7 +68,7 @@ def answers(
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.positioned_yaml.writer import dump_plain
-    from eddi_scaffold.robot.robot_models import beside_configs
+    from eddi_scaffold.robot.beside_configs import beside_configs
 
     target = chosen(platform)
     root = (workspace or Path()) / target.root

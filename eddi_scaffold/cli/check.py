@@ -47,7 +47,8 @@ def check(
     from eddi_scaffold.monitors.folders import files_of
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.problems import has_errors, in_order
-    from eddi_scaffold.robot.robot_models import beside_configs, check_robots
+    from eddi_scaffold.robot.beside_configs import beside_configs
+    from eddi_scaffold.robot.robot_models import check_robots
 
     unread: list[Path] = []
     for folder in [file for file in files if file.is_dir()]:

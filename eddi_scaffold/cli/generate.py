@@ -95,7 +95,7 @@ def generate(
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import at_work, packages_root
     from eddi_scaffold.platforms import choices, chosen
-    from eddi_scaffold.robot.robot_models import beside_configs
+    from eddi_scaffold.robot.beside_configs import beside_configs
 
     target = chosen(platform)
     place = destination(target, workspace, output)

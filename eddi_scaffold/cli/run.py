@@ -98,7 +98,7 @@ def run(
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.replay.playing import play
     from eddi_scaffold.replay.running import changes, picture, steps, table, watched
-    from eddi_scaffold.robot.robot_models import beside_configs
+    from eddi_scaffold.robot.beside_configs import beside_configs
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))

@@ -46,7 +46,7 @@ def upgrade(
     from eddi_scaffold.packages.upgrading import groups, roots, targets
     from eddi_scaffold.packages.workspace import at_work, linked_package
     from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.robot.robot_models import beside_configs
+    from eddi_scaffold.robot.beside_configs import beside_configs
 
     if not config and (system is not None or models is not None):
         hint = "add -c CONFIG: packages remember the message types that they were made with"

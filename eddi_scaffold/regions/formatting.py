@@ -6,7 +6,7 @@ import ast
 import hashlib
 import io
 import tokenize
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from .marked_file import split_lines
 from .markers import indent_of
@@ -40,23 +40,40 @@ def meaning_digest(data: bytes) -> str | None:
     """
     try:
         text = data.decode()
-        meaning = _as_text(parse_shallow(text)), *_comments(text)
+        tree = _Tree()
+        meaning = tree.as_text(parse_shallow(text)), *_comments(text, tree.string_lines)
     except (UnicodeDecodeError, SyntaxError, tokenize.TokenError):
         return None
     return hashlib.sha256("\n".join(meaning).encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def _as_text(part: object) -> str:
-    """Return a syntax tree as text, without what is empty: later versions of Python have more."""
-    if isinstance(part, list):
-        return f"[{','.join(map(_as_text, part))}]"
-    if not isinstance(part, ast.AST):
-        return ascii(part)
-    if isinstance(part, ast.JoinedStr):  # Python 3.12.1 adds empty text to a format
-        part.values = [one for one in part.values if getattr(one, "value", None) != ""]
-    fields = ((name, getattr(part, name, None)) for name in part._fields if name != "kind")
-    kept = (f"{name}={_as_text(value)}" for name, value in fields if value not in (None, []))
-    return f"{type(part).__name__}({','.join(kept)})"
+class _Tree:
+    """A syntax tree as text, without what is empty: later versions of Python have more.
+
+    Attributes:
+        string_lines: numbers of the lines that strings of several lines take, seen on the way.
+    """
+
+    def __init__(self) -> None:
+        self.string_lines: set[int] = set()
+
+    def as_text(self, part: object) -> str:
+        """Return a tree, or a part of one, as text."""
+        if isinstance(part, list):
+            return f"[{','.join([self.as_text(one) for one in part])}]"
+        if not isinstance(part, ast.AST):
+            return ascii(part)
+        if isinstance(part, (ast.Constant, ast.JoinedStr)):
+            end = part.end_lineno or part.lineno
+            self.string_lines.update(range(part.lineno, end + 1) if end > part.lineno else ())
+        if isinstance(part, ast.JoinedStr):  # Python 3.12.1 adds empty text to a format
+            part.values = [one for one in part.values if getattr(one, "value", None) != ""]
+        kept = []
+        for name in part._fields:
+            value = getattr(part, name, None)
+            if name != "kind" and value is not None and value != []:
+                kept.append(f"{name}={self.as_text(value)}")
+        return f"{type(part).__name__}({','.join(kept)})"
 
 
 def _meaning(lines: Sequence[str]) -> tuple[str, list[str]] | None:
@@ -69,6 +86,30 @@ def _meaning(lines: Sequence[str]) -> tuple[str, list[str]] | None:
         return None
 
 
-def _comments(text: str) -> list[str]:
-    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
-    return [t.string.lstrip("# \t") for t in tokens if t.type == tokenize.COMMENT]
+def _comments(text: str, string_lines: Collection[int] | None = None) -> list[str]:
+    """Return the comments of a text.
+
+    Args:
+        text: Python.
+        string_lines: numbers of the lines that strings of several lines take, where they are
+            known: that spares most texts from being read token by token.
+    """
+    found = _plain_comments(text, string_lines) if string_lines is not None else None
+    if found is None:
+        tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+        found = [token.string for token in tokens if token.type == tokenize.COMMENT]
+    return [comment.lstrip("# \t") for comment in found]
+
+
+def _plain_comments(text: str, string_lines: Collection[int]) -> list[str] | None:
+    """Return the comments of a text where no ``#`` can be part of a string, else ``None``."""
+    if "\r" in text:
+        return None
+    found = []
+    for number, line in enumerate(text.split("\n"), 1):
+        before, mark, after = line.partition("#")
+        if mark:
+            if number in string_lines or '"' in before or "'" in before:
+                return None
+            found.append(mark + after)
+    return found

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,33 +44,12 @@ def beside(robot: Robot) -> RobotAdditions:
     return RobotAdditions(outputs, message_types(robot.models))
 
 
-@contextmanager
-def beside_configs(
-    system: Path | None, folder: Path | None
-) -> Iterator[tuple[RobotAdditions | None, list[Problem]]]:
-    """Add what a command was given beside configurations: a system, models, both or none.
-
-    What does not resolve in the system is a warning here: only what an input requires must.
-
-    Yields:
-        What the models add, and what is wrong with them: it may be the reason for what is refused
-        inside, and is told with it.
+def additions(system: Path | None, folder: Path | None) -> tuple[RobotAdditions, list[Problem]]:
+    """Return what a system, node models or both add to configurations, and what is wrong with them.
 
     Raises:
         EddiError: one of the two cannot be read, or the models of a system are missing (G017).
     """
-    robot, problems = _additions(system, folder)
-    try:
-        yield robot, problems
-    except EddiError as refused:
-        raise EddiError(*problems, *refused.problems) from None
-
-
-def _additions(
-    system: Path | None, folder: Path | None
-) -> tuple[RobotAdditions | None, list[Problem]]:
-    if system is None and folder is None:
-        return None, []
     if folder is None:
         hint = "--models DIR: the directory of its .ros, .ros1 and .ros2 files"
         raise EddiError(error("G017", "--system needs the models of its nodes", hint=hint))

@@ -212,3 +212,22 @@ def test_the_line_for_formatters_is_behind_that_of_a_program(tmp_path: Path) -> 
     sync(tmp_path)
     assert (tmp_path / "run.py").read_text() == program.replace("\n", f"\n{HEAD}", 1)
     assert as_placed("README.md", b"text\n") == b"text\n"
+
+
+STRINGS_AND_COMMENTS = {
+    "in a docstring": '"""One\n# no\n"""  # yes\n',
+    "in a string of one line": 'a = "# no" # yes\n',
+    "behind a continued line": "a = 'b\\\n # no'  # yes\n",
+    "between two strings": 'a = ("b"  # yes\n  "c # no")\n',
+    "in a format": 'a = f"""{b\n}# no"""\n# yes\n',
+    "old line ends": 'a = 1\r# yes\r"""\r# no"""\r',
+    "blanks": "#  yes \t\n\x0c# yes\n",
+}
+
+
+@pytest.mark.parametrize("text", STRINGS_AND_COMMENTS.values(), ids=STRINGS_AND_COMMENTS)
+def test_a_meaning_has_the_comments_that_python_sees(text: str) -> None:
+    meant = meaning_digest(text.encode())
+    assert meaning_digest(text.replace("# yes", "# other").encode()) != meant
+    with patch("eddi_scaffold.regions.formatting._plain_comments", return_value=None):
+        assert meaning_digest(text.encode()) == meant  # read token by token
