@@ -1,24 +1,26 @@
 """Replace the block ``SimulatorOutputs`` of an ``eddi_config.yml`` as text.
 
-Every other byte stays: comments, order, quoting, line ends. Of the block itself, keys other than
-id, type and topic (``max_age``) stay with their topic.
+Every other byte stays: comments, order, quoting, line ends. In the block itself, an entry whose id,
+type and topic are the same stays as it is written; of others the further keys (``max_age``) and the
+comments stay with their topic.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from eddi_scaffold.positioned_yaml.nodes import quoted, read_document
 from eddi_scaffold.positioned_yaml.scalars import Map
-from eddi_scaffold.positioned_yaml.spans import Span, comments, spans
+from eddi_scaffold.positioned_yaml.spans import Span, comment_texts, comments, spans
 from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error, warning
 from eddi_scaffold.source import Source
 
 KEPT_ENTRY = "M026"
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
+_WORDS = re.compile(r"\w+")
 _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
 
 
@@ -36,9 +38,13 @@ class OldEntry:
     """One entry of the block.
 
     Attributes:
-        text: as written, without the dash.
+        text: as written, without the dash, to the end of its last line.
         column: blanks in front of it, which its further lines have as well.
         more: the keys other than id, type and topic, as written.
+        type: as written.
+        above: the comments in front of it.
+        inside: the comments in its text.
+        comment_lines: the lines of all of them.
     """
 
     id: str
@@ -47,6 +53,22 @@ class OldEntry:
     column: int
     line: int
     more: tuple[str, ...] = ()
+    type: str = ""
+    above: tuple[str, ...] = ()
+    inside: tuple[str, ...] = ()
+    comment_lines: tuple[int, ...] = ()
+
+    def lines(self) -> list[str]:
+        """Return its lines as they are, two blanks in."""
+        first, *rest = self.text.split("\n")
+        more = (_dedented(line, self.column) for line in rest)
+        whole = (f"    {one}" if one else "" for one in more)
+        return [*self.lead(self.above), f"  - {first}", *whole]
+
+    @staticmethod
+    def lead(comments: Iterable[str]) -> list[str]:
+        """Return comments as lines in front of an entry."""
+        return [f"  {one}" for one in comments]
 
 
 @dataclass(frozen=True)
@@ -72,8 +94,10 @@ class ConfigText:
         start: offset of the block; where it would be put when there is none.
         end: offset behind the line in which it ends; equal to ``start`` when there is none.
         old: its entries.
-        comments: lines of the block that hold a comment.
+        head: the comment behind the name of the block.
+        comments: lines of the block that hold a comment, where it is a list in brackets.
         required: id that an input requires -> line.
+        used: words of the inputs, among them the ids that their expressions name.
     """
 
     name: str
@@ -81,8 +105,10 @@ class ConfigText:
     start: int
     end: int
     old: tuple[OldEntry, ...] = ()
+    head: str = ""
     comments: tuple[int, ...] = ()
     required: Mapping[str, int] | None = None
+    used: frozenset[str] = frozenset()
 
     @property
     def line_end(self) -> str:
@@ -113,10 +139,10 @@ def read_block(source: Source) -> ConfigText:
         hint = "write each section on lines of its own"
         raise EddiError(error("K037", message, node.place, hint))
     found = [(key, value) for key, value in root.entries() if key.text in _NAMES]
-    required = _required(root)
+    required, used = _required(root), _used(root)
     if not found:
         where = _insertion(text, root)
-        return ConfigText(source.name, text, where, where, required=required)
+        return ConfigText(source.name, text, where, where, required=required, used=used)
     if len(found) > 1:
         lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in found)
         place = Place(source.name, found[1][0].line, 1)
@@ -131,9 +157,11 @@ def read_block(source: Source) -> ConfigText:
         text,
         start,
         end,
-        tuple(_old_entries(text, value)),
-        tuple(comments(text, value, start, end)),
+        tuple(_old_entries(text, key, value)),
+        _comment_behind(text, value.end if value.is_flow else key.end),
+        tuple(comments(text, value, start, value.end)) if value.is_flow else (),
         required,
+        used,
     )
 
 
@@ -151,14 +179,16 @@ def rewritten(
     topics = {entry.topic for entry in entries}
     old = {entry.topic: entry for entry in document.old}
     foreign = [(entry, absence(entry)) for entry in document.old if entry.topic not in topics]
-    required = document.required or {}
     ids = {entry.id for entry in entries}
     kept = [
-        one for one, absent in foreign if (absent.stays or one.id in required) and one.id not in ids
+        one
+        for one, absent in foreign
+        if (absent.stays or one.id in document.used) and one.id not in ids
     ]
     lines = [line for one in entries for line in _lines(one, old.get(one.topic))]
-    lines += [line for one in kept for line in _item(one.text, one.column)]
-    body = ["SimulatorOutputs:", *lines] if lines else ["SimulatorOutputs: []"]
+    lines += [line for one in kept for line in one.lines()]
+    name = f"SimulatorOutputs:{'' if lines else ' []'}{document.head}"
+    body = [name, *lines]
     block = "".join(line + document.line_end for line in body)
     before, after = document.text[: document.start], document.text[document.end :]
     if before and not before.endswith("\n"):
@@ -196,11 +226,12 @@ def _notes(
         else:
             message = f"{what}; it stays, because an input needs it"
             problems.append(warning(KEPT_ENTRY, message, place))
-    if document.comments:
-        lines = ", ".join(str(line) for line in document.comments)
+    dropped = (one.comment_lines for one, _ in foreign if one not in kept)
+    lost = sorted({*document.comments, *(line for some in dropped for line in some)})
+    if lost:
+        lines = ", ".join(map(str, lost))
         message = f"comments inside SimulatorOutputs are not kept (line {lines})"
-        place = Place(document.name, document.comments[0], 1)
-        problems.append(warning("M028", message, place))
+        problems.append(warning("M028", message, Place(document.name, lost[0], 1)))
     return problems
 
 
@@ -215,23 +246,23 @@ def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
 
 
 def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
+    if old is not None and (old.id, old.type) == (entry.id, entry.type):
+        return old.lines()
     values = (quoted(entry.id), quoted(entry.type), quoted(entry.topic))
     first, *rest = [f"{key}: {value}" for key, value in zip(_KEYS, values, strict=True)]
     more = [line for text in (old.more if old else ()) for line in text.split("\n")]
-    return [f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
-
-
-def _item(text: str, column: int) -> list[str]:
-    first, *rest = text.split("\n")
-    return [f"  - {first}", *(f"    {_dedented(line, column)}" for line in rest)]
+    above = OldEntry.lead((*old.above, *old.inside)) if old else []
+    return [*above, f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
 
 
 def _dedented(line: str, column: int) -> str:
     return line[column:] if not line[:column].strip() else line.lstrip()
 
 
-def _old_entries(text: str, value: Span) -> Iterable[OldEntry]:
+def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
+    done = _line_end(text, key.end)
     for item in value.children if not value.is_map else []:
+        before, done = done, _line_end(text, item.end)
         if not item.is_map:
             continue
         values = {key.text: inner for key, inner in item.entries()}
@@ -244,8 +275,25 @@ def _old_entries(text: str, value: Span) -> Iterable[OldEntry]:
             for key, inner in item.entries()
             if key.text not in _KEYS
         )
-        whole = text[item.start : item.end].replace("\r", "")
-        yield OldEntry(name.text, topic.text, whole, column, item.line, more)
+        type_ = values.get("type")
+        entry = OldEntry(
+            name.text,
+            topic.text,
+            text[item.start : item.end].replace("\r", ""),
+            column,
+            item.line,
+            more,
+            (type_.text or "") if type_ else "",
+        )
+        if not value.is_flow:
+            entry = replace(
+                entry,
+                text=text[item.start : done].replace("\r", "").rstrip(),
+                above=tuple(comment_texts(text, value, before, item.start)),
+                inside=tuple(comment_texts(text, value, item.start, done)),
+                comment_lines=tuple(comments(text, value, before, done)),
+            )
+        yield entry
 
 
 def _slice(text: str, start: int, end: int, column: int) -> str:
@@ -267,6 +315,28 @@ def _insertion(text: str, root: Span) -> int:
 def _line_end(text: str, offset: int) -> int:
     end = text.find("\n", offset)
     return len(text) if end < 0 else end + 1
+
+
+def _comment_behind(text: str, offset: int) -> str:
+    """Return the comment at the end of a line behind its name, with the blanks in front of it."""
+    found = re.search(r"\s+#.*", text[offset : _line_end(text, offset)].rstrip())
+    return found[0] if found else ""
+
+
+def _used(root: Span) -> frozenset[str]:
+    """Return the words that say where inputs come from."""
+    inputs = root.get("EDDIInputs")
+    entries = inputs.children if inputs is not None and not inputs.is_map else []
+    pairs = (pair for one in entries if one.is_map for pair in one.entries())
+    texts = (text for key, value in pairs if key.text != "id" for text in _texts(value))
+    return frozenset(word for text in texts for word in (text, *_WORDS.findall(text)))
+
+
+def _texts(span: Span) -> Iterator[str]:
+    if span.text is not None:
+        yield span.text
+    for one in span.children:
+        yield from _texts(one)
 
 
 def _required(root: Span) -> dict[str, int]:

@@ -6,6 +6,7 @@ Texts of models become YAML scalars by ``quoted`` and comments by ``one_line``, 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -23,6 +24,14 @@ from eddi_scaffold.quantities import QuantityError, duration
 MARK = "# connect:"
 """What the comments of this command begin with; a person's do not."""
 _EXPRESSIBLE = ("bool", "float", "int")
+_CHOOSE = "one of the above, or another"
+_FIND = "no topic is known"
+_CONDITION = "the condition for it, such as load.data > 60"
+_SECONDS = "seconds"
+_NO_RATE = "seconds: no rate of {} is known"
+_NOTES = re.compile(
+    "|".join((_CHOOSE, _FIND, re.escape(_CONDITION), _SECONDS, _NO_RATE.format(r"\S+")))
+)
 _PERIODS = 2.5
 _SPARE = 1.2
 _OUTAGE = 10.0
@@ -128,8 +137,7 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         topic = best.topic.topic
     else:
         taken, topic = {}, ""
-        note = "one of the above, or another" if decision.candidates else "no topic is known"
-        source = _open_source(need, note)
+        source = _open_source(need, _CHOOSE if decision.candidates else _FIND)
         why = _choice(decision)
     if need.timeout is not None:
         age: str | None = known_age(Age(need.timeout, "TIMEOUT of the model"))
@@ -140,8 +148,7 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
 
 def _open_source(need: Need, note: str) -> list[str]:
     if need.states:
-        condition = "the condition for it, such as load.data > 60"
-        return ["states:", *(f"  {_todo(quoted(one), condition)}" for one in need.states)]
+        return ["states:", *(f"  {_todo(quoted(one), _CONDITION)}" for one in need.states)]
     keys = ("expression",) if need.type in _EXPRESSIBLE else ("requires", "field")
     return [_todo(key, note) for key in keys]
 
@@ -184,6 +191,12 @@ def _name(text: str) -> str:
 
 def _todo(key: str, note: str) -> str:
     return f"{key}: {TODO}  # {TODO} {one_line(note)}"
+
+
+def is_own(comment: str) -> bool:
+    """Return whether a comment is of this command, as it is, so that it may be rewritten."""
+    start, _, note = comment.partition(f"# {TODO} ")
+    return comment.startswith(MARK) or (not start and _NOTES.fullmatch(note) is not None)
 
 
 def _comment(text: str) -> str:
@@ -236,7 +249,7 @@ def _ahead(decision: Decision) -> str:
 
 
 def _age_line(topic: str, ages: Mapping[str, Age]) -> str:
-    note = f"seconds: no rate of {topic} is known" if topic else "seconds"
+    note = _NO_RATE.format(topic) if topic else _SECONDS
     return known_age(ages.get(topic)) or _todo("max_age", note)
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.config.block import ConfigText
-from eddi_scaffold.connect.draft import MARK, EntryDraft, option_lines
+from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.kinds import TODO, JsonValue
 from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, Scalar, dump_plain, read_map
-from eddi_scaffold.positioned_yaml.spans import Span, spans
+from eddi_scaffold.positioned_yaml.spans import Span, comment_texts, spans
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.source import Source
 
@@ -156,7 +156,8 @@ class _Editor:
             self.insert(self._line_end(section.end), new, dash - self._line_start(dash))
         elif new:  # nothing yet, or []
             end = self._line_end(max(key.end, section.end))
-            self.replace(key.start, end, ["EDDIInputs:", *(f"  {line}" for line in new)])
+            theirs = self._comments(section, key.start, end)
+            self.replace(key.start, end, [*theirs, "EDDIInputs:", *(f"  {line}" for line in new)])
 
     def _refresh(self, item: Span, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
         """Decide anew what is TODO in an entry, and rewrite its comments."""
@@ -216,10 +217,12 @@ class _Editor:
         first = self._line_end(item.children[1].end)
         if item.children[1].children or first > end:
             return  # the first value takes several lines
+        texts = item.scalars  # a text of several lines may have one that looks like ours
         old = [
             (start + found.start(), start + found.end())
             for found in re.finditer(r"[^\n]*\n", self.text[start:end])
             if _MARKED.match(found[0])
+            and not any(a < start + found.end() and start + found.start() < b for a, b in texts)
         ]
         new = [f"{' ' * column}{line}{self.line_end}" for line in why]
         if [self.text[a:b] for a, b in old] == new or not (old or is_new):
@@ -229,12 +232,20 @@ class _Editor:
         self.insert(first, why, column)
 
     def _replace_line(self, pair: tuple[Span, Span], lines: Sequence[str], column: int) -> None:
-        """Replace the line of a key whose value is TODO."""
+        """Replace the line of a key whose value is TODO; comments of a person get lines above."""
         key, value = pair
-        start = self._line_start(key.start)
+        start, end = self._line_start(key.start), self._line_end(max(key.end, value.end))
         if self.text[start : key.start].strip():  # the first one, behind the dash
             return
-        self.replace(start, self._line_end(value.end), lines, column)
+        theirs = self._comments(value, start, end)
+        was = self.text[start:end].partition("#")[0].split()
+        if theirs and [one.partition("#")[0].split() for one in lines] == [was]:
+            return  # still open, and a person says why
+        self.replace(start, end, [*theirs, *lines], column)
+
+    def _comments(self, value: Span, start: int, end: int) -> list[str]:
+        """Return what a person wrote as comments between two offsets."""
+        return [one for one in comment_texts(self.text, value, start, end) if not is_own(one)]
 
     def _is_open(self, value: Span) -> bool:
         """Return whether a value is TODO, or a map of nothing else."""

@@ -108,11 +108,41 @@ def test_an_entry_that_an_input_needs_stays() -> None:
     assert written(text, SCAN)[0] == text
 
 
-def test_comments_inside_are_lost_and_said() -> None:
-    old = "SimulatorOutputs: # one\n  - id: a#b\n    # two\n    topic: /scan # three\n# four\n"
+def test_comments_stay_with_their_entries() -> None:
+    old = (
+        "SimulatorOutputs: # one\r\n# two\r\n-  topic: /scan   # three\r\n   # four\r\n"
+        "   id: scan\r\n\r\n   # five\r\n   type: sensor_msgs.LaserScan # six\r\n# seven\r\n"
+    )
     text, problems = written(old, SCAN)
-    assert text == NEW + "# four\n"
-    assert problems == [("M028", 1)]
+    assert problems == []
+    assert text == (
+        "SimulatorOutputs: # one\r\n  # two\r\n  - topic: /scan   # three\r\n    # four\r\n"
+        "    id: scan\r\n\r\n    # five\r\n    type: sensor_msgs.LaserScan # six\r\n# seven\r\n"
+    )
+    assert written(text, SCAN) == (text, [])
+
+
+def test_comments_of_an_entry_that_changes_stand_above_it() -> None:
+    old = "SimulatorOutputs:\n  # one\n  - id: a#b\n    # two\n    topic: /scan # three\n# four\n"
+    text, problems = written(old, SCAN)
+    head, _, entry = NEW.partition("\n")
+    assert text == f"{head}\n  # one\n  # two\n  # three\n{entry}# four\n"
+    assert problems == []
+
+
+def test_comments_of_an_entry_that_is_dropped_are_said() -> None:
+    old = "SimulatorOutputs: # one\n  # two\n  - {id: gone, topic: /gone} # three\n"
+    text, problems = written(old, SCAN)
+    assert text == NEW.replace(":", ": # one", 1)
+    assert problems == [("M027", 3), ("M028", 2)]
+
+
+def test_an_entry_that_an_expression_names_stays() -> None:
+    inputs = "EDDIInputs:\n  - id: gone\n    expression: 2 * mine.data > 1\n"
+    old = "SimulatorOutputs:\n  - {id: mine, topic: /mine}\n  - {id: gone, topic: /gone}\n"
+    text, problems = written(old + inputs, SCAN)
+    assert text == f"{NEW}  - {{id: mine, topic: /mine}}\n{inputs}"
+    assert problems == [("M026", 2), ("M027", 3)]
 
 
 @pytest.mark.parametrize(

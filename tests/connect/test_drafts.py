@@ -105,6 +105,33 @@ def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
     assert "WayIsClear\r\n  # my reason" in after  # the reasons for what was not taken are gone
 
 
+def test_comments_of_a_person_behind_what_is_open_stay() -> None:
+    mine = (
+        "Model: {id: Rover, type: ConSert}\nEDDIInputs:  # one\n"
+        "- id: WayIsClear\n"
+        "  requires: TODO  # TODO ask two\n"
+        "  # three\n"
+        "  field:  # four\n"
+        "    TODO  # five\n"
+        "  max_age: TODO  # TODO seconds six\n"
+        "- id: Speed\n"
+        "  expression: TODO  # seven\n"
+        "  note: |\n"
+        "    # connect: eight\n"
+    )
+    after = written(mine, draft([WAY, Need("Speed", "float")], [CLEAR]))
+    words = ("one", "two", "three", "four", "five", "six", "seven", "eight")
+    assert [word for word in words if after.count(word) != 1] == []
+    assert "  # TODO ask two\n  requires: [clear]\n  field: data\n  # three\n" in after
+    assert "  max_age: TODO  # TODO seconds six\n" in after
+    assert "  expression: TODO  # seven\n" in after
+
+
+def test_a_comment_behind_no_inputs_stays() -> None:
+    mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs: []  # none yet\n"
+    assert "# none yet\nEDDIInputs:\n  - id: Way" in written(mine, draft([WAY], [CLEAR]))
+
+
 def test_an_entry_that_says_nothing_is_filled() -> None:
     mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs:\n- id: WayIsClear\n- id: Charge\n"
     after = written(mine, draft([WAY, POWER], [CLEAR, CHARGE]))

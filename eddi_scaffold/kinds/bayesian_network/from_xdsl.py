@@ -65,7 +65,11 @@ def _refused(root: Element, file: str) -> list[Problem]:
     if several and select(root, 'extensions/genie[starts-with(@app, "aGrUM")]'):
         message = "pyAgrum lists the rows of a table in another order than XDSL has"
         place = Place(file, line_of(several[0]))
-        problems.append(error("B209", message, place, "write it as .bif, .net or .bifxml there"))
+        hint = (
+            "write it as .bif, .net or .bifxml there; if pyAgrum got it as XDSL from another tool, "
+            "take that tool's file: pyAgrum has turned its tables"
+        )
+        problems.append(error("B209", message, place, hint))
     for of, nodes in others.items():
         advice = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
         problems.append(unsupported(of, nodes, advice))
