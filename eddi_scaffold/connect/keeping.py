@@ -224,8 +224,9 @@ class _Editor:
             if _MARKED.match(found[0])
             and not any(a < start + found.end() and start + found.start() < b for a, b in texts)
         ]
-        new = [f"{' ' * column}{line}{self.line_end}" for line in why]
-        if [self.text[a:b] for a, b in old] == new or not (old or is_new):
+        new = "".join(f"{' ' * column}{line}{self.line_end}" for line in why)
+        is_there = len(old) == len(why) and self.text.startswith(new, first)
+        if is_there or not (old or is_new):
             return
         for a, b in old:
             self.replace(a, b, ())

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from eddi_scaffold.config.message_types import declared
 from eddi_scaffold.config.reading import RobotAdditions, read_config
+from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
@@ -23,7 +24,8 @@ from eddi_scaffold.source import read_source
 def beside(robot: Robot) -> RobotAdditions:
     """Return what a system and its models add to configurations.
 
-    The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write.
+    The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write, without
+    topics that ROS does not allow: an error in what nobody wrote would have no line to be mended.
     """
 
     def outputs(entries: object) -> list[dict[str, JsonValue]]:
@@ -32,8 +34,9 @@ def beside(robot: Robot) -> RobotAdditions:
             Existing(str(one.get("id")), str(one.get("topic")), Place(str(robot.path)))
             for one in old
         ]
-        found = simulator_outputs(robot.system, robot.models, existing=existing).topics
+        every = simulator_outputs(robot.system, robot.models, existing=existing).topics
         more = {str(one.get("topic")): one for one in old}
+        found = [one for one in every if is_ros_name(one.topic) or one.topic in more]
         given = [
             {**more.get(one.topic, {}), "id": one.id, "type": one.type, "topic": one.topic}
             for one in found

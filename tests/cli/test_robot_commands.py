@@ -189,6 +189,13 @@ def test_every_command_takes_the_models_of_the_robot(robot: Path) -> None:
     assert "self.Charge = charge.level" in (robot / "a.yml").read_text("utf-8")
 
 
+def test_a_topic_that_ros_does_not_allow_is_left_out_beside_a_configuration(robot: Path) -> None:
+    bad = '        "a~b":\n          type: std_msgs/msg/Bool\n'
+    edit(robot / LASER, "        scan:", f"{bad}        scan:")
+    checked = run("check", MODEL, CONFIG, "--system", SYSTEM, "--models", NODES, cwd=robot)
+    assert (checked.status, codes(checked.err)) == (0, ["M017"])
+
+
 def test_what_does_not_resolve_in_the_system_is_told_with_what_it_refuses(robot: Path) -> None:
     shutil.copy(ROOT / "examples" / "robot-models" / CONFIG, robot / CONFIG)
     edit(robot / SYSTEM, '"laser_driver.laser"', '"lost.laser"')

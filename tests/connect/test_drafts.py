@@ -127,6 +127,14 @@ def test_comments_of_a_person_behind_what_is_open_stay() -> None:
     assert "  expression: TODO  # seven\n" in after
 
 
+def test_reasons_that_were_moved_are_put_back_at_once() -> None:
+    before = written("", draft([WAY], []))
+    first, second = before[before.index("    # connect:") :].splitlines(keepends=True)[:2]
+    moved = before.replace(f"{first}{second}", f"{second}{first}")
+    assert moved != before
+    assert written(moved, draft([WAY], [])) == before
+
+
 def test_a_comment_behind_no_inputs_stays() -> None:
     mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs: []  # none yet\n"
     assert "# none yet\nEDDIInputs:\n  - id: Way" in written(mine, draft([WAY], [CLEAR]))
