@@ -21,10 +21,11 @@ from eddi_scaffold.problems import EddiError, NearNames, Place, Problem, error, 
 from eddi_scaffold.source import Source
 
 _PATTERN = re.compile(
-    r"""[\s,]+|//[^\n]*|/\*.*?\*/|"([^"]*)"|([{}()\[\]|;])|(?!/\*)([^\s,{}()\[\]|;"]+)|(/\*|.)""",
+    r"""[\s,]+|//[^\n]*|/\*.*?\*/|"([^"]*)"|([{}()\[\]|;])|"""
+    r"""((?:[^\s,{}()\[\]|;"/]+|/(?![/*]))+)|(/\*|.)""",
     re.DOTALL,
 )
-"""The format ignores commas."""
+"""The format ignores commas; a comment may follow a word without a blank."""
 
 
 @dataclass

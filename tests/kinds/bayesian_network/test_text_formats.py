@@ -49,6 +49,14 @@ def test_tables_of_bif(table: str) -> None:
     assert found.node("A").table == (0.25, 0.75)
 
 
+def test_comments_of_bif_may_follow_a_word_at_once() -> None:
+    variable = "variable C { type discrete[2] { m/s, // one\n km/h// two\n }; }"
+    table = "probability ( C ) { table 0.25/* a */, 0.75// b\n; }"
+    found = network(read(f"{BIF}probability ( B ) {{ table 0 0 1; }} {variable} {table}", "n.bif"))
+    c = found.node("C")
+    assert (c.states, c.table) == (("m/s", "km/h"), (0.25, 0.75))
+
+
 def test_tables_of_hugin() -> None:
     text = (
         f"{NET}potential (B | A) {{ data = ((0.5 0.25 0.25) % A=y\n (0.125 0 0.875)); }}\n"
