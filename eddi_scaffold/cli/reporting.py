@@ -25,6 +25,28 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
     Raises:
         typer.Exit: hand edits need a look (3).
     """
+    finish_all([outcome], dry_run=dry_run, next_steps=next_steps)
+
+
+def finish_all(
+    outcomes: Sequence[Outcome], *, dry_run: bool, next_steps: Sequence[str] = ()
+) -> None:
+    """Do the same for what was done in several folders.
+
+    Raises:
+        typer.Exit: hand edits need a look in one of them (3).
+    """
+    for outcome in outcomes:
+        _report(outcome, dry_run=dry_run)
+    if any(outcome.attention or outcome.left for outcome in outcomes):
+        raise typer.Exit(exit_status.LOOK)
+    if not dry_run and next_steps:
+        console.say("next:")
+        for step in next_steps:
+            console.say(f"  {step}")
+
+
+def _report(outcome: Outcome, *, dry_run: bool) -> None:
     if dry_run:
         diff = outcome.diff()
         if diff:
@@ -38,12 +60,6 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
         console.say(f"left alone: {line}")
     if outcome.attention:
         console.say("hand edits need a look: `eddi-scaffold regions --check` lists them")
-    if outcome.attention or outcome.left:
-        raise typer.Exit(exit_status.LOOK)
-    if not dry_run and next_steps:
-        console.say("next:")
-        for step in next_steps:
-            console.say(f"  {step}")
 
 
 def _files(number: int) -> str:

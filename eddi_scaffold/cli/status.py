@@ -28,13 +28,11 @@ def status(
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.drift import drift_of
-    from eddi_scaffold.packages.upgrading import groups
+    from eddi_scaffold.packages.upgrading import groups, refuse_for_several
 
-    reports = [
-        report
-        for group in groups(workspace, packages or [])
-        for report in drift_of(group, model, config or [])
-    ]
+    found = groups(workspace, packages or [])
+    refuse_for_several(found, model, config or [])
+    reports = [report for group in found for report in drift_of(group, model, config or [])]
     if as_json:
         console.json({"packages": [report.as_json() for report in reports]})
     else:

@@ -39,11 +39,11 @@ def upgrade(
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.cli.reporting import finish
+    from eddi_scaffold.cli.reporting import finish_all
     from eddi_scaffold.packages.generation import Outcome, write_packages
     from eddi_scaffold.packages.identity import exchanged
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.upgrading import groups, roots, targets
+    from eddi_scaffold.packages.upgrading import groups, refuse_for_several, roots, targets
     from eddi_scaffold.packages.workspace import at_work, linked_package
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.robot.beside_configs import beside_configs
@@ -59,10 +59,9 @@ def upgrade(
         at_work(() if dry_run else places) as finished,
         beside_configs(system, models) as (robot, unsure),
     ):
-        planned = [
-            (group, *targets(group, model, config or [], robot))
-            for group in groups(workspace, packages or [])
-        ]
+        found = groups(workspace, packages or [])
+        refuse_for_several(found, model, config or [])
+        planned = [(group, *targets(group, model, config or [], robot)) for group in found]
         console.problems(unsure)
         for group, wanted, problems in planned:
             console.problems(problems)
@@ -79,8 +78,4 @@ def upgrade(
             links = [linked_package(link) for link in group.links]
             notes = list(dict.fromkeys([*finished, *done.notes])) if not outcomes else done.notes
             outcomes.append(replace(done, left=[*links, *done.left, *swapped], notes=notes))
-    attention = [outcome for outcome in outcomes if outcome.attention or outcome.left]
-    for outcome in sorted(
-        outcomes, key=lambda o: o in attention
-    ):  # the one that exits with 3 comes last
-        finish(outcome, dry_run=dry_run)
+    finish_all(outcomes, dry_run=dry_run)

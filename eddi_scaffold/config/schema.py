@@ -317,11 +317,14 @@ class FleetSection(_Section):
         robot: its name; the parameter ``robot`` of the node wins.
         topic: on which each robot tells its guarantees to all.
         lease: seconds after which a word counts as unknown.
+        closed: all robots whose words count were checked together: no demand comes back to its
+            own guarantee.
     """
 
     robot: Line
     topic: Topic = PEERS_TOPIC
     lease: Lease = PEERS_LEASE
+    closed: StrictBool = False
 
 
 class ConnectSection(_Section):

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import json
+from collections.abc import Container, Iterable, Iterator, Mapping
+from typing import Any
 
+from eddi_scaffold.compiling.program.instructions import BUFFERED, STARTS
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
-from eddi_scaffold.identifiers import full_topic
+from eddi_scaffold.identifiers import attribute, full_topic
 from eddi_scaffold.kinds import JsonValue, Kind, Model
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.expression_names import head_of
 from eddi_scaffold.problems import Problem, error
 
 MESSAGE = "eddi_messages/RobotGuarantees"
 _PERIODS = 3
 """A word is an answer to one of ours: it is as old as our period, theirs, and the way."""
+
+_OUTLIVING = frozenset((*BUFFERED, *STARTS, "once", "age"))
+"""Operations that may claim something when what they claim it of has gone."""
 
 
 def fleet_message(kind: Kind[Model]) -> str | None:
@@ -21,16 +29,17 @@ def fleet_message(kind: Kind[Model]) -> str | None:
     return MESSAGE if MESSAGE.partition("/")[2] in kind.between_robots else None
 
 
-def check_fleet(kind: Kind[Model], config: ConfigFile) -> Iterator[Problem]:
-    """Find what does not fit among robots: K080 to K082.
+def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
+    """Find what does not fit among robots: K080 to K083.
 
     Args:
-        kind: of the monitor.
+        monitor: any.
         config: how it is connected.
     """
     fleet = config.config.Fleet
     if fleet is not None:
-        yield from _check_section(fleet, kind, config)
+        yield from _check_section(fleet, monitor.kind, config)
+    yield from _check_memory(monitor, config)
     for index, source in enumerate(config.config.SimulatorOutputs):
         place = config.place("SimulatorOutputs", index, "peers")
         if source.peers is None:
@@ -67,6 +76,46 @@ def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -
             f" {config.config.Model.frequency:g} steps per second it takes up to {least:g} s"
         )
         yield error("K082", text, config.place("Fleet", "lease"), "a longer lease, or more steps")
+
+
+def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
+    """Find words that would count for longer than their lease, and in circles for ever (K083)."""
+    fed = {one.model.id for one in monitor.inputs if any(s.peers for s in one.requires)}
+    if not fed:
+        return
+    frequency = config.config.Model.frequency
+    if monitor.kind.functions.lag(json.loads(monitor.model_json), frequency) > 0.0:
+        text = "a filter by majority lets words of other robots count after their lease"
+        hint = "`filter: {kind: debounce, regain_after: n}` is late only where something is gained"
+        yield error("K083", text, config.place("Model", "filter"), hint)
+    sources = {one.id for one in config.config.SimulatorOutputs if one.peers}
+    words = {attribute(one) for one in (*sources, *fed)}
+    index = {one.id: k for k, one in enumerate(config.config.EDDIInputs)}
+    for one in monitor.inputs:
+        remembering = _remembering(one.computed or {}, words)
+        if remembering is not None:
+            text = (
+                f"{remembering.upper()} lets {one.model.id!r} rest on the word of another robot "
+                "after its lease"
+            )
+            hint = "read the word as it is now; `TIME` is late only where something is gained"
+            yield error("K083", text, config.place("EDDIInputs", index[one.model.id]), hint)
+
+
+def _remembering(computed: Mapping[str, Any], words: Container[str]) -> str | None:
+    """Return the operation of an expression that outlives a word, ``None`` where none does."""
+    for part in computed.get("parts", ()):
+        form = part["form"]
+        of_words: list[bool] = []
+        for node in form["nodes"]:
+            if node["op"] in ("variable", "age"):
+                name = form["variables"][node["value"]]["name"]
+                of_words.append(head_of(name) in words)
+            else:
+                of_words.append(any(of_words[arg] for arg in node.get("args", ())))
+            if of_words[-1] and node["op"] in _OUTLIVING:
+                return str(node["op"])
+    return None
 
 
 def fleet_answers(

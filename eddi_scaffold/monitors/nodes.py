@@ -175,7 +175,7 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
         message = "EDDIOutputs names no topic: the result would not be published"
         hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
         yield error("K030", message, config.place("EDDIOutputs"), hint)
-    yield from check_fleet(monitor.kind, config)
+    yield from check_fleet(monitor, config)
     heard = {monitor.topic(one.topic) for one in config.config.SimulatorOutputs}
     types: dict[str, str] = {}
     for one in node.published:

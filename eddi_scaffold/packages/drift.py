@@ -20,7 +20,7 @@ class Drift:
     """The state of one package.
 
     Attributes:
-        folder: name of the package folder.
+        folder: name of the package folder, with that of its robot where there are several.
         outdated: files that a regeneration would change.
         edited: generated-only files that were edited.
         regions: state (``untouched``, ``edited``, ...) -> how many regions.
@@ -87,7 +87,15 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             ": ".join(filter(None, (r.file, r.id, "; ".join(r.notes)))) for r in regions if r.review
         ]
         reports.append(
-            Drift(folder, [p for p in changed if p not in edited], edited, dict(states), findings)
+            Drift(
+                group.shown(folder),
+                [p for p in changed if p not in edited],
+                edited,
+                dict(states),
+                findings,
+            )
         )
-    links = (Drift(link.name, [], [], {}, [linked_package(link)]) for link in group.links)
+    links = (
+        Drift(group.shown(link.name), [], [], {}, [linked_package(link)]) for link in group.links
+    )
     return [*reports, *links]

@@ -11,6 +11,7 @@ from typing import Any
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
+from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
@@ -40,16 +41,22 @@ class PackageGroup:
         present: package folder -> answers.
         links: links to packages, which are left alone.
         within: the workspace, ``None`` where packages were named.
+        robot: name of that workspace, where it is one of several robots; else empty.
     """
 
     root: Path
     present: dict[str, dict[str, Any]]
     links: tuple[Path, ...] = ()
     within: Path | None = None
+    robot: str = ""
+
+    def shown(self, folder: str) -> str:
+        """Return the name of a package for people."""
+        return f"{self.robot}/{folder}" if self.robot else folder
 
 
 def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
-    """Find generated packages: of a workspace, or the ones that are named.
+    """Find generated packages: of a workspace, of those of all robots, or the ones that are named.
 
     Raises:
         EddiError: there are none (U001), or the answers of one are damaged (T005).
@@ -65,8 +72,34 @@ def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
     """
     if packages:
         return list(dict.fromkeys(path.parent for path in _named(packages)))
-    place = workspace or Path()
-    return list(dict.fromkeys(root_below(place, one.root) for one in platforms().values()))
+    return [root for place in _workspaces(workspace or Path()) for root in _roots(place)]
+
+
+def _roots(workspace: Path) -> list[Path]:
+    return list(dict.fromkeys(root_below(workspace, one.root) for one in platforms().values()))
+
+
+def _workspaces(place: Path) -> list[Path]:
+    """Return the workspaces that ``generate`` of a deployment file has made, else the place itself.
+
+    Where no package names the robot after which its workspace is called, it is another folder, and
+    what lies in it is nobody's business.
+    """
+    if any(any(root.glob(f"*/{ANSWERS_FILE}")) for root in _roots(place)):
+        return [place]
+    inside = sorted(place.iterdir()) if place.is_dir() else []
+    robots = [one for one in inside if one.is_dir() and not one.is_symlink()]
+    return robots if any(map(_is_robot, robots)) else [place]
+
+
+def _is_robot(workspace: Path) -> bool:
+    try:
+        packages = [one for root in _roots(workspace) for one in existing(root).items()]
+    except EddiError:  # told where it is one of several robots
+        return False
+    monitors = (remembered(name, answers) for name, answers in packages)
+    fleets = (one.config.config.Fleet for one in monitors if one is not None)
+    return any(one is not None and one.robot == workspace.name for one in fleets)
 
 
 def _named(packages: Sequence[Path]) -> list[Path]:
@@ -74,12 +107,18 @@ def _named(packages: Sequence[Path]) -> list[Path]:
 
 
 def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
-    places = roots(workspace, packages)
     if packages:
         named = _named(packages)
-        return [_group(root, [path for path in named if path.parent == root]) for root in places]
+        return [
+            _group(root, [path for path in named if path.parent == root])
+            for root in roots(workspace, packages)
+        ]
     place = workspace or Path()
-    found = [PackageGroup(root, existing(root), linked(root), place) for root in places]
+    found = [
+        PackageGroup(root, existing(root), linked(root), one, "" if one is place else one.name)
+        for one in _workspaces(place)
+        for root in _roots(one)
+    ]
     found = [group for group in found if group.present or group.links]
     if not found:
         above = _workspace_above(place)
@@ -104,6 +143,22 @@ def _workspace_above(place: Path) -> Path | None:
 def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
     present = {path.name: _answers(path) for path in packages if not path.is_symlink()}
     return PackageGroup(root, present, tuple(path for path in packages if path.is_symlink()))
+
+
+def refuse_for_several(
+    found: Sequence[PackageGroup], model: Path | None, configs: Sequence[Path]
+) -> None:
+    """Refuse a newer model or configuration for several robots: others rely on its digest.
+
+    Raises:
+        EddiError: that is so (U009).
+    """
+    if found[0].robot and (model is not None or configs):
+        names = ", ".join(dict.fromkeys(one.robot for one in found))
+        message = f"these are the workspaces of several robots: {names}"
+        hint = "`generate deployment.yml -o FOLDER` renews all; or name one: -w FOLDER/ROBOT"
+        place = Place(str(model if model is not None else configs[0]))
+        raise EddiError(error("U009", message, place, hint))
 
 
 def targets(

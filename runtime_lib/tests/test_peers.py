@@ -204,6 +204,21 @@ def test_what_is_remembered_is_bounded(monkeypatch):
     assert len(listener._speakers) == 1
 
 
+def test_a_forged_number_does_not_silence_a_robot_for_ever():
+    """A word in its name, with a number above all of its own."""
+    listener, speaker, others = cart(), arm(), [arm("arm2"), arm("arm3")]
+    for one in (*others, speaker):
+        answered(listener, one, 0.0)
+    forged = message(speaker.word([], 0.0))
+    forged.sequence = 2**64 - 1
+    listener.hear(forged, 0.0)
+    for second in range(1, 63):
+        for other in others:
+            answered(listener, other, float(second), grants(active=False))
+            answered(listener, speaker, float(second))
+    assert only(listener, 62.0).word == peers.Word("arm1")
+
+
 def test_a_fleet_names_its_node():
     fleet = Fleet("cart", "/eddi/peers", None, LEASE, (PARKED,))
     assert fleet.joined("", "m", "d").name[:2] == ("cart", "m")

@@ -162,6 +162,33 @@ def _models(*files: str, shared: str = "") -> Callable[[Path], Made]:
     return make
 
 
+_DEPLOYMENT = """\
+Fleet: {topic: /cell/words, lease: 2}
+Robots:
+  - name: arm1
+    platform: dds
+    domain: 57
+    partition: cell
+    namespace: /cell/arm1
+    monitors: &arm [{config: arm_config.yml, model: arm.yml}]
+  - {name: arm2, platform: dds, domain: 57, partition: cell, monitors: *arm}
+  - name: cart
+    platform: dds
+    domain: 57
+    partition: cell
+    monitors:
+      - config: cart_config.yml
+        override:
+          Model: {frequency: 20}
+          EDDIInputs: [{id: WayIsFree, max_age: 0.4}]
+  - {name: far, platform: ros1, master: "http://far:11311", monitors: [{config: arm_config.yml}]}
+  - {name: desk, platform: plain, monitors: [{config: arm_config.yml}]}
+Station: {name: desktop, platform: dds, domain: 57, partition: cell}
+Bindings:
+  - {demand: ArmIsParked, monitor: cart, guarantee: Parked, from: any}
+"""
+
+
 def _deployment(folder: Path) -> Made:
     for path in (EXAMPLES / "two-robots").iterdir():
         shutil.copy(path, folder / path.name)
@@ -176,7 +203,8 @@ def _deployment(folder: Path) -> Made:
             sites_of(read_source(path), checked_models)
         yield
 
-    return _samples(["two-robots/deployment.yml"]), attempt
+    whole = Sample("whole.yml", _DEPLOYMENT.encode())
+    return [*_samples(["two-robots/deployment.yml"]), whole], attempt
 
 
 def _written(folder: Path) -> Made:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from eddi_scaffold.deployments.fleet.closed import is_closed
 from eddi_scaffold.deployments.fleet.direct import read_directly
 from eddi_scaffold.deployments.fleet.fleet import Fleet, read_whole_fleet
 from eddi_scaffold.deployments.fleet.robots import FleetRobot
@@ -14,6 +15,7 @@ from eddi_scaffold.deployments.fleet.words import among_others
 from eddi_scaffold.deployments.joining import packages_of
 from eddi_scaffold.deployments.wiring.check import check_wiring
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, deployment
+from eddi_scaffold.deployments.wiring.hidden import check_hidden
 from eddi_scaffold.deployments.wiring.topics import absent_publishers
 from eddi_scaffold.kinds import Reading
 from eddi_scaffold.problems import Problem, has_errors, warning
@@ -43,12 +45,18 @@ def check_fleet(
 def problems_of(fleet: Fleet) -> list[Problem]:
     """Return what is wrong with robots that could be read: each by itself, then together."""
     problems = [*check_station(fleet), *_check_ages(fleet)]
+    closed = is_closed(fleet)
+    members: dict[FleetRobot, list[Member]] = {}
     for robot in fleet.robots:
-        monitors, found = fleet.monitors(robot, lambda seat: among_others(fleet, seat, {}))
+        monitors, found = fleet.monitors(
+            robot, lambda seat: among_others(fleet, seat, {}, closed=closed)
+        )
+        members[robot] = [Member(one, robot.form.prefix) for one in monitors]
         problems += [*map(_with_binding, found), *packages_of(monitors, robot.platform, None)[1]]
     if not has_errors(problems):
         for robots in _meetings(fleet.robots):
             problems += _check_together([one for of in robots for one in _members(fleet, of)])
+            problems += check_hidden([one.participant for of in robots for one in members[of]])
     return problems
 
 

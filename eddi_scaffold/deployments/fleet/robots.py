@@ -10,6 +10,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.fleet.reading import ROBOTS, FleetFile
 from eddi_scaffold.config.fleet.schema import Robot, StationSection
 from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, Reading
 from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
@@ -86,7 +87,9 @@ class _Reader:
         self.problems += misplaced(self.file, form, platform, ROBOTS, number)
         pairs = [self._pair(number, index) for index in range(len(form.monitors))]
         whole = [pair for pair in pairs if pair is not None]
-        if len(whole) < len(pairs):
+        clashes = list(self._clashes(number, pairs))
+        self.problems += clashes
+        if len(whole) < len(pairs) or clashes:
             return None
         return FleetRobot(form, number, platform, graph_of(form, platform), tuple(whole))
 
@@ -103,6 +106,20 @@ class _Reader:
         except EddiError as failure:
             self.problems += failure.problems
             return None
+
+    def _clashes(self, robot: int, pairs: Sequence[Pair | None]) -> Iterator[Problem]:
+        """Report monitors of one package, before anything is made of them (G004)."""
+        first: dict[str, int] = {}
+        for index, pair in enumerate(pairs):
+            name = package_name(pair[1].config.Model.id) if pair is not None else ""
+            before = first.setdefault(name, index) if name else index
+            if before != index:
+                of = self.file.form.Robots[robot].name
+                line = self.file.place(ROBOTS, robot, "monitors", before).line
+                message = f"a monitor of {of} in line {line} gives the same package {name!r}"
+                hint = "give one of them another `Model: id:`, by its `override`"
+                place = self.file.place(ROBOTS, robot, "monitors", index)
+                yield error("G004", message, place, hint)
 
     def _models(self, path: Path) -> Reading:
         if path not in self.known:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.deployments.fleet.checking import problems_of
+from eddi_scaffold.deployments.fleet.closed import is_closed
 from eddi_scaffold.deployments.fleet.fleet import read_whole_fleet
 from eddi_scaffold.deployments.fleet.robots import FleetRobot
 from eddi_scaffold.deployments.fleet.station import with_station
@@ -69,11 +70,14 @@ def sites_of(source: Source, read: Callable[[Path], Reading]) -> tuple[list[Site
     problems += problems_of(fleet)
     if has_errors(problems):
         raise EddiError(*problems)
+    closed = is_closed(fleet)
     fleet = with_station(fleet)
     digests = digests_of(fleet)
     sites = []
     for robot in fleet.robots:
-        monitors, found = fleet.monitors(robot, lambda seat: among_others(fleet, seat, digests))
+        monitors, found = fleet.monitors(
+            robot, lambda seat: among_others(fleet, seat, digests, closed=closed)
+        )
         if has_errors(found):
             raise EddiError(*found)
         sites.append(Site(robot, tuple(monitors)))

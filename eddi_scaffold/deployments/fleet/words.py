@@ -46,12 +46,21 @@ def _digests(fleet: Fleet, known: Digests) -> Iterator[tuple[tuple[str, int], st
             yield (robot.name, index), json.loads(monitor.model_json)["sha256"]
 
 
-def among_others(fleet: Fleet, seat: Seat, digests: Digests) -> ConfigFile:
-    """Return the configuration of a monitor on its robot, one of a fleet."""
+def among_others(fleet: Fleet, seat: Seat, digests: Digests, *, closed: bool = False) -> ConfigFile:
+    """Return the configuration of a monitor on its robot, one of a fleet.
+
+    Args:
+        fleet: of the deployment file.
+        seat: the monitor on its robot.
+        digests: of the models of the others.
+        closed: see ``is_closed``.
+    """
     shared, config = fleet.file.form.Fleet, seat.config
     if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
         return config
-    section = FleetSection(robot=seat.robot.name, topic=shared.topic, lease=shared.lease)
+    section = FleetSection(
+        robot=seat.robot.name, topic=shared.topic, lease=shared.lease, closed=closed
+    )
     place = fleet.file.place("Fleet")
     places = dict(config.places)
     places["Fleet",] = place

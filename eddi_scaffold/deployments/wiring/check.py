@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from eddi_scaffold.deployments.wiring.acceptances import check_acceptances
 from eddi_scaffold.deployments.wiring.composition import check_composition
 from eddi_scaffold.deployments.wiring.deployment import Member, deployment
+from eddi_scaffold.deployments.wiring.hidden import check_hidden
 from eddi_scaffold.deployments.wiring.meanings import check_meanings
 from eddi_scaffold.deployments.wiring.qualities import check_qualities
 from eddi_scaffold.deployments.wiring.support import Participant, check_rings
@@ -16,7 +17,7 @@ from eddi_scaffold.problems import Problem
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009, without D006, and D016).
+    """Check what monitors read of each other (D001 to D009, without D006, D016 and D017).
 
     Args:
         members: the monitors that are at hand.
@@ -31,6 +32,7 @@ def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) 
         *check_spellings(together),
         *check_qualities(together.participants),
         *rings,
+        *([] if rings else check_hidden(together.participants)),
         *([] if rings else check_acceptances([member.participant for member in members])),
     ]
 

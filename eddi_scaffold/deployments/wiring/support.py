@@ -59,6 +59,13 @@ class Participant:
             "": frozenset(spec["id"] for spec in self.document["inputs"])
         }
 
+    @property
+    def by_words(self) -> Sequence[str]:
+        """Its claims that rest on words of other robots."""
+        words = {source.id for source in self.config.config.SimulatorOutputs if source.peers}
+        fed = {spec["id"] for spec in self.document["inputs"] if words & set(spec["requires"])}
+        return [self.claim(output) for output, inputs in self.outputs.items() if fed & inputs]
+
     def claim(self, output: str) -> str:
         """Return the name of one of its claims among all: its own name, and the output's."""
         return f"{self.name}.{output}" if output else self.name
@@ -103,6 +110,7 @@ def _is_whole(found: Participant) -> bool:
     """Return whether what a package remembers can be followed; answers may be damaged."""
     try:
         supports([found])
+        assert found.by_words is not None
     except (AttributeError, LookupError, TypeError, ValueError):
         return False
     return True

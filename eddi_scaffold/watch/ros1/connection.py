@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import socket
 import struct
+import time
 from collections.abc import Iterator, Mapping
 from typing import Any
 from urllib.parse import urlsplit
 
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.watch.messages import DIAGNOSTICS
-from eddi_scaffold.watch.ros1.calls import TIMEOUT_S, CallError, call
+from eddi_scaffold.watch.ros1.calls import TIMEOUT_S, WHOLE_S, CallError, call
 from eddi_scaffold.watch.ros1.decoding import decode, same_definition, without_stamp
 
 _LENGTH = struct.Struct("<I")
@@ -54,7 +55,7 @@ class Connection:
     ) -> None:
         self.topic, self.node, self.type, self.socket = topic, node, type_, connected
         self._latching = head.get("latching") == "1"
-        self._rest = b""
+        self._rest = bytearray()
         self._last: tuple[bytes, Any] | None = None
 
     def read(self) -> Iterator[tuple[Any, bool]]:
@@ -69,8 +70,8 @@ class Connection:
         block = self.socket.recv(_BLOCK)
         if not block:
             raise ConnectionResetError("the publisher has ended")
-        data = self._rest + block
-        at = 0
+        self._rest += block
+        data, at = self._rest, 0
         while len(data) - at >= _LENGTH.size:
             (length,) = _LENGTH.unpack_from(data, at)
             if length > _MAX_MESSAGE:
@@ -78,11 +79,11 @@ class Connection:
             end = at + _LENGTH.size + length
             if end > len(data):
                 break
-            content = self._decoded(data[at + _LENGTH.size : end])
+            content = self._decoded(bytes(data[at + _LENGTH.size : end]))
             if content is not None:
                 yield content, self._latching
             self._latching, at = False, end
-        self._rest = data[at:]
+        del data[:at]
 
     def _decoded(self, data: bytes) -> Any:
         if self.type == DIAGNOSTICS and _OURS not in data:
@@ -148,10 +149,11 @@ def _head(**fields: str) -> bytes:
 
 
 def _read_head(made: socket.socket) -> dict[str, str]:
-    (length,) = _LENGTH.unpack(_exactly(made, _LENGTH.size))
+    end = time.monotonic() + WHOLE_S
+    (length,) = _LENGTH.unpack(_exactly(made, _LENGTH.size, end))
     if length > _MAX_HEAD:
         raise PublisherError(f"a head of {length} bytes")
-    body, at = _exactly(made, length), 0
+    body, at = _exactly(made, length, end), 0
     found: dict[str, str] = {}
     while at + _LENGTH.size <= len(body):
         (size,) = _LENGTH.unpack_from(body, at)
@@ -162,9 +164,11 @@ def _read_head(made: socket.socket) -> dict[str, str]:
     return found
 
 
-def _exactly(made: socket.socket, length: int) -> bytes:
+def _exactly(made: socket.socket, length: int, end: float) -> bytes:
     found = b""
     while len(found) < length:
+        if time.monotonic() > end:
+            raise TimeoutError("the head takes too long")
         block = made.recv(length - len(found))
         if not block:
             raise ConnectionResetError("the publisher has ended")

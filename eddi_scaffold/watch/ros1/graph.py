@@ -81,9 +81,9 @@ class Search:
             if is_watched(str(topic), str(types.get(topic)))
             for node in nodes
         ]
-        now = time.monotonic()
+        now, known = time.monotonic(), set(there)
         with self._lock:
-            self._failed = {key: one for key, one in self._failed.items() if key in there}
+            self._failed = {key: one for key, one in self._failed.items() if key in known}
             new = [
                 key
                 for key in there

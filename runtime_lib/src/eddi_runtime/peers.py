@@ -192,12 +192,12 @@ class Peers:
             now: monotonic seconds.
         """
         name = (str(message.robot), str(message.model_id), str(message.session))
-        before = self._speakers.pop(name, None)  # the dictionary is in order of hearing
         if name == self.name:
             return
+        before = self._speakers.get(name)
         if before is not None and message.sequence <= before.message.sequence:
-            self._speakers[name] = before
             return
+        self._speakers.pop(name, None)  # the dictionary is in order of hearing
         made_after, received = self._echoed(message), 1
         if before is not None:  # a later word was made later
             made_after, received = max(made_after, before.made_after), before.received + 1

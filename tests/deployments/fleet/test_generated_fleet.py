@@ -62,6 +62,24 @@ def test_each_workspace_is_one_by_itself(cell: Path) -> None:
         assert run("upgrade", "-w", f"cell/{robot}", cwd=cell).status == 0
 
 
+def test_commands_of_a_workspace_take_the_folder_of_all_robots(cell: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(cell / "cell", tmp_path / "cell"))
+    for robot in ("arm", "cart"):
+        body = folder / robot / "src" / "eddi_monitor" / robot / "src" / robot / "EDDIMonitor.py"
+        body.write_text("mine\n", "utf-8")
+    found = run("status", "-w", folder, "--json", cwd=tmp_path)
+    drifted = {one["package"] for one in json.loads(found.out)["packages"] if one["drifted"]}
+    assert (found.status, drifted) == (1, {"arm/arm", "cart/cart"})
+    assert len(json.loads(run("regions", folder, "--json", cwd=tmp_path).out)["regions"]) > 4
+    done = run("upgrade", "-w", folder, cwd=tmp_path)
+    assert done.status == 3
+    for robot in ("arm", "cart"):  # the first one does not hide the other
+        assert f"{robot}/src/{robot}/EDDIMonitor.py" in done.err
+    stranger = tmp_path / "stranger"
+    shutil.copytree(folder / "arm", stranger / "other")  # called otherwise than its robot
+    assert run("status", "-w", stranger, cwd=tmp_path).status == 2
+
+
 def test_hand_edits_stay_when_the_fleet_changes(cell: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(cell, tmp_path / "copy"))
     body = package(folder, "cart", "cart") / "src" / "cart" / "EDDIInput.py"
