@@ -1,7 +1,7 @@
 """DDS programs of benchmarks/ros_node.py.
 
 dds_node_programs.py measure N PAUSE NAME...   toggles evidence, measures until the answer
-dds_node_programs.py callback                  the least a node can do: answers at once
+dds_node_programs.py callback NAME             the least a node can do: answers at once
 """
 
 from __future__ import annotations
@@ -66,39 +66,48 @@ class Target:
         self._evidence = writer(f"/{name}/in/healthy", BOOL)
         self._answers = Ear(f"/{name}/rover/guarantees", OUTPUT)
 
+    def greet(self) -> None:
+        """Wait until the node is there and answers."""
+        for value in (True, False):
+            end = time.monotonic() + 120.0
+            while not self._answered(value, 0.3):
+                if time.monotonic() > end:
+                    sys.exit(f"{self.name}: it is not there")
+
     def toggle(self, value: bool, timeout: float) -> None:
         """Send evidence and wait for the guarantee that follows from it."""
         sent = time.perf_counter()
+        if not self._answered(value, timeout):
+            sys.exit(f"{self.name}: no answer within {timeout} s")
+        self.seconds.append(time.perf_counter() - sent)
+
+    def _answered(self, value: bool, timeout: float) -> bool:
+        end = time.perf_counter() + timeout
         self._evidence.write(BOOL(data=value))
-        while time.perf_counter() < sent + timeout:
+        while time.perf_counter() < end:
             for message in self._answers.messages(0.2):
                 if any(one.active for one in message.guarantees) == value:
-                    self.seconds.append(time.perf_counter() - sent)
-                    return
-        sys.exit(f"{self.name}: no answer within {timeout} s")
+                    return True
+        return False
 
 
 def measure(count: str, pause: str, *names: str) -> None:
     """Toggle all targets in turn at random phases; print the latencies as JSON."""
     random.seed(1)
     targets = [Target(name) for name in names]
-    time.sleep(2.0)  # until everybody knows everybody
     for target in targets:
-        target.toggle(True, 20.0)
-        target.toggle(False, 20.0)
-        target.seconds.clear()
-    value = True
-    for _ in range(int(count)):
+        target.greet()
+    for _ in range(int(count) // 2):
         for target in targets:
-            time.sleep(random.uniform(0.003, float(pause)))
-            target.toggle(value, 20.0)
-        value = not value
+            for value in (True, False):
+                time.sleep(random.uniform(0.003, float(pause)))
+                target.toggle(value, 20.0)
     print(json.dumps({target.name: target.seconds for target in targets}))
 
 
-def callback() -> None:
+def callback(name: str) -> None:
     """Answer at once, without monitor, ages, diagnostics or any check."""
-    ear, out = Ear("/peer/in/healthy", BOOL), writer("/peer/rover/guarantees", OUTPUT)
+    ear, out = Ear(f"/{name}/in/healthy", BOOL), writer(f"/{name}/rover/guarantees", OUTPUT)
     while True:
         for message in ear.messages(1.0):
             one = CLASSES.eddi_messages_Guarantee(id="Slow", active=message.data)

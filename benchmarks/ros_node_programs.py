@@ -30,14 +30,26 @@ class Target:
         self._evidence = rospy.Publisher(f"/{name}/flag", Bool, queue_size=1)
         rospy.Subscriber(f"/{name}/guarantees", ConSertOutput, self._answer, tcp_nodelay=True)
 
+    def greet(self) -> None:
+        """Wait until the node is there and answers; a latched first message has no known age."""
+        for value in (True, False):
+            end = time.monotonic() + 120.0
+            while not self._answered(value, 0.3):
+                if time.monotonic() > end:
+                    sys.exit(f"{self.name}: it is not there")
+        self.seconds.clear()
+
     def toggle(self, value: bool, timeout: float) -> None:
         """Send evidence and wait for the guarantee that follows from it."""
+        if not self._answered(value, timeout):
+            sys.exit(f"{self.name}: no answer within {timeout} s")
+
+    def _answered(self, value: bool, timeout: float) -> bool:
         self._flipped.clear()
         self._wanted = value
         self._sent = time.perf_counter()
         self._evidence.publish(Bool(value))
-        if not self._flipped.wait(timeout):
-            sys.exit(f"{self.name}: no answer within {timeout} s")
+        return self._flipped.wait(timeout)
 
     def _answer(self, message: ConSertOutput) -> None:
         now = time.perf_counter()
@@ -59,17 +71,13 @@ def measure(count: str, pause: str, *names: str) -> None:
     rospy.init_node("measure")
     random.seed(1)
     targets = [Target(name) for name in names]
-    time.sleep(3.0)  # until all are connected: a latched first message would be of unknown age
     for target in targets:
-        target.toggle(True, 20.0)
-        target.toggle(False, 20.0)
-        target.seconds.clear()
-    value = True
-    for _ in range(int(count)):
+        target.greet()
+    for _ in range(int(count) // 2):
         for target in targets:
-            time.sleep(random.uniform(0.003, float(pause)))
-            target.toggle(value, 20.0)
-        value = not value
+            for value in (True, False):
+                time.sleep(random.uniform(0.003, float(pause)))
+                target.toggle(value, 20.0)
     print(json.dumps({target.name: target.seconds for target in targets}))
 
 

@@ -14,6 +14,7 @@ from tests.ros1.world import PYTHON, RUNTIME, World, active, make_messages, unti
 
 HERE = Path(__file__).parent
 CONFIG = HERE / "rover_config.yml"
+LOOPBACK = HERE / "loopback.xml"
 FAULT = "        if mode.data == 'raise':\n            raise ValueError('on purpose')\n"
 NAMES = ("/rover", "/robot1/rover")
 
@@ -24,7 +25,10 @@ class Stage(World):
     Attributes:
         ear: hears the outputs and the diagnostics.
         source: publishes evidence.
+        core: the master, where there is one.
     """
+
+    core = None
 
     def begin(self):
         """Start what all tests use together."""
@@ -59,6 +63,10 @@ class Stage(World):
             name, lambda level, text, values: words in text, timeout, after
         )
         return message, values
+
+    def start(self, namespace="/", *parameters):
+        """Start a node."""
+        return self.process(self.command(namespace, *parameters), self.env(self.core))
 
     def start_simulated(self, namespace):
         """Start a node whose steps are at the time of /clock."""
@@ -99,10 +107,9 @@ class Ros1Stage(Stage):
         fields = {"clock": {"secs": int(seconds), "nsecs": int(seconds % 1 * 1e9)}}
         self.source.publish("/clock", "rosgraph_msgs/Clock", fields)
 
-    def start(self, namespace="/", *parameters):
+    def command(self, namespace, *parameters):
         words = [f"__ns:={namespace}", *(f"_{one}" for one in parameters)]
-        command = [PYTHON, str(self.package / "scripts/RosNode.py"), *words]
-        return self.process(command, self.env(self.core))
+        return [PYTHON, str(self.package / "scripts/RosNode.py"), *words]
 
 
 class DdsStage(Stage):
@@ -123,10 +130,8 @@ class DdsStage(Stage):
         command = [sys.executable, str(HERE / "dds_probe.py")]
         return self.probe_of(command, self.env())
 
-    def start(self, namespace="/", *parameters):
-        words = ["--ros-args", "-r", f"__ns:={namespace}"]
-        words += [word for one in parameters for word in ("-p", one)]
-        return self.process([sys.executable, "-m", "rover", *words], self.env())
+    def command(self, namespace, *parameters):
+        return [sys.executable, "-m", "rover", *ros_args(namespace, parameters)]
 
     def destroy(self):
         super().destroy()
@@ -152,7 +157,7 @@ class Ros2Stage(Stage):
         self.lock, domain = free_domain()
         self.domain = domain
         cyclone = "cyclone" in os.environ.get("RMW_IMPLEMENTATION", "")
-        loopback = (HERE / "loopback.xml").as_uri()
+        loopback = LOOPBACK.as_uri()
         near = {"CYCLONEDDS_URI": loopback} if cyclone else {"ROS_LOCALHOST_ONLY": "1"}
         own = {"ROS_DOMAIN_ID": str(domain), "PYTHONUNBUFFERED": "1", **near}
         sourced = (line.split("=", 1) for line in done.stdout.split("\0") if "=" in line)
@@ -164,15 +169,19 @@ class Ros2Stage(Stage):
     def new_probe(self):
         return self.probe_of([PYTHON, str(HERE / "ros2_probe.py")], self.environment)
 
-    def start(self, namespace="/", *parameters):
-        words = ["--ros-args", "-r", f"__ns:={namespace}"]
-        words += [word for one in parameters for word in ("-p", one)]
+    def command(self, namespace, *parameters):
         node = self.folder / "install" / "rover" / "lib" / "rover" / "ros_node"
-        return self.process([str(node), *words], self.environment)
+        return [str(node), *ros_args(namespace, parameters)]
 
     def destroy(self):
         super().destroy()
         self.lock.close()
+
+
+def ros_args(namespace, parameters):
+    """Return what a node of ROS 2 is given."""
+    given = [word for one in parameters for word in ("-p", one)]
+    return ["--ros-args", "-r", f"__ns:={namespace}", *given]
 
 
 def generated(folder, package, *place, code, config=CONFIG):
@@ -196,7 +205,7 @@ def environment(domain, *folders):
         "PYTHONUNBUFFERED": "1",
         "PYTHONDONTWRITEBYTECODE": "1",
         "ROS_DOMAIN_ID": str(domain),
-        "CYCLONEDDS_URI": (HERE / "loopback.xml").as_uri(),
+        "CYCLONEDDS_URI": LOOPBACK.as_uri(),
     }
 
 
