@@ -13,7 +13,8 @@ COLCON_PACKAGES="colcon python3-colcon-bash python3-colcon-cmake python3-colcon-
   python3-colcon-metadata python3-colcon-output python3-colcon-package-information python3-colcon-package-selection
   python3-colcon-parallel-executor python3-colcon-python-setup-py python3-colcon-recursive-crawl python3-colcon-ros
   python3-colcon-test-result python3-pytest python3-setuptools ament-cmake rosidl-cmake rosidl-generator-c-cpp
-  librosidl-typesupport-introspection-c-cpp-dev cmake make g++"
+  librosidl-typesupport-introspection-c-cpp-dev cmake make g++
+  python3-ament-flake8 python3-ament-pep257 python3-ament-lint-cmake python3-ament-xmllint"
 
 have_ros() {
   local name
@@ -25,7 +26,7 @@ have_ros() {
 }
 
 have_colcon() {
-  command -v colcon >/dev/null && [ -d /usr/share/rosidl_generator_cpp ] && [ -d /usr/share/ament_cmake ] &&
+  command -v colcon >/dev/null && command -v ament_flake8 >/dev/null && [ -d /usr/share/rosidl_generator_cpp ] && [ -d /usr/share/ament_cmake ] &&
     [ -d /usr/lib/python3/dist-packages/colcon_ros ]
 }
 

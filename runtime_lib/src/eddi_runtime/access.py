@@ -30,7 +30,9 @@ def by_key(items: Iterable[T], key: str, wanted: Union[str, int]) -> T:
             meant.
     """
     take = attrgetter(key)
-    keyed = [(take(item) if hasattr(item, key.partition(".")[0]) else None, item) for item in items]
+    keyed = [
+        (take(item) if hasattr(item, key.partition(".")[0]) else None, item) for item in items
+    ]
     found = [item for one, item in keyed if one == wanted]
     if len(found) == 1:
         return found[0]
@@ -90,7 +92,8 @@ def joined(*parts: object) -> List[float]:
     numbers: List[float] = []
     given: Iterable[Any] = parts
     for part in given:
-        data = part.data[part.layout.data_offset :] if hasattr(part, "layout") else part
+        layout = getattr(part, "layout", None)
+        data = part if layout is None else part.data[slice(layout.data_offset, None)]
         if hasattr(data, "__iter__"):
             numbers.extend(data)
         else:

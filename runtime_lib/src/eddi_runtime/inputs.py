@@ -18,7 +18,7 @@ from typing import (
 from .plain_values import one_line
 
 UNKNOWN_AGE = float("inf")
-"""Age of a message that was latched on subscription: above every limit until the next one comes."""
+"""Age of a message that was latched on subscription: above all limits until the next one comes."""
 
 
 class InputSpec(NamedTuple):

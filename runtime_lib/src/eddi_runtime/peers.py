@@ -241,7 +241,9 @@ class Peers:
                 told = _of(one.message, source.guarantee)
                 why = self._unfit(source, one, told, sessions, now)
                 granted = not why and told[0].active is True
-                freshest = -one.made_after if why else 0.0  # among good ones, the same in each step
+                freshest = (
+                    -one.made_after if why else 0.0
+                )  # among good ones, the same in each step
                 place = (order.get(robot, 0), freshest, robot, one.message.session)
                 receipt = Receipt(one.message, max(one.made_after, 0.0), one.received)
                 known = one.made_after > -math.inf

@@ -34,7 +34,9 @@ class Running:
             -> unnormalised rows.
     """
 
-    def __init__(self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
+    def __init__(
+        self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]
+    ) -> None:
         self._nodes, self._positions, self._wanted = made.nodes, positions, wanted
         self._messages = [Message(*one) for one in made.messages]
         self._answers = [made.answers[k] for k in wanted] or made.answers

@@ -57,8 +57,8 @@ class Facts(NamedTuple):
         valid: all of them are known, and so are the states of their nodes.
         unknown_inputs: inputs without a usable value, whatever is accepted in their place; the
             node where only a method observes it.
-        undecided: node -> states that it may be in, when there are several; the posterior takes the
-            first.
+        undecided: node -> states that it may be in, when there are several; the posterior takes
+            the first.
         accepted: ``input: key`` for each key of the configuration that was needed.
     """
 

@@ -167,8 +167,10 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return [one.as_json() for one in output] or None
 
     def series(self, output: Output) -> Named:
-        """Return ``Node=state`` -> probability, None for what was not given; and each threshold."""
-        found: Named = {f"{title}={name}": None for title, states in self._given for name in states}
+        """Return ``Node=state`` -> probability, None where not given; and each threshold."""
+        found: Named = {
+            f"{title}={name}": None for title, states in self._given for name in states
+        }
         for one in output:
             for given in one.output_nodes:
                 found.update((f"{given.title}={two.name}", two.value) for two in given.outcomes)
@@ -188,7 +190,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return {**found, "status": self.status_name()}
 
     def message(self, output: object) -> Union[Tree, List[Tree], None]:
-        """Return an output as a ``BayesianNetworkOutput`` tree; None when there is no posterior."""
+        """Return an output as a ``BayesianNetworkOutput`` tree, None without a posterior."""
         tree, self._output_faults = out.output_message(output)
         return tree
 
@@ -309,7 +311,8 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         self._shown = self._shown_with(set())
         self._given = [one[1:] for one in self._titles if one[0] not in self._judged_only]
         self._readers = [
-            (self._positions[one.node], one.reader.read, one.reader.absent) for one in self._sources
+            (self._positions[one.node], one.reader.read, one.reader.absent)
+            for one in self._sources
         ]
 
     def _shown_with(self, flagged: Set[int]) -> List[Tuple[int, str, Tuple[str, ...]]]:

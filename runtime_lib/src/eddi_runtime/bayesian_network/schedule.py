@@ -90,5 +90,5 @@ class Schedule(NamedTuple):
 
 
 def rows_of(text: str) -> List[List[float]]:
-    """Return the rows of a large table, one in a line: as tuples they would take long to import."""
+    """Return the rows of a large table, one in a line: tuples would take long to import."""
     return [list(map(float, line.split())) for line in text.splitlines()]

@@ -1,6 +1,6 @@
 """Filters of leaf values over time: debouncing (ours) and majority (that of SESAME's first tool).
 
-A filter is a state and ``apply``: the truth values of all leaves of this step -> the filtered ones.
+A filter is a state and ``apply``: the truth values of all leaves in this step -> the filtered.
 """
 
 from __future__ import annotations

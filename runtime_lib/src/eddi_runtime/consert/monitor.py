@@ -174,7 +174,8 @@ class ConSert(Monitor[Rows]):
         sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
             return tuple(
-                self._explain(k, sets, reasons, loss_sets=loss_sets) for k in self._graph.guarantees
+                self._explain(k, sets, reasons, loss_sets=loss_sets)
+                for k in self._graph.guarantees
             )
         if guarantee_id not in self._number:
             there = ", ".join(self.guarantee_ids) or "none"
@@ -311,7 +312,9 @@ class ConSert(Monitor[Rows]):
         for one in self.guarantees:
             verdict, (groups, _) = sets.values[one.node], sets.missing(one.node)
             missing = list(groups[0]) if groups else []
-            rows.append(("GuaranteeStatus", {"id": one.id, "verdict": verdict, "missing": missing}))
+            rows.append(
+                ("GuaranteeStatus", {"id": one.id, "verdict": verdict, "missing": missing})
+            )
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,

@@ -1,4 +1,4 @@
-"""Lists of a message: read as columns, brought to one value. Compiled reductions call what is here.
+"""Lists of a message: read as columns, brought to one value; compiled reductions call this.
 
 Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene). The text below the
 imports is copied into generated modules unchanged.
@@ -107,7 +107,9 @@ def limited(values: Sequence[float], low: float, high: float) -> List[float]:
     return known(values, (low, high), infinite=True)
 
 
-def length_of(columns: Sequence[Sequence[object]], wanted: Optional[Tuple[int, int]] = None) -> int:
+def length_of(
+    columns: Sequence[Sequence[object]], wanted: Optional[Tuple[int, int]] = None
+) -> int:
     """Return how many elements parallel lists have.
 
     Raises:

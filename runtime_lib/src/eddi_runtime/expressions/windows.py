@@ -1,4 +1,4 @@
-"""Sliding windows over time: the samples of the last ``length`` nanoseconds, O(1) amortised a step.
+"""Sliding windows over time: the samples of the last ``length`` nanoseconds, O(1) amortised.
 
 A window at time t holds the samples in (t - length, t]. It is full when the time since the first
 sample (after the start, a gap, or a clock that went back) is at least ``need`` = length - period.

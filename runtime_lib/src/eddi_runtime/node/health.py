@@ -63,7 +63,7 @@ class Health:
         monitor: the runtime monitor (``inputs``, ``faults()``, ``blocked()``, ``standings()``).
         eddi_input: the generated EDDIInput (``states``).
         period: seconds between two steps.
-        startup_grace: seconds from the first step in which inputs may wait for their first message.
+        startup_grace: seconds from the first step in which inputs may wait for a first message.
     """
 
     def __init__(

@@ -106,7 +106,7 @@ class Receipts:
             return dict(self._latest)
 
     def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[object]]]:
-        """Return the last messages, and those since the last call of inputs that take each of them.
+        """Return the last messages, and of inputs that take each those since the last call.
 
         At one instant: one that came between the two would be new without having been received.
         """

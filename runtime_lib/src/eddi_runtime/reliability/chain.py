@@ -120,7 +120,9 @@ class Chain:
         """Return several beliefs when time has passed unobserved."""
         if quanta == 1:
             return [self.quantum(one) for one in beliefs]
-        self._powers = self._powers or [[self.quantum(self.sure_of(i)) for i in range(self.states)]]
+        self._powers = self._powers or [
+            [self.quantum(self.sure_of(i)) for i in range(self.states)]
+        ]
         for power in factors(self._powers, quanta):
             beliefs = [[dot(one, column) for column in zip(*power)] for one in beliefs]
         return beliefs

@@ -1,7 +1,8 @@
 """Chains of many states: exponentials of matrices by numpy when the monitor starts.
 
-Without subtractions, so that 1e-18 keeps its digits. Sources: uniformisation (Jensen 1953), scaling
-and squaring of non-negative matrices, and the elimination of Grassmann, Taksar and Heyman (1985).
+Without subtractions, so that 1e-18 keeps its digits. Sources: uniformisation (Jensen 1953),
+scaling and squaring of non-negative matrices, and the elimination of Grassmann, Taksar and
+Heyman (1985).
 """
 
 from __future__ import annotations
@@ -155,7 +156,9 @@ class LargeChain(Chain):
             mask, block, step = np.array(seen.mask), None, self._step
             if len(self._looks) == 1 and self.states <= _LARGEST[seen.whole]:
                 step = step if seen.whole else step * mask
-                looks = accumulate(range(_BLOCK - 1), lambda a, _: step @ a, initial=self._looks[0])
+                looks = accumulate(
+                    range(_BLOCK - 1), lambda a, _: step @ a, initial=self._looks[0]
+                )
                 block = np.concatenate(list(looks), axis=1)
             found = self._matrices[seen] = [step], block, mask
         return found

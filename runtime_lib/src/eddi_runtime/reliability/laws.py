@@ -64,8 +64,8 @@ class Arrhenius(NamedTuple):
 class Limit:
     """The range of an input up to a declared limit, which a sensor may be seen to contradict.
 
-    A value above the limit is not believed, so the input is unknown; but neither is the limit then:
-    until the next value that is believed, the input may be as large as what was seen.
+    A value above the limit is not believed, so the input is unknown; but neither is the limit
+    then: until the next value that is believed, the input may be as large as what was seen.
 
     Args:
         name: of the input.
@@ -84,7 +84,9 @@ class Limit:
             return self._worst, False
         if value > self._largest:
             self._worst = value
-            owner.report_fault(self.name, f"{value:g} is above {self._shown}; it counts as unknown")
+            owner.report_fault(
+                self.name, f"{value:g} is above {self._shown}; it counts as unknown"
+            )
             return value, False
         self._worst = self._largest
         return value, True

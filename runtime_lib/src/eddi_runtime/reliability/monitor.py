@@ -73,7 +73,7 @@ class Reliability(Monitor[ReliabilityResult]):
         return self._believed([read(source, spec.attribute, spec.id) for spec in self._sources])
 
     def _believed(self, raws: Sequence[object]) -> Dict[str, Taken]:
-        """Return values of the inputs of ``rules`` as they are believed, and keep what is wrong."""
+        """Return values of the inputs of ``rules`` as they are believed; keep what is wrong."""
         values: Dict[str, Taken] = {}
         for raw, spec in zip(raws, self._sources):
             rule, factor = self.rules[spec.id], spec.factor
@@ -240,7 +240,9 @@ class Reliability(Monitor[ReliabilityResult]):
     def standings(self) -> List[Standing]:
         """Return every threshold after the last step."""
         return [
-            Standing("threshold", one.id, one.active, *(((), "") if one.active else self._why(one)))
+            Standing(
+                "threshold", one.id, one.active, *(((), "") if one.active else self._why(one))
+            )
             for one in self._evidence
         ]
 

@@ -27,7 +27,11 @@ class MarkovChain(Component):
     """
 
     def __init__(
-        self, chain: Chain, observe: Tuple[Tuple[int, str, bool], ...] = (), *, repair: bool = False
+        self,
+        chain: Chain,
+        observe: Tuple[Tuple[int, str, bool], ...] = (),
+        *,
+        repair: bool = False,
     ) -> None:
         self.chain = chain
         self._observe, self._repair = observe, repair

@@ -102,8 +102,8 @@ class SafeML(Monitor[SafeMLResult]):
             eddi_input: its attribute holds the messages since the last step (``Messages``, as
                 EDDIInput makes it), or one message: (d,) or (r, d) numbers. None: nothing is
                 known of the source.
-            t_ns: time in nanoseconds, only for ``max_age``; what is no whole number is no time, and
-                the step is omitted then.
+            t_ns: time in nanoseconds, only for ``max_age``; what is no whole number is no time,
+                and the step is omitted then.
         """
         self._source = eddi_input
         time = step_time(t_ns)
@@ -222,7 +222,7 @@ class SafeML(Monitor[SafeMLResult]):
     def message(self, output: object) -> Tree:
         """Return a result as a ``SafeMLOutput`` tree; never raises.
 
-        What hand-written code has spoilt is published as an omission; ``output_faults`` reports it.
+        What hand-written code has spoilt is published as omission; ``output_faults`` reports it.
         """
         omission = getattr(output, "omission", None)
         violation = getattr(output, "odd_violation", None)

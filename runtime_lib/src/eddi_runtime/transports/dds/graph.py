@@ -1,7 +1,7 @@
 """The participant of a process in a DDS domain: what it reads and writes, and who else is there.
 
-No listener is set anywhere: they run on threads of DDS, and a process that ends with one may crash.
-One thread waits for data in place of them.
+No listener is set anywhere: they run on threads of DDS, and a process that ends with one may
+crash. One thread waits for data in place of them.
 """
 
 import contextlib
@@ -201,7 +201,7 @@ class Graph:
             return int(self._readers[topic].reader.get_subscription_matched_status().current_count)
 
     def alive(self, topic: str) -> bool:
-        """Return whether one of the publications that this process listens to gives signs of it."""
+        """Return whether one of the publications that this process listens to gives signs."""
         with self._use:
             if self._stopped:
                 return False

@@ -67,7 +67,7 @@ def message_classes(
 ) -> SimpleNamespace:
     """Return the classes of messages by name: ``std_msgs_Bool``.
 
-    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type as in a ``.msg`` file)
+    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type as in ``.msg`` files)
     and ``MAKERS`` (field -> makes its value in a new message).
 
     Args:
@@ -168,7 +168,9 @@ def diagnostics_of(statuses: List[Status]) -> object:
                 name=one.name,
                 message=one.report.message,
                 hardware_id=one.node,
-                values=[OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in one.report.values],
+                values=[
+                    OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in one.report.values
+                ],
             )
             for one in statuses
         ]

@@ -184,7 +184,7 @@ def _age(message: Any) -> float:
 
 
 def ros_type(name: str) -> str:
-    """Return the ROS name of a type of DDS: ``std_msgs/Bool`` of ``std_msgs::msg::dds_::Bool_``."""
+    """Return the ROS name of a type: ``std_msgs/Bool`` of ``std_msgs::msg::dds_::Bool_``."""
     return name.replace("::msg::dds_::", "/").rstrip("_")
 
 
