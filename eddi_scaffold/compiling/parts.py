@@ -28,6 +28,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "expressions/stacks": ("expressions/windows",),
     "expressions/windows": ("expressions",),
     "history": (),
+    "node/life_cycle": (),
     "peers": (),
     "reliability": ("clock", "thresholds"),
     "reliability/battery": ("reliability/chain", "reliability/laws"),
@@ -46,6 +47,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "testing": (),
     "thresholds": (),
     "transports/ros1/host": (),
+    "transports/ros2/lifecycle": ("node/life_cycle",),
 }
 """Part of ``eddi_runtime``, a folder or a module -> other parts that it imports.
 
@@ -55,6 +57,9 @@ needs them.
 
 PEERS = "peers"
 """What a monitor needs that is one of a fleet."""
+
+LIFE_CYCLE = "transports/ros2/lifecycle"
+"""What a monitor needs of which others say when it is active."""
 
 HOST = "transports/ros1/host"
 """Runs all monitors of a workspace in one process."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from eddi_scaffold import __version__
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelError, parse_model
-from eddi_scaffold.compiling.parts import PEERS, needed_by
+from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, needed_by, with_needed
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import identity_answers
@@ -55,4 +55,5 @@ def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:
         needed = needed_by(compile_model(parse_model(str(answers["model_json"]))))
     except ModelError as refused:
         raise EddiError(error("K028", refused.reason, Place(package))) from None
-    return [*needed, PEERS] if answers.get("fleet") else needed
+    asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}
+    return with_needed([*needed, *(part for name, part in asked.items() if answers.get(name))])

@@ -11,6 +11,7 @@ import threading
 import time
 
 import rclpy
+from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 _lock = threading.Lock()
@@ -89,10 +90,32 @@ def stop(topic):
     _repeats.pop(topic).set()
 
 
+def change(node, label):
+    """Have a managed node make a transition."""
+    request = ChangeState.Request()
+    request.transition.label = label
+    asked(ChangeState, f"{node}/change_state", request, lambda answer: answer.success)
+
+
+def state(node):
+    """Ask for the state of a managed node."""
+    request = GetState.Request()
+    asked(GetState, f"{node}/get_state", request, lambda answer: answer.current_state.label)
+
+
+def asked(cls, service, request, of):
+    client = _node.create_client(cls, service)
+    if not client.wait_for_service(10.0):
+        say(event="answered", answer=None)
+        return
+    future = client.call_async(request)
+    future.add_done_callback(lambda done: say(event="answered", answer=of(done.result())))
+
+
 def main():
     say(event="ready")
     threading.Thread(target=rclpy.spin, args=[_node], daemon=True).start()
-    commands = {f.__name__: f for f in (subscribe, publish, every, stop)}
+    commands = {f.__name__: f for f in (subscribe, publish, every, stop, change, state)}
     for line in sys.stdin:
         command = json.loads(line)
         commands[command.pop("do")](**command)

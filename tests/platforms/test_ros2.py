@@ -31,7 +31,7 @@ EDITED = {
     "eddi_messages/CMakeLists.txt": ("find_package(ament_cmake", "find_package( ament_cmake"),
 }
 DOCSTRINGS = ("--convention", "google", "--add-ignore", "D101", "D102", "D107", "D300", "D415")
-"""Ament's own convention asks for none of the first three; the last two are what D7.2's markers are:
+"""Ament's own convention asks for none of the first three; the last two are the markers of D7.2:
 texts at the beginning of a method, in single quotes."""
 NAMES = ("--exclude", "compiled.py")
 """Its lines are as long as the names in the model."""
@@ -152,6 +152,10 @@ def test_a_life_cycle_concerns_only_what_starts_the_node(workspace: Path, tmp_pa
     assert b"{'autostart': LaunchConfiguration('autostart')}" in managed[launch]
     assert b"import ManagedMonitorNode as MonitorNode" in managed[node]
     assert b"autostart" not in b"".join(without[name] for name in (launch, node, test, readme))
+    for place, travels in ((workspace, False), (tmp_path, True)):
+        runtime = place / "src/eddi_monitor/eddi_runtime/eddi_runtime"
+        for part in ("node/life_cycle.py", "transports/ros2/lifecycle.py"):
+            assert (runtime / part).is_file() is travels, part
 
 
 def test_a_field_that_only_ros1_has_is_refused(tmp_path: Path) -> None:

@@ -122,20 +122,7 @@ class Robot:
 
     def start(self, package, **changed):
         """Start the generated node of a package; class attributes may be changed."""
-        script = WORKSPACE / package / "scripts" / "RosNode.py"
-        ours = SimpleNamespace(
-            Input=Input, Output=Output, MonitorNode=ToyNode, reported=nullcontext
-        )
-        with self._patch.context() as patch:
-            patch.syspath_prepend(str(WORKSPACE / package / "src"))
-            patch.setitem(sys.modules, "eddi_runtime.ros1", ours)
-            for module in (EDDI_MESSAGES, STD_MSGS):
-                name = module.__name__
-                patch.setitem(sys.modules, name, module)
-                patch.setitem(sys.modules, name.partition(".")[0], SimpleNamespace(msg=module))
-            forget(package)  # another one of this name may have been imported
-            found = runpy.run_path(str(script))
-            forget(package)
+        found = generated(package, ToyNode, self._patch)
         cls = type("RosNode", (found["RosNode"],), {"FREQUENCY": HERTZ, **changed})
         node = cls(self, found["EDDIMonitor"](), found["EDDIInput"]())
         node.step()  # before anything can arrive
@@ -188,6 +175,23 @@ class Robot:
                 if not found or found[-1][1] != ids:
                     found.append((t, ids))
         return found
+
+
+def generated(package, base, monkeypatch):
+    """Return what is in the generated ``RosNode.py`` of a package, with a base class of ours."""
+    script = WORKSPACE / package / "scripts" / "RosNode.py"
+    ours = SimpleNamespace(Input=Input, Output=Output, MonitorNode=base, reported=nullcontext)
+    with monkeypatch.context() as patch:
+        patch.syspath_prepend(str(WORKSPACE / package / "src"))
+        patch.setitem(sys.modules, "eddi_runtime.ros1", ours)
+        for module in (EDDI_MESSAGES, STD_MSGS):
+            name = module.__name__
+            patch.setitem(sys.modules, name, module)
+            patch.setitem(sys.modules, name.partition(".")[0], SimpleNamespace(msg=module))
+        forget(package)  # another one of this name may have been imported
+        found = runpy.run_path(str(script))
+        forget(package)
+    return found
 
 
 def full(topic):

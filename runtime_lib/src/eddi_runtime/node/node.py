@@ -148,7 +148,7 @@ class Node:
     # What all have.
 
     def now_ns(self) -> int:
-        """Return the time of a step: simulated time where there is one; warn when it jumps back."""
+        """Return the time of a step: simulated if there is such a time; warn if it jumps back."""
         now = self.simulated_ns()
         if now is None:
             return time.monotonic_ns()
@@ -244,6 +244,8 @@ class Node:
         try:
             words = self._heard(receipts, new, started)
             output = self._evaluate(receipts, new, started, words)
+            if self.ended:  # meanwhile: another may have said its last word already
+                return
             error = self._publish(output)
             self._health.log_error("step", error)
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything

@@ -1,28 +1,18 @@
-"""The ROS 2 node of one monitor with a life cycle: others say when it monitors.
+"""The ROS 2 node of one monitor with a life cycle: a managed node of rclpy."""
 
-Configured, it has its publishers. Active, it listens and steps, as a monitor that knows nothing of
-before; the last that it publishes is that nothing is known, so whoever comes later hears no more.
-"""
-
-import threading
-from typing import Any, Callable, ClassVar, Dict, List, Optional, Type
+from typing import Any, Callable, ClassVar, Dict, List, Type
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile
 
-from ...node.ending import Ending
+from ...node.life_cycle import LifeCycle
 from ...node.logs import LOG
-from ...node.schedule import Waker
 from ...plain_values import one_line
 from .node import MonitorNode
 from .parameters import declared
 from .process import Process, Receive
 
 __all__ = ["ManagedMonitorNode"]
-
-_STEP_S = 5.0
-"""A step that takes longer is left behind when the node is deactivated."""
-Make = Callable[[], MonitorNode]
 
 
 class _ManagedNode(LifecycleNode):  # type: ignore[misc]
@@ -32,7 +22,7 @@ class _ManagedNode(LifecycleNode):  # type: ignore[misc]
         life: what they mean.
     """
 
-    life: "LifeCycle"
+    life: LifeCycle
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         return _done("configure", self.life.configure)
@@ -95,9 +85,10 @@ class ManagedProcess(Process):
         return made
 
     def stop_listening(self) -> None:
-        """Subscribe to nothing more: then what a publisher keeps comes again with the next time."""
+        """Subscribe to nothing more: what a publisher keeps comes again with the next time."""
         while self._subscriptions:
             self.node.destroy_subscription(self._subscriptions.pop())
+        self.forget_signs()
 
     def stop_publishing(self) -> None:
         """Advertise nothing more."""
@@ -105,107 +96,19 @@ class ManagedProcess(Process):
             self.node.destroy_lifecycle_publisher(self._publishers.popitem()[1])
 
 
-class LifeCycle:
-    """What the states of a managed node mean: which monitor there is, and whether it steps.
-
-    Transitions are those of rclpy's thread; steps are in the one that calls ``run``.
-
-    Args:
-        process: of the managed node.
-        make: returns a monitor that knows nothing.
-    """
-
-    def __init__(self, process: ManagedProcess, make: Make) -> None:
-        self._process = process
-        self._make = make
-        self._next: Optional[MonitorNode] = None
-        self._active: Optional[MonitorNode] = None
-        self._waker = Waker()
-        self._idle = threading.Event()
-        self._idle.set()
-        self.ending = Ending()
-
-    def run(self, *, autostart: bool) -> int:
-        """Follow the transitions until the process is to end; return the exit status.
-
-        Args:
-            autostart: be active at once.
-        """
-        node = self._process.node
-        node.life = self
-        with self._process.until(self.ending):
-            self.ending.on_end(self._stop)
-            if autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
-                node.trigger_activate()
-            self._process.start()
-            while not self.ending.begun:
-                self._waker.wait(threading.TIMEOUT_MAX)
-                self._step()
-        return self.ending.status
-
-    def _stop(self) -> None:
-        active = self._active
-        if active is not None:
-            active.ending.begin()
-        self._waker.wake()
-
-    def _step(self) -> None:
-        active = self._active
-        if active is None:
-            return
-        if self.ending.begun:  # before it could be told
-            active.ending.begin()
-        active.run(lambda: None)
-        active.withdraw()
-        self._active = None
-        self._idle.set()
-
-    def configure(self) -> None:
-        """Have a monitor, and publishers that do not send yet.
-
-        Raises:
-            Exception: whatever is wrong with it.
-        """
-        self._next = self._make()
-        self._next.prepare()
-        self._next.init_publisher()
-
-    def prepare(self) -> None:
-        """Have a monitor that knows nothing.
-
-        Raises:
-            Exception: whatever is wrong with it.
-        """
-        if not self._idle.is_set():
-            raise RuntimeError("the last step has not ended yet")
-        self._next = self._next or self._make()
-
-    def activate(self) -> None:
-        """Let it listen and step."""
-        self._active, self._next = self._next, None
-        self._idle.clear()
-        self._waker.wake()
-
-    def deactivate(self) -> None:
-        """Have it end."""
-        self._stop()
-        if not self._idle.wait(_STEP_S):
-            LOG.error("deactivate: a step has not ended within %g s, it is left behind", _STEP_S)
-        self._process.stop_listening()
-
-    def clean_up(self) -> None:
-        """Have nothing."""
-        self._next = None
-        self._process.stop_publishing()
-
-
 class ManagedMonitorNode(MonitorNode):
     """Base class of the generated RosNode where ``lifecycle: true`` is configured."""
 
     PROCESS: ClassVar[Type[Process]] = ManagedProcess
 
+    def init_publisher(self) -> None:
+        """Advertise every topic, that of diagnostics too: one of an active node would not send."""
+        super().init_publisher()
+        if self.options.diagnostics:
+            self.statuses()
+
     @classmethod
-    def serve(cls, process: Any, make: Make) -> int:
+    def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
         """Run a managed node until its process is to end; return the exit status.
 
         Args:
@@ -213,5 +116,12 @@ class ManagedMonitorNode(MonitorNode):
             make: returns a node that knows nothing.
         """
         meaning = "configure and activate the node at its start, nobody else does"
-        autostart = declared(process.node, "autostart", False, meaning)
-        return LifeCycle(process, make).run(autostart=autostart)
+        node = process.node
+        autostart = declared(node, "autostart", False, meaning)
+        node.life = LifeCycle(process, make)
+
+        def begin() -> None:
+            if autostart and node.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+                node.trigger_activate()
+
+        return int(node.life.run(begin))

@@ -80,7 +80,7 @@ class MonitorNode(Node):
         self._read[source.id] = (made.topic_name, made.qos_profile)
 
     def _age(self, message: Any, sent: Optional[int]) -> float:
-        """Return how old a message is that may have been kept; one of the future may be of any age.
+        """Return how old a message is that may have been kept; one of the future may have any age.
 
         Which publisher a message comes from is not told, so each is looked at.
         """
@@ -130,9 +130,10 @@ class MonitorNode(Node):
         Args:
             begun: called once all topics are advertised and subscribed to.
         """
-        self.run_on(self._process.name, self._statuses, begun)
+        self.run_on(self._process.name, self.statuses, begun)
 
-    def _statuses(self) -> Callable[[List[Status]], None]:
+    def statuses(self) -> Callable[[List[Status]], None]:
+        """Return what publishes statuses."""
         publish = self._process.publisher("/diagnostics", DiagnosticArray, writing({}, 1))
         return lambda statuses: publish(diagnostics_of(statuses, self._process.stamp()))
 

@@ -124,6 +124,10 @@ class Process:
         signs = self._signs.get(topic)
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
+    def forget_signs(self) -> None:
+        """Forget who gave signs of life."""
+        self._signs.clear()
+
     @contextlib.contextmanager
     def until(self, ending: Ending) -> Iterator[None]:
         """Be in a process that signals end, and leave the graph at last."""
@@ -161,7 +165,7 @@ class Process:
         return int(clock.now().nanoseconds) if clock.ros_time_is_active else None
 
     def stamp(self) -> object:
-        """Return the time for a header: ROS time, wall time while there is none (no /clock yet)."""
+        """Return the time for a header: ROS time, wall time while there is none (no /clock)."""
         now = self.node.get_clock().now()
         if now.nanoseconds == 0:
             now = Time(nanoseconds=time.time_ns())
@@ -171,7 +175,9 @@ class Process:
         """Return every publisher of a topic, by the name that the node uses for it."""
         with self._open:
             found = [] if self._closed else self.node.get_publishers_info_by_topic(topic)
-        return [Publication(one.topic_type.replace("/msg/", "/"), one.qos_profile) for one in found]
+        return [
+            Publication(one.topic_type.replace("/msg/", "/"), one.qos_profile) for one in found
+        ]
 
     def published(self) -> List[str]:
         """Return the full names of all topics that somebody publishes."""

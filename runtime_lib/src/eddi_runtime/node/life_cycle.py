@@ -1,0 +1,154 @@
+"""A node of which others say when it monitors: what its states mean, on any transport.
+
+Configured, it has its publishers. Active, it listens and steps, as a monitor that knows nothing of
+before; the last that it publishes is that nothing is known, so whoever comes later hears no more.
+"""
+
+import threading
+from typing import Callable, ContextManager, Optional, Protocol
+
+from .ending import Ending
+from .logs import LOG
+from .schedule import Waker
+
+__all__ = ["LifeCycle", "Managed", "Place"]
+
+_STEP_S = 5.0
+"""A step that takes longer is left behind when the node is deactivated."""
+
+
+class Managed(Protocol):
+    """The node of one activation; the methods are those of ``Node`` on a transport.
+
+    Attributes:
+        ending: of this node.
+    """
+
+    ending: Ending
+
+    def prepare(self) -> None:
+        """Do what can fail before anything is registered."""
+
+    def init_publisher(self) -> None:
+        """Advertise every topic."""
+
+    def run(self, begun: Callable[[], None]) -> None:
+        """Step until its end."""
+
+    def withdraw(self) -> None:
+        """Publish that nothing is known."""
+
+
+class Place(Protocol):
+    """The process on a transport: each topic has one publisher until ``stop_publishing``."""
+
+    def until(self, ending: Ending) -> ContextManager[None]:
+        """Be in a process that signals end, and leave the graph at last."""
+
+    def start(self) -> None:
+        """Begin to receive, also what others say of the state."""
+
+    def stop_listening(self) -> None:
+        """Subscribe to nothing more."""
+
+    def stop_publishing(self) -> None:
+        """Advertise nothing more."""
+
+
+class LifeCycle:
+    """Which monitor there is, and whether it steps.
+
+    Transitions are those of the transport's thread, one at a time; steps are in the thread that
+    calls ``run``.
+
+    Args:
+        place: where its nodes are.
+        make: returns a node that knows nothing.
+    """
+
+    def __init__(self, place: Place, make: Callable[[], Managed]) -> None:
+        self._place = place
+        self._make = make
+        self._next: Optional[Managed] = None
+        self._active: Optional[Managed] = None
+        self._waker = Waker()
+        self._idle = threading.Event()
+        self._idle.set()
+        self.ending = Ending()
+
+    def run(self, begun: Callable[[], None]) -> int:
+        """Follow the transitions until the process is to end; return the exit status.
+
+        Args:
+            begun: called before the transport's thread begins.
+        """
+        with self._place.until(self.ending):
+            self.ending.on_end(self._stop)
+            begun()
+            self._place.start()
+            while not self.ending.begun:
+                self._waker.wait(threading.TIMEOUT_MAX)
+                self._step()
+        return self.ending.status
+
+    def _stop(self) -> None:
+        active = self._active
+        if active is not None:
+            active.ending.begin()
+        self._waker.wake()
+
+    def _step(self) -> None:
+        active = self._active
+        if active is None:
+            return
+        if self.ending.begun:  # before it could be told
+            active.ending.begin()
+        active.run(lambda: None)
+        active.withdraw()
+        self._active = None
+        self._idle.set()
+
+    def configure(self) -> None:
+        """Have a monitor, and publishers that do not send yet.
+
+        Raises:
+            Exception: whatever is wrong with it; there is nothing then.
+        """
+        try:
+            self._next = self._make()
+            self._next.prepare()
+            self._next.init_publisher()
+        except Exception:
+            self.clean_up()
+            raise
+
+    def prepare(self) -> None:
+        """Have a monitor that knows nothing.
+
+        Raises:
+            Exception: whatever is wrong with it.
+        """
+        if not self._idle.is_set():
+            raise RuntimeError("the last step has not ended yet")
+        self._next = self._next or self._make()
+
+    def activate(self) -> None:
+        """Let it listen and step."""
+        self._active, self._next = self._next, None
+        self._idle.clear()
+        self._waker.wake()
+
+    def deactivate(self) -> None:
+        """Have it end: its last word is that nothing is known, even if hand-written code hangs."""
+        self._stop()
+        if not self._idle.wait(_STEP_S):
+            LOG.error("deactivate: a step has not ended within %g s, it is left behind", _STEP_S)
+            active = self._active
+            if active is not None:
+                active.withdraw()
+        self._place.stop_listening()
+
+    def clean_up(self) -> None:
+        """Have nothing."""
+        self._next = None
+        self._place.stop_publishing()
