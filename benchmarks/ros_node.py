@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import statistics
 import subprocess
 import sys
@@ -120,7 +121,7 @@ class Bench(NamedTuple):
             )
         finally:
             for process in started:
-                process.popen.kill()
+                process.send(signal.SIGINT)
             for process in started:
                 process.destroy()
         seconds: Seconds = json.loads(done.stdout.splitlines()[-1])
