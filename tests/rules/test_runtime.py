@@ -21,11 +21,8 @@ from tests.interpreters import SINCE, old_python
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 EXPECTED = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 GOLDEN = HERE / "tests" / "golden"
-ON_THE_ROBOT = sorted(
-    path
-    for folder in (RUNTIME, EXPECTED, GOLDEN / "ros2", GOLDEN / "plain")
-    for path in folder.rglob("*.py")
-)
+FOLDERS = (RUNTIME, EXPECTED, *(GOLDEN / platform for platform in ("dds", "plain", "ros2")))
+ON_THE_ROBOT = sorted(path for folder in FOLDERS for path in folder.rglob("*.py"))
 
 
 @pytest.mark.parametrize("path", ON_THE_ROBOT, ids=lambda path: str(path.relative_to(HERE)))
@@ -39,8 +36,7 @@ def test_library_of_python_3_8() -> None:
     if not vermin.exists():
         pytest.skip("vermin is not installed")
     options = ["--no-tips", f"--target={SINCE}-", "--violations"]
-    folders = [RUNTIME, EXPECTED, GOLDEN / "ros2", GOLDEN / "plain"]
-    run([str(vermin), *options, *map(str, folders)], HERE)
+    run([str(vermin), *options, *map(str, FOLDERS)], HERE)
 
 
 @pytest.fixture(scope="session")
@@ -104,7 +100,10 @@ def alike(one: object, other: object) -> bool:
     return one == other
 
 
-PROGRAM_TEXT = {"exec", "eval", "compile", "__import__", "importlib", "pkgutil", "runpy"}
+PROGRAM_TEXT = {
+    *("exec", "eval", "compile", "__import__", "builtins", "__builtins__"),
+    *("importlib", "pkgutil", "runpy", "marshal", "pickle"),
+}
 """What makes a program of data, or chooses a module by a computed name."""
 
 
@@ -119,6 +118,15 @@ def test_nothing_on_the_robot_makes_program_text(path: Path) -> None:
         elif isinstance(node, ast.ImportFrom):
             names.add(str(node.module).partition(".")[0])
     assert not names & PROGRAM_TEXT
+
+
+def test_no_template_makes_program_text() -> None:
+    """Those as well that no example renders, such as a launcher of all monitors."""
+    words = "|".join(sorted(PROGRAM_TEXT))
+    used = re.compile(rf"(?<![\w.])(?:{words})(?=\()|\bimport (?:{words})\b|\bfrom (?:{words})\b")
+    templates = [path for path in (HERE / "copier_templates").rglob("*.py.jinja") if path.is_file()]
+    assert len(templates) > 20
+    assert not [path for path in templates if used.search(path.read_text("utf-8"))]
 
 
 def test_one_version() -> None:
