@@ -93,9 +93,9 @@ class Robot(Node):
             word.made = said["made"]
             self._receipts.receive(name, word)
 
-    def _heard(self, receipts, new, now):
+    def _evaluate(self, receipts, new, now, words):
         self.began = now  # a word is at least as old as the step in which it was made
-        return super()._heard(receipts, new, now)
+        return super()._evaluate(receipts, new, now, words)
 
     def look(self, message):
         """See what is published: is the word that it rests on within its lease?"""

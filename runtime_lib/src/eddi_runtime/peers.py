@@ -31,10 +31,12 @@ from typing import (
 
 from .inputs import Word
 from .monitor import Tree
-from .node.receipts import Receipt
+from .node.receipts import Input, Receipt
 
 __all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
 
+_WORDS = "~peers"
+"""Id of the subscription to all words; none of a configuration is like it."""
 LONGEST_LEASE = 60.0
 """Seconds: a node that was silent for longer is forgotten, and so is when a word was told."""
 _MOST = 10_000
@@ -86,6 +88,22 @@ class Fleet(NamedTuple):
     type: Any
     lease: float
     sources: Tuple[Source, ...] = ()
+
+    def words(self) -> Input:
+        """Return the subscription to the words of all.
+
+        Each of them, for their echoes; it does not wake, or two nodes would do so for ever.
+        """
+        return Input(_WORDS, self.topic, self.type, every_message=True, wakes=False)
+
+    def described(self, topics: Mapping[str, str]) -> Mapping[str, str]:
+        """Return topics by id of their source, with what those of other robots are, for people.
+
+        Args:
+            topics: id of a source -> full name of its topic.
+        """
+        topic = topics.get(_WORDS, self.topic)
+        return {**topics, **{one.id: one.described(topic) for one in self.sources}}
 
     def joined(self, robot: str, model_id: str, digest: str) -> Peers:
         """Return the words of a node of this fleet, and those it hears.
@@ -146,6 +164,35 @@ class Peers:
         self._told: Deque[Tuple[int, float]] = deque(maxlen=_MOST)
         self._speakers: Dict[Name, _Speaker] = {}
         self._behind: Dict[str, FrozenSet[str]] = {}
+
+    def take(
+        self, receipts: Dict[str, Receipt], new: Dict[str, List[object]], now: float
+    ) -> Mapping[str, Word]:
+        """Put the words that count in place of all that came; return whose they are.
+
+        Args:
+            receipts: of the node, by id of their source.
+            new: messages since the last step.
+            now: monotonic seconds.
+        """
+        for message in new.pop(_WORDS, ()):
+            self.hear(message, now)
+        receipts.pop(_WORDS, None)
+        found = self.find(now)
+        receipts.update((name, one.receipt) for name, one in found.items() if one.receipt)
+        return {name: one.word for name, one in found.items()}
+
+    def told(self, message: object, monitor: Any, now: float) -> Tree:
+        """Return the word about a message that was published, as ``word`` does.
+
+        Args:
+            message: a ``ConSertOutput`` of the transport; no other kind has guarantees.
+            monitor: that it is of.
+            now: monotonic seconds.
+        """
+        given = getattr(message, "guarantees", ())
+        robots = ((one, monitor.robots(one.id) if one.active else ()) for one in given)
+        return self.word([(one.id, one.active, by) for one, by in robots], now)
 
     def word(self, guarantees: Iterable[Tuple[str, bool, Iterable[str]]], now: float) -> Tree:
         """Return the next word as a ``RobotGuarantees`` tree; it must be told after ``now``.

@@ -39,9 +39,6 @@ if TYPE_CHECKING:  # travels where a monitor is one of a fleet
 
 __all__ = ["Node"]
 
-_PEERS = "~peers"
-"""Id of the subscription to the words of other robots; none of a configuration is like it."""
-
 
 class _Nothing:
     """An input of which nothing is known: every evidence is UNKNOWN."""
@@ -108,9 +105,7 @@ class Node:
         self._tell: Publish = _nobody_listens
         if fleet is not None:
             self._peers = fleet.joined(self.options.robot, self._core.model_id, self._core.digest)
-            # All of them, for their echoes; it does not wake, or two nodes would do so for ever.
-            words = Input(_PEERS, fleet.topic, fleet.type, every_message=True, wakes=False)
-            self._sources.append(words)
+            self._sources.append(fleet.words())
         on_change = self.MODE == "on_change"
         self._silence = Silence(self._sources, self.options.startup_grace)
         self._waker = Waker()
@@ -242,7 +237,7 @@ class Node:
         started = time.monotonic()
         receipts, new = self._receipts.taken()
         try:
-            words = self._heard(receipts, new, started)
+            words = {} if self._peers is None else self._peers.take(receipts, new, started)
             output = self._evaluate(receipts, new, started, words)
             if self.ended:  # meanwhile: another may have said its last word already
                 return
@@ -259,19 +254,6 @@ class Node:
                 self.report_now()
         except Exception as caught:  # noqa: BLE001 - a report must never end the monitor
             self._health.log_error("report", one_line(caught), traceback.format_exc())
-
-    def _heard(
-        self, receipts: Dict[str, Receipt], new: Dict[str, List[object]], now: float
-    ) -> Mapping[str, Word]:
-        """Put the words that count in place of all that were heard; return whose they are."""
-        if self._peers is None:
-            return {}
-        for message in new.pop(_PEERS, ()):
-            self._peers.hear(message, now)
-        receipts.pop(_PEERS, None)
-        found = self._peers.find(now)
-        receipts.update((name, one.receipt) for name, one in found.items() if one.receipt)
-        return {name: one.word for name, one in found.items()}
 
     def _evaluate(
         self,
@@ -308,17 +290,10 @@ class Node:
     def _publish_all(self, publications: Publications, message: object) -> None:
         publications.publish(message)
         if self._peers is not None:
-            self._tell(self._word(message))
+            word = self._peers.told(message, self._core, time.monotonic())
+            self._tell(self._converter.message(word))
         for name in publications.beside:
             publications.publish(self._converter.messages(beside(self._core, name)), name)
-
-    def _word(self, message: object) -> object:
-        """Return what the other robots are told of a message that was published."""
-        assert self._peers is not None, "the node is alone"
-        given = getattr(message, "guarantees", ())
-        core: Any = self._core  # a ConSert: no other kind has guarantees
-        told = [(one.id, one.active, core.robots(one.id) if one.active else ()) for one in given]
-        return self._converter.message(self._peers.word(told, time.monotonic()))
 
     def withdraw(self) -> None:
         """Publish that nothing is known, as the last word of a node which stays on the graph."""
@@ -344,21 +319,15 @@ class Node:
             title: of the status.
             name: of the node.
         """
+        topics = self.topics()
         collected = self._health.collect(
             receipts=self._receipts.latest(),
             overruns=self._schedule.overruns,
             graph=self.graph(),
             periodic=periodic,
-            topics={**self.topics(), **self._described()},
+            topics=topics if self.FLEET is None else self.FLEET.described(topics),
         )
         return Status(collected, title, name)
-
-    def _described(self) -> Mapping[str, str]:
-        """Return the id of each source among other robots with what it is, for people."""
-        if self.FLEET is None:
-            return {}
-        topic = self.topics().get(_PEERS, self.FLEET.topic)
-        return {one.id: one.described(topic) for one in self.FLEET.sources}
 
     def log_start(self) -> None:
         """Log which monitor begins."""
@@ -385,7 +354,8 @@ class Node:
         try:
             check_outputs(self._converter, result, self._core, self.OUTPUTS)
             if self._peers is not None:
-                self._word(self._converter.messages(result))
+                made = self._converter.messages(result)
+                self._converter.message(self._peers.told(made, self._core, time.monotonic()))
         except MessageError as error:
             raise MessageError(f"the messages do not fit the model: {error}") from error
         self._core.reset()
