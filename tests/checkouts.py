@@ -11,6 +11,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 HERE = Path(__file__).parents[1]
+PLAIN_PACKAGES = sorted(
+    file.parent
+    for place in ("examples/*/expected", "tests/golden/plain")
+    for file in HERE.glob(f"{place}/*/pyproject.toml")
+)
+"""One of each kind, of an example where it needs more than a model."""
 PRIVATE = ("_commit:", "_src_path:")
 _PARTS = (
     ".gitignore",

@@ -138,9 +138,9 @@ def variables(ids: Sequence[str], reserved: Collection[str]) -> list[str]:
     return names
 
 
-def assignment(target: str, part: Part, indent: int) -> list[str]:
-    """Return the lines of ``target = part``."""
-    return _lines(Item(part, f"{target} = "), "", indent)
+def assignment(target: str, part: Part, indent: int, behind: str = "") -> list[str]:
+    """Return the lines of ``target = part``, with a comment behind it or, if too long, above."""
+    return _lines(Item(part, f"{target} = ", behind=behind), "", indent)
 
 
 def statement(part: Part, indent: int) -> list[str]:
@@ -148,9 +148,9 @@ def statement(part: Part, indent: int) -> list[str]:
     return _lines(Item(part), "", indent)
 
 
-def returned(part: Part, indent: int) -> list[str]:
-    """Return the lines of ``return part``."""
-    return _lines(Item(part, "return "), "", indent)
+def returned(part: Part, indent: int, behind: str = "") -> list[str]:
+    """Return the lines of ``return part``, with a comment as ``assignment`` has it."""
+    return _lines(Item(part, "return ", behind=behind), "", indent)
 
 
 def unpacked(names: Sequence[str], value: str, indent: int = 8) -> list[str]:

@@ -90,7 +90,7 @@ def test_the_command_never_fails_a_task(package: Path) -> None:
 
 def test_tables_are_taken_from_their_folder(tmp_path: Path) -> None:
     """Copier renders no numbers: what is missing is named, what nothing reads any more leaves."""
-    golden = ROOT / "tests/golden/plain/camera_scope"
+    golden = ROOT / "examples/safeml/expected/camera_scope"
     given, root = tmp_path / "given", tmp_path / "camera_scope"
     given.mkdir()
     for name in ("model.json", "EDDIMonitor.py"):

@@ -89,8 +89,13 @@ def test_ros2_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureR
 
 def test_plain_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """One package of each kind; the ConSert is without a configuration."""
-    generate = ("-q", "generate", "--platform", "plain", "-o", tmp_path)
-    clone.eddi(*generate, "-m", MODELS / "rover.yml")
+    generate = ("-q", "generate", "--platform", "plain", "-o")
+    (tmp_path / "rover").mkdir()
+    clone.eddi(*generate, tmp_path / "rover", "-m", MODELS / "rover.yml")
+    compare(tmp_path / "rover", PLAIN, request)
     for model, config in (files for kind, files in EXAMPLES.items() if kind != "consert"):
-        clone.eddi(*generate, "-m", HERE / "examples" / model, "-c", HERE / "examples" / config)
-    compare(tmp_path, PLAIN, request)
+        example = Path(model).parent
+        files = ("-m", HERE / "examples" / model, "-c", HERE / "examples" / config)
+        (tmp_path / example).mkdir()
+        clone.eddi(*generate, tmp_path / example, *files)
+        compare(tmp_path / example, HERE / "examples" / example / "expected", request)

@@ -18,9 +18,8 @@ from eddi_scaffold.regions.generated import as_placed
 from eddi_scaffold.regions.manifest import digests_of
 from eddi_scaffold.regions.merge import merge
 from eddi_scaffold.regions.result import Merged
-from tests.checkouts import HERE
+from tests.checkouts import HERE, PLAIN_PACKAGES
 
-PLAIN = HERE / "tests" / "golden" / "plain"
 ROS1 = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 
@@ -81,7 +80,7 @@ def test_only_the_layout_of_library_files_changes(name: str, tmp_path: Path) -> 
 @each
 def test_formatters_leave_what_is_written_for_generated_files(name: str, tmp_path: Path) -> None:
     library(name, tmp_path)
-    for source in (PLAIN, ROS1):
+    for source in (*PLAIN_PACKAGES, ROS1):
         shutil.copytree(source, tmp_path / source.name, ignore=shutil.ignore_patterns(".eddi"))
     for path in (tmp_path / RUNTIME.name).rglob("*.py"):
         path.write_bytes(as_placed(path.name, path.read_bytes()))
@@ -96,7 +95,7 @@ def test_formatters_leave_what_is_written_for_generated_files(name: str, tmp_pat
 @each
 @pytest.mark.parametrize("edit", EDITS)
 def test_merge_and_formatter_do_not_undo_each_other(name: str, edit: str, tmp_path: Path) -> None:
-    base = (PLAIN / "rover" / "EDDIInput.py").read_text("utf-8")
+    base = (HERE / "tests/golden/plain/rover/EDDIInput.py").read_text("utf-8")
     place = tmp_path / "EDDIInput.py"
     place.write_text(base.replace(*EDITS[edit], 1), "utf-8")
     assert (place.read_text("utf-8") == base) == (edit == "nothing")

@@ -12,20 +12,18 @@ from pathlib import Path, PurePath
 import pytest
 import yaml
 
-from tests.checkouts import HERE
+from tests.checkouts import HERE, PLAIN_PACKAGES
 
 TEMPLATES = HERE / "copier_templates"
 WORKSPACE = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 ROS2 = HERE / "tests" / "golden" / "ros2"
-PLAIN = HERE / "tests" / "golden" / "plain"
-PACKAGES = sorted([*WORKSPACE.iterdir(), *ROS2.iterdir(), *PLAIN.iterdir()])
+PACKAGES = sorted([*WORKSPACE.iterdir(), *ROS2.iterdir(), *PLAIN_PACKAGES])
 PLATFORM = {
     WORKSPACE: {"rospy", "rostest", "catkin_pkg", "setuptools", "eddi_messages", "std_msgs"},
     ROS2: {
         *("ament_index_python", "eddi_messages", "launch", "launch_ros", "pytest", "rclpy"),
         *("setuptools", "std_msgs"),
     },
-    PLAIN: {"setuptools"},
 }
 NO_COMMENT = {
     "eddi_monitor/CMakeLists.txt",  # catkin compares it with a fixed text
@@ -85,7 +83,7 @@ def test_copier_leaves_editable_files_alone(package: Path) -> None:
 def test_imports(package: Path) -> None:
     """Only the runtime, the platform, the standard library and its own modules."""
     allowed = {package.name, "eddi_runtime", *sys.stdlib_module_names}
-    allowed |= PLATFORM[package.parent]
+    allowed |= PLATFORM.get(package.parent, {"setuptools"})
     for path in package.rglob("*.py"):
         if ".eddi" not in path.parts:
             assert set(imported(path)) <= allowed, path

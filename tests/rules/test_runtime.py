@@ -15,13 +15,13 @@ import eddi_runtime
 import pytest
 
 import eddi_scaffold
-from tests.checkouts import HERE, run
+from tests.checkouts import HERE, PLAIN_PACKAGES, run
 from tests.interpreters import SINCE, old_python
 
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 EXPECTED = HERE / "examples" / "two-conserts" / "expected" / "src" / "eddi_monitor"
 GOLDEN = HERE / "tests" / "golden"
-FOLDERS = (RUNTIME, EXPECTED, *(GOLDEN / platform for platform in ("dds", "plain", "ros2")))
+FOLDERS = (RUNTIME, EXPECTED, GOLDEN / "dds", GOLDEN / "ros2", *PLAIN_PACKAGES)
 ON_THE_ROBOT = sorted(path for folder in FOLDERS for path in folder.rglob("*.py"))
 
 
@@ -70,7 +70,7 @@ def test_runtime_tests_pass_on_python_3_8(old_pytest: Path) -> None:
 
 @pytest.mark.slow
 def test_packages_do_the_same_on_python_3_8(old_pytest: Path, tmp_path: Path) -> None:
-    for package in (HERE / "tests" / "golden" / "plain").iterdir():
+    for package in PLAIN_PACKAGES:
         shutil.copytree(package, tmp_path / package.name)
         shutil.copytree(RUNTIME, tmp_path / package.name / "eddi_runtime")
     script = HERE / "tests" / "rules" / "replayed.py"

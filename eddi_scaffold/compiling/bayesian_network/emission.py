@@ -329,16 +329,32 @@ class _Module:
                 named["rows"] = f"{own}_rows"
             if table.few():
                 counts = [count - 1 for count in table.counts]
-                self._blocks.append(total_lines(f"{own}_total", table.rows, counts, strides))
+                axes = [comment(one) for one in self._names(table.inputs)]
+                states = self._shown_states(table.output)
+                self._blocks.append(
+                    total_lines(f"{own}_total", table.rows, counts, strides, axes, states)
+                )
                 named["total"] = f"{own}_total"
             found.append(call("tables.Table", [literal(tuple(pairs))], **named))
         priors = priors_of(self._network, part.plan)
         rows = (
             Item(numbers(prior), prefix=f"{positions[node]}: ") for node, prior in priors.items()
         )
-        self._blocks.append(look_up_lines(f"{name}_look_up", strides_of))
+        about = [comment(self._shown(table)) for table in tables]
+        self._blocks.append(look_up_lines(f"{name}_look_up", strides_of, about))
         prior_of = Group("{", tuple(rows), "}")
         return call("tables.Tables", [tuple_of(found), prior_of, f"{name}_look_up"])
+
+    def _shown(self, table: JointTable) -> str:
+        given = ", ".join(self._names(table.inputs))
+        what = self._network.shape.names[table.output] if table.output >= 0 else "evidence alone"
+        return f"{what} by {given}" if given else what
+
+    def _shown_states(self, output: int) -> list[str]:
+        if output < 0:
+            return ["evidence alone"]
+        name = self._network.shape.names[output]
+        return [comment(f"{name} = {state}") for state in self._network.states[output]]
 
     def _rows(self, table: JointTable, name: str) -> list[str]:
         about = [self._state_names(node) for node in table.inputs]

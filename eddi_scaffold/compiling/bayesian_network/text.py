@@ -19,15 +19,19 @@ def sum_lines(target: str, terms: Sequence[str], indent: int) -> list[str]:
     return [*lines, line]
 
 
-def look_up_lines(name: str, tables: Sequence[Sequence[tuple[int, int]]]) -> list[str]:
+def look_up_lines(
+    name: str, tables: Sequence[Sequence[tuple[int, int]]], about: Sequence[str]
+) -> list[str]:
     """Return a function: rows of each table -> the look-up, states -> a row of each table.
 
     Args:
         name: of the function.
         tables: (position of an input, distance between the rows of its states), for each table.
+        about: what each table is of, as comments.
     """
     rows = [f"t{k}" for k in range(len(tables))]
-    lines = [*unpacked(rows, "tables", 4), "", "    def look_up(s):"]
+    lines = [f"    # t{k}: {of}" for k, of in enumerate(about)]
+    lines += [*unpacked(rows, "tables", 4), "", "    def look_up(s):"]
     places: dict[tuple[tuple[int, int], ...], str] = {}
     found = []
     for table, strides in zip(rows, map(tuple, tables), strict=True):
@@ -41,7 +45,12 @@ def look_up_lines(name: str, tables: Sequence[Sequence[tuple[int, int]]]) -> lis
 
 
 def total_lines(
-    name: str, rows: Sequence[Sequence[float]], counts: Sequence[int], strides: Sequence[int]
+    name: str,
+    rows: Sequence[Sequence[float]],
+    counts: Sequence[int],
+    strides: Sequence[int],
+    axes: Sequence[str],
+    states: Sequence[str],
 ) -> list[str]:
     """Return a function: one vector for each axis -> the sum of all products with a table.
 
@@ -50,9 +59,12 @@ def total_lines(
         rows: the table.
         counts: numbers of each axis that are summed; what lies beyond is left out.
         strides: distance between two rows of each axis.
+        axes: what each of them is, as comments.
+        states: what each number of a row is, as comments.
     """
     lines = [f"def {name}(v):"]
     for axis, count in enumerate(counts):
+        lines.append(f"    # {axes[axis]}")
         lines += unpacked([f"v{axis}_{k}" for k in range(count)], f"v[{axis}]", 4)
     made = 0
 
@@ -74,6 +86,7 @@ def total_lines(
 
     card = len(rows[0])
     for state in range(card):
+        lines.append(f"    # {states[state]}")
         of_state = terms(0, 0, state) if counts else [number(rows[0][state])]
         lines += sum_lines(f"p{state}", of_state, 4)
     row = tuple(Item(f"p{state}") for state in range(card))

@@ -143,11 +143,29 @@ class Event(NamedTuple):
     place: str
 
 
+class Named(NamedTuple):
+    """A gate for people.
+
+    Attributes:
+        name: with its type.
+        place: fragment path, empty where there is none.
+    """
+
+    name: str
+    place: str
+
+
 @dataclass(frozen=True)
 class FaultTree:
-    """A fault tree: its diagram, or all minimal cut sets, which then give bounds."""
+    """A fault tree: its diagram, or all minimal cut sets, which then give bounds.
+
+    Attributes:
+        events: basic events, and dynamic gates.
+        gates: those that are no events; their numbers follow those of the events.
+    """
 
     events: tuple[Event, ...]
+    gates: tuple[Named, ...]
     diagram: Diagram | None
     cut_sets: tuple[tuple[int, ...], ...] | None
     repair: bool
@@ -349,10 +367,12 @@ class _Reader:
 
     def _tree(self, item: Any, where: str) -> FaultTree:
         events = tuple(self._event(one, where) for one in take(item, "events", list, where))
-        gates = [
-            _gate(one, len(events) + i, where)
-            for i, one in enumerate(take(item, "gates", list, where))
-        ]
+        given = take(item, "gates", list, where)
+        gates = [_gate(one, len(events) + i, where) for i, one in enumerate(given)]
+        shown = tuple(
+            Named(f"{gate.type} {one.get('name') or ''}".rstrip(), _path(one))
+            for gate, one in zip(gates, given, strict=True)
+        )
         top = _index(item.get("top"), len(events) + len(gates), where)
         sets = _cut_sets(item, len(events), where)
         first = frozenset(i for i, event in enumerate(events) if event.input is not None)
@@ -361,7 +381,7 @@ class _Reader:
             diagram = build(len(events), gates, top, first, limit) if sets is None else None
         except TooLargeError as problem:
             raise ModelError("", f"{where}: {problem}, more than the limit") from None
-        return FaultTree(events, diagram, sets, take(item, "repair", bool, where))
+        return FaultTree(events, shown, diagram, sets, take(item, "repair", bool, where))
 
     def _event(self, item: Any, where: str) -> Event:
         law = take(item, "law", str, where)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.compiling.reliability.diagram import FALSE, TRUE, Diagram
-from eddi_scaffold.compiling.reliability.model import Event, FaultTree
+from eddi_scaffold.compiling.reliability.model import Event, FaultTree, Named
 from eddi_scaffold.compiling.text import (
     Group,
     Item,
@@ -60,8 +60,9 @@ def class_lines(
             yield from assignment("modules", literal(_table(diagram)), 4)
     yield from _laws(events)
     if diagram is not None and written:
-        yield from ("", "    def failure(self, q):", *_sums(events, diagram, of_failure=True))
-        yield from ("", "    def survival(self, q):", *_sums(events, diagram, of_failure=False))
+        for method, of_failure in (("failure", True), ("survival", False)):
+            yield from ("", f"    def {method}(self, q):")
+            yield from _sums(tree, diagram, of_failure=of_failure)
 
 
 def _table(diagram: Diagram) -> tuple[object, ...]:
@@ -106,12 +107,14 @@ def _law(event: Event) -> str:
     return number(event.values[0]) if event.law == "fixed" else "0.0"
 
 
-def _about(event: Event) -> str:
-    return comment(f"{event.name}: {event.place}" if event.place else event.name)
+def _about(one: Event | Named) -> str:
+    return comment(f"{one.name}: {one.place}" if one.place else one.name)
 
 
-def _sums(events: Sequence[Event], diagram: Diagram, *, of_failure: bool) -> Iterator[str]:
+def _sums(tree: FaultTree, diagram: Diagram, *, of_failure: bool) -> Iterator[str]:
     """Yield sums of products of what is not negative: nothing cancels, 1e-27 keeps its digits."""
+    events = tree.events
+    named: list[Event | Named] = [*events, *tree.gates]
     if len(events) == 1:
         yield f"        q0 = q[0]  # {_about(events[0])}".rstrip("# ")
     else:
@@ -131,11 +134,13 @@ def _sums(events: Sequence[Event], diagram: Diagram, *, of_failure: bool) -> Ite
                 complements.add(variable)
                 yield f"        w{variable} = 1.0 - q{variable}"
             value[i + 2] = f"n{place}_{i}"
-            yield f"        n{place}_{i} = {_sum(variable, value[high], value[low])}"
+            text = _sum(variable, value[high], value[low])
+            yield from assignment(value[i + 2], text, 8, comment(named[variable].name))
+        gate = _about(named[module.variable]) if module.variable < len(named) else ""
         if module is last:
-            yield f"        return {value[module.root]}"
+            yield from returned(value[module.root], 8, gate)
         else:
-            yield f"        q{module.variable} = {value[module.root]}"
+            yield from assignment(f"q{module.variable}", value[module.root], 8, gate)
 
 
 def _sum(variable: int, high: str, low: str) -> str:

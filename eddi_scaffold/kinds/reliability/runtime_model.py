@@ -159,8 +159,12 @@ def _event(name: str, key: str, tree: FaultTree) -> dict[str, Any]:
         "model": law.model,
         "input": input_id(name, key) if event.observed else None,
         **_age(tree.age if event.age is None else event.age),
-        **({"place": event.place.path} if event.place.path else {}),
+        **_path(event.place),
     }
+
+
+def _path(place: Place) -> dict[str, str]:
+    return {"place": place.path} if place.path else {}
 
 
 def _age(hours: float) -> dict[str, float]:
@@ -182,7 +186,7 @@ def _gate(gate: Gate, number: dict[str, int]) -> dict[str, Any]:
         found["type"] = "OR"
     if gate.type == "VOTE":
         found["k"] = gate.k
-    return found
+    return {**found, "name": gate.name, **_path(gate.place)}
 
 
 def _propulsion(component: ComponentModel) -> dict[str, Any]:

@@ -50,7 +50,11 @@ def hostile() -> ModelFile:
     events = [{**event("exponential", 0.1, input=one), "name": one} for one in HOSTILE]
     events[0]["place"] = '"""\nimport os'
     named = {**chain([[0, 1, 0.1]], 2, [1]), "states": ['"""', "\n"], "name": "\n#", "place": "\\"}
-    top = tree([*events, event("model", model="\n#")], [{"type": "OR", "of": list(range(11))}])
+    gates = [
+        {"type": "OR", "of": [0, 1], "name": '"""\nimport os', "place": "\n#"},
+        {"type": "OR", "of": [*range(2, 12)], "name": "x" * 500, "place": "\\"},
+    ]
+    top = tree([*events, event("model", model="\n#")], gates)
     made = model_file([named, top], HOSTILE, thresholds=[{**GO, "id": '"\n'}])
     inputs = (replace(one, attribute=f"value {k}") for k, one in enumerate(made.inputs))
     return replace(made, inputs=tuple(inputs))

@@ -9,16 +9,20 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 2})
-# sha256 of the lines below: 4ecf72462ec1e0b876454e658b6a816fae901a77312963d73b830c303295b65e
+# sha256 of the lines below: b66eaa2dc278c393d986bcd7a8f9497a7b383d94bf6eb513ebc679e384bc27ed
 
 
 def part_0_0_total(v):
+    # AV_Shuttle_Speed
     v0_0, v0_1, v0_2, v0_3 = v[0]
+    # Distance_to_Pedestrian
     v1_0, v1_1, v1_2 = v[1]
+    # Critical = Yes
     p0 = v0_0 * (v1_0 * 0.2 + v1_1 * 0.05 + v1_2 * 0.05)
     p0 = p0 + v0_1 * (v1_0 * 0.5 + v1_1 * 0.2 + v1_2 * 0.05)
     p0 = p0 + v0_2 * (v1_0 * 0.7 + v1_1 * 0.4 + v1_2 * 0.2)
     p0 = p0 + v0_3 * (v1_0 * 0.95 + v1_1 * 0.8 + v1_2 * 0.45)
+    # Critical = No
     p1 = v0_0 * (v1_0 * 0.8 + v1_1 * 0.95 + v1_2 * 0.95)
     p1 = p1 + v0_1 * (v1_0 * 0.5 + v1_1 * 0.8 + v1_2 * 0.95)
     p1 = p1 + v0_2 * (v1_0 * 0.3 + v1_1 * 0.6 + v1_2 * 0.8)
@@ -27,6 +31,7 @@ def part_0_0_total(v):
 
 
 def part_0_look_up(*tables):
+    # t0: Critical by AV_Shuttle_Speed, Distance_to_Pedestrian
     (t0,) = tables
 
     def look_up(s):
@@ -75,16 +80,22 @@ cases = {
 
 
 def all_part_0_0_total(v):
+    # Distance_to_Pedestrian
     v0_0, v0_1, v0_2 = v[0]
+    # Critical
     v1_0, v1_1 = v[1]
+    # AV_Shuttle_Speed = NotDriving
     p0 = v0_0 * (v1_0 * 0.004000000000000001 + v1_1 * 0.016000000000000004)
     p0 = p0 + v0_1 * (v1_0 * 0.0015000000000000002 + v1_1 * 0.028499999999999998)
     p0 = p0 + v0_2 * (v1_0 * 0.0025000000000000005 + v1_1 * 0.0475)
+    # AV_Shuttle_Speed = range_0_to_2_kmh
     p1 = v0_0 * (v1_0 * 0.03 + v1_1 * 0.03) + v0_1 * (v1_0 * 0.018 + v1_1 * 0.072)
     p1 = p1 + v0_2 * (v1_0 * 0.0075 + v1_1 * 0.1425)
+    # AV_Shuttle_Speed = range_2_to_4_kmh
     p2 = v0_0 * (v1_0 * 0.055999999999999994 + v1_1 * 0.024)
     p2 = p2 + v0_1 * (v1_0 * 0.04800000000000001 + v1_1 * 0.072)
     p2 = p2 + v0_2 * (v1_0 * 0.04000000000000001 + v1_1 * 0.16000000000000003)
+    # AV_Shuttle_Speed = more_than_4_kmh
     p3 = v0_0 * (v1_0 * 0.038000000000000006 + v1_1 * 0.0020000000000000005)
     p3 = p3 + v0_1 * (v1_0 * 0.04800000000000001 + v1_1 * 0.012000000000000002)
     p3 = p3 + v0_2 * (v1_0 * 0.045000000000000005 + v1_1 * 0.05500000000000001)
@@ -92,16 +103,21 @@ def all_part_0_0_total(v):
 
 
 def all_part_0_1_total(v):
+    # AV_Shuttle_Speed
     v0_0, v0_1, v0_2, v0_3 = v[0]
+    # Critical
     v1_0, v1_1 = v[1]
+    # Distance_to_Pedestrian = range_0_to_1_m
     p0 = v0_0 * (v1_0 * 0.004000000000000001 + v1_1 * 0.016000000000000004)
     p0 = p0 + v0_1 * (v1_0 * 0.03 + v1_1 * 0.03)
     p0 = p0 + v0_2 * (v1_0 * 0.055999999999999994 + v1_1 * 0.024)
     p0 = p0 + v0_3 * (v1_0 * 0.038000000000000006 + v1_1 * 0.0020000000000000005)
+    # Distance_to_Pedestrian = range_1_to_2_m
     p1 = v0_0 * (v1_0 * 0.0015000000000000002 + v1_1 * 0.028499999999999998)
     p1 = p1 + v0_1 * (v1_0 * 0.018 + v1_1 * 0.072)
     p1 = p1 + v0_2 * (v1_0 * 0.04800000000000001 + v1_1 * 0.072)
     p1 = p1 + v0_3 * (v1_0 * 0.04800000000000001 + v1_1 * 0.012000000000000002)
+    # Distance_to_Pedestrian = more_than_2_m
     p2 = v0_0 * (v1_0 * 0.0025000000000000005 + v1_1 * 0.0475)
     p2 = p2 + v0_1 * (v1_0 * 0.0075 + v1_1 * 0.1425)
     p2 = p2 + v0_2 * (v1_0 * 0.04000000000000001 + v1_1 * 0.16000000000000003)
@@ -110,12 +126,16 @@ def all_part_0_1_total(v):
 
 
 def all_part_0_2_total(v):
+    # AV_Shuttle_Speed
     v0_0, v0_1, v0_2, v0_3 = v[0]
+    # Distance_to_Pedestrian
     v1_0, v1_1, v1_2 = v[1]
+    # Critical = Yes
     x0 = v1_0 * 0.004000000000000001 + v1_1 * 0.0015000000000000002 + v1_2 * 0.0025000000000000005
     x1 = v1_0 * 0.055999999999999994 + v1_1 * 0.04800000000000001 + v1_2 * 0.04000000000000001
     x2 = v1_0 * 0.038000000000000006 + v1_1 * 0.04800000000000001 + v1_2 * 0.045000000000000005
     p0 = v0_0 * x0 + v0_1 * (v1_0 * 0.03 + v1_1 * 0.018 + v1_2 * 0.0075) + v0_2 * x1 + v0_3 * x2
+    # Critical = No
     x3 = v1_0 * 0.016000000000000004 + v1_1 * 0.028499999999999998 + v1_2 * 0.0475
     x4 = v1_0 * 0.0020000000000000005 + v1_1 * 0.012000000000000002 + v1_2 * 0.05500000000000001
     p1 = v0_0 * x3 + v0_1 * (v1_0 * 0.03 + v1_1 * 0.072 + v1_2 * 0.1425)
@@ -124,6 +144,9 @@ def all_part_0_2_total(v):
 
 
 def all_part_0_look_up(*tables):
+    # t0: AV_Shuttle_Speed by Distance_to_Pedestrian, Critical
+    # t1: Distance_to_Pedestrian by AV_Shuttle_Speed, Critical
+    # t2: Critical by AV_Shuttle_Speed, Distance_to_Pedestrian
     t0, t1, t2 = tables
 
     def look_up(s):

@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 1})
-# sha256 of the lines below: bf3fdca4cb30ea74213ed911f91fd3783968b19834c4357d89b7159a2be2e60a
+# sha256 of the lines below: 66135d6dc98d1bac505aa5fb319b9118a4b832f4b8477d90c8348669700eb7d9
 
 
 # Markov Rotors
@@ -65,15 +65,15 @@ class Tree1(tree.FaultTree):
             q2,  # GpsB: //@odeProductPackages.0/@failureModels.1/@causes.4
             q3,  # Link: //@odeProductPackages.0/@failureModels.1/@causes.5
         ) = q
-        n0_0 = q2
-        n0_1 = q1 * n0_0
-        q4 = n0_1
-        n1_0 = q3
+        n0_0 = q2  # GpsB
+        n0_1 = q1 * n0_0  # GpsA
+        q4 = n0_1  # AND NoPosition: //@odeProductPackages.0/@failureModels.1/@causes.2
+        n1_0 = q3  # Link
         w4 = 1.0 - q4
-        n1_1 = q4 + w4 * n1_0
+        n1_1 = q4 + w4 * n1_0  # AND NoPosition
         w0 = 1.0 - q0
-        n1_2 = q0 + w0 * n1_1
-        return n1_2
+        n1_2 = q0 + w0 * n1_1  # NoRotors
+        return n1_2  # OR Lost: //@odeProductPackages.0/@failureModels.1/@causes.0
 
     def survival(self, q):
         (
@@ -82,21 +82,21 @@ class Tree1(tree.FaultTree):
             q2,  # GpsB: //@odeProductPackages.0/@failureModels.1/@causes.4
             q3,  # Link: //@odeProductPackages.0/@failureModels.1/@causes.5
         ) = q
-        n0_0 = q2
-        n0_1 = q1 * n0_0
-        q4 = n0_1
+        n0_0 = q2  # GpsB
+        n0_1 = q1 * n0_0  # GpsA
+        q4 = n0_1  # AND NoPosition: //@odeProductPackages.0/@failureModels.1/@causes.2
         w3 = 1.0 - q3
-        n1_0 = w3
+        n1_0 = w3  # Link
         w4 = 1.0 - q4
-        n1_1 = w4 * n1_0
+        n1_1 = w4 * n1_0  # AND NoPosition
         w0 = 1.0 - q0
-        n1_2 = w0 * n1_1
-        return n1_2
+        n1_2 = w0 * n1_1  # NoRotors
+        return n1_2  # OR Lost: //@odeProductPackages.0/@failureModels.1/@causes.0
 
 
 class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
-    digest = "a787ed87dc28c5ec53f4526ffc88bf7cd68662a5fe3e07d1e3c9e52d73162180"
+    digest = "8893ba6cae5f0ffcdced2430c234f4990c7be1f51c48c23c91e74bf2b08445f0"
     inputs = (
         InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
         InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),
