@@ -14,6 +14,8 @@ from eddi_scaffold.problems import NearNames, Place, Problem, error
 
 BINDINGS = "Bindings"
 _MOST_REASONS = 3
+_MOST_OFFERS = 2_500
+"""Each is checked, and most are written down: 50 robots of which each relies on any other one."""
 _COMPOSE = "`eddi-scaffold compose` shows which guarantees would"
 
 
@@ -94,10 +96,11 @@ class Bond:
 
 
 def bonds_of(file: FleetFile, seats: Sequence[Seat]) -> tuple[list[Bond], list[Problem]]:
-    """Return every bound demand, and what is wrong with the bindings (D011, D012, D013)."""
+    """Return every bound demand, and what is wrong with the bindings (D011 to D013, D018)."""
     binder = _Binder(file, seats)
     for index, binding in enumerate(file.form.Bindings):
-        binder.add(index, binding)
+        if not binder.add(index, binding):
+            break
     return list(binder.bonds.values()), binder.problems
 
 
@@ -107,13 +110,20 @@ class _Binder:
     seats: Sequence[Seat]
     bonds: dict[tuple[str, int, str], Bond] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+    offers: int = 0
 
-    def add(self, index: int, binding: Binding) -> None:
-        """Bind a demand of one robot, or of all that have it."""
+    def __post_init__(self) -> None:
+        """Note which monitors each robot has."""
+        self._of: dict[FleetRobot, list[Seat]] = {}
+        for seat in self.seats:
+            self._of.setdefault(seat.robot, []).append(seat)
+
+    def add(self, index: int, binding: Binding) -> bool:
+        """Bind a demand of one robot, or of all that have it; return whether there may be more."""
         unknown = list(self._unknown(index, binding))
         if unknown:
             self.problems += unknown
-            return
+            return True
         users = [one for one in self._askers(binding) if binding.demand in one.demands]
         if not users:
             known = list(dict.fromkeys(d for one in self._askers(binding) for d in one.demands))
@@ -123,6 +133,12 @@ class _Binder:
             self.problems.append(error("D011", message, self._place(index, "demand"), hint))
         for user in users:
             self._bind(index, binding, user)
+            if self.offers > _MOST_OFFERS:
+                message = f"more than {_MOST_OFFERS:,} guarantees of others may fulfil demands"
+                hint = "name fewer robots in `from`, or make deployments of a part of them each"
+                self.problems.append(error("D018", message, self._place(index, "from"), hint))
+                return False
+        return True
 
     def _bind(self, index: int, binding: Binding, user: Seat) -> None:
         place = self._place(index, "demand")
@@ -136,7 +152,7 @@ class _Binder:
         offers: list[Offer] = []
         reasons: dict[str, None] = {}
         for robot in self._providers(index, binding, user):
-            found, misses = _offers(user, binding, [s for s in self.seats if s.robot is robot])
+            found, misses = _offers(user, binding, self._of[robot])
             reasons.update(dict.fromkeys(misses))
             offers += found
             if not found and binding.from_ != "any":
@@ -145,6 +161,7 @@ class _Binder:
             self._refuse(index, binding, user, "any robot that it hears", list(reasons))
         of_any = binding.from_ == "any"
         self.bonds[key] = Bond(user, binding.demand, tuple(offers), of_any, place)
+        self.offers += len(offers)
 
     def _providers(self, index: int, binding: Binding, user: Seat) -> Iterator[FleetRobot]:
         """Yield the robots that may fulfil a demand and are heard by the one that has it (D013)."""
@@ -155,7 +172,7 @@ class _Binder:
             )
             self.problems.append(error("D013", message, self._place(index, "demand")))
             return
-        for robot in dict.fromkeys(one.robot for one in self.seats):
+        for robot in self._of:
             if robot is user.robot or (names != "any" and robot.name not in names):
                 continue
             if robot.graph == user.robot.graph:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,8 +15,10 @@ from eddi_scaffold.deployments.fleet.fleet import Fleet, read_whole_fleet
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.positioned_yaml.nodes import read_map
+from eddi_scaffold.problems import Place
 from eddi_scaffold.source import Source, read_source
 from tests.cli.command import ROOT, run
+from tests.diagnosed import assert_example
 
 EXAMPLE = ROOT / "examples" / "two-robots"
 
@@ -67,6 +70,18 @@ def test_who_may_fulfil_a_demand(
     text = f"{ROBOTS}Bindings: [{{demand: ArmIsParked, {binding}}}]\n"
     found = offered(whole(folder, text))
     assert found == {f"{name}/cart.ArmIsParked": of for name, of in expected.items()}
+
+
+def test_so_many_offers_are_not_looked_through(folder: Path) -> None:
+    path = folder / "deployment.yml"
+    robots = [
+        f"  - {{name: {name}{k}, monitors: [{{config: {name}_config.yml}}]}}"
+        for name in ("cart", "arm")
+        for k in range(51)
+    ]
+    path.write_text("\n".join(["Robots:", *robots, "Bindings: [{demand: ArmIsParked}]\n"]), "utf-8")
+    problems = read_whole_fleet(read_source(path), checked_models)[1]
+    assert_example("D018", [replace(one, place=Place("deployment.yml")) for one in problems])
 
 
 def test_the_example_has_no_problems_in_a_file_or_in_its_folder(folder: Path) -> None:
