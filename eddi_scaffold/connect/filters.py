@@ -19,7 +19,16 @@ _SETTING = re.compile(
     r"intensities|origin|significance_level|time_from_start"
 )
 _PICTURES = ("Image", "CameraInfo", "PointCloud2", "OccupancyGrid")
-_SIZES = ("width", "height", "step", "point_step", "row_step", "binning_x", "binning_y")
+_SIZES = (
+    "width",
+    "height",
+    "resolution",
+    "step",
+    "point_step",
+    "row_step",
+    "binning_x",
+    "binning_y",
+)
 _NEVER = ("header", "layout")
 _ABOUT_UNCERTAINTY = ("uncertainty", "covariance", "deviation", "std", "variance", "accuracy")
 _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
