@@ -9,9 +9,9 @@ import pytest
 
 from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.outputs import simulator_outputs
-from eddi_scaffold.platforms.ros1.mros_models import nodes_of, specs_of
 from eddi_scaffold.robot.rossystem import parse, read_robot
-from tests.cli.command import EXAMPLE
+from eddi_scaffold.ros.mros_models import nodes_of, specs_of
+from tests.cli.command import EXAMPLE, run
 
 WORKSPACE = EXAMPLE / "expected" / "src" / "eddi_monitor"
 SYSTEM = WORKSPACE / "eddi_monitor_launcher" / "ros" / "eddi_monitors.rossystem"
@@ -39,6 +39,22 @@ def test_the_system_is_read_with_all_topics_of_its_nodes() -> None:
     ]
 
 
+def test_a_workspace_of_ros2_is_read_in_the_same_way(tmp_path: Path) -> None:
+    (tmp_path / "src").mkdir()
+    config = EXAMPLE / "consert_b_config.yml"
+    words = ("--platform", "ros2", "-w", tmp_path, "-m", EXAMPLE / "two_conserts.xml", "-c", config)
+    assert run("generate", *words, cwd=tmp_path).status == 0
+    packages = tmp_path / "src" / "eddi_monitor"
+    robot = read_robot(packages / "eddi_monitor_launcher/ros/eddi_monitors.rossystem", packages)
+    outputs = simulator_outputs(robot.system, robot.models)
+    assert [*robot.problems, *outputs.problems] == []
+    assert [topic.topic for topic in outputs.topics] == [
+        "/diagnostics", "/consertb/guarantees", "/consertb/guarantees/status"
+    ]  # fmt: skip
+    of_ros1 = (WORKSPACE / "consertb/ros/consertb.ros1").read_bytes()
+    assert (packages / "consertb/ros/consertb.ros2").read_bytes() == of_ros1
+
+
 @pytest.mark.parametrize(
     "system",
     [
@@ -57,7 +73,7 @@ def test_the_next_monitor_finds_a_node_of_ours(system: str, tmp_path: Path) -> N
     config.write_text(CONFIG)
     parsed = parse(read_robot(tmp_path / "rover.rossystem", models), config)
     assert parsed.problems == ()
-    assert "id: consertb\n    type: eddi_messages.ConSertOutput\n" in parsed.after
+    assert CONFIG.splitlines()[2] in parsed.after  # as it is, beside those that are new
 
 
 def test_a_node_that_an_earlier_release_made_is_left_out() -> None:

@@ -16,7 +16,6 @@ from eddi_scaffold.monitors.nodes import node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.platforms.ros1 import templates
-from eddi_scaffold.platforms.ros1.mros_models import interfaces_of, nodes_of, specs_of
 from eddi_scaffold.platforms.ros1.names import METAPACKAGE
 from eddi_scaffold.problems import Problem
 from eddi_scaffold.ros.message_classes import (
@@ -26,6 +25,7 @@ from eddi_scaffold.ros.message_classes import (
     packages_of_classes,
 )
 from eddi_scaffold.ros.messages import messages_of
+from eddi_scaffold.ros.mros_models import interfaces_of, nodes_of, specs_of
 from eddi_scaffold.ros.package_names import LAUNCHER, RUNTIME
 from eddi_scaffold.ros.shared_packages import package_answers, runtime_parts
 

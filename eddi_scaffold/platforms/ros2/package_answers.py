@@ -22,6 +22,7 @@ from eddi_scaffold.ros.message_classes import (
     packages_of_classes,
 )
 from eddi_scaffold.ros.messages import messages_of
+from eddi_scaffold.ros.mros_models import interfaces_of, nodes_of, specs_of
 from eddi_scaffold.ros.package_names import LAUNCHER, RUNTIME
 from eddi_scaffold.ros.ros2_types import bound_to, types_of
 from eddi_scaffold.ros.shared_packages import package_answers, runtime_parts
@@ -44,6 +45,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(partial(class_of, classes=classes), has_qos=True)
     answers["lifecycle"] = node.config.config.Model.lifecycle
+    answers["interfaces"] = interfaces_of(node.found, node.heard, node.between_robots)
     files = {
         f"{monitor.package}/{name}": data
         for name, data in monitor.kind.functions.data_files(monitor.model).items()
@@ -67,9 +69,14 @@ def support_answers(
     start = "Launch file that starts every EDDI runtime monitor of this workspace"
     packages = [
         package(
-            MESSAGES_TEMPLATE, MESSAGE_PACKAGE, title, messages=messages, message_packages=needed
+            MESSAGES_TEMPLATE,
+            MESSAGE_PACKAGE,
+            title,
+            messages=messages,
+            specs=specs_of(texts),
+            message_packages=needed,
         ),
-        package(LAUNCHER_TEMPLATE, LAUNCHER, start, monitors=listed),
+        package(LAUNCHER_TEMPLATE, LAUNCHER, start, monitors=listed, nodes=nodes_of(monitors)),
     ]
     if platforms.runtime_of(monitors) == platforms.VENDORED:
         parts = sorted(runtime_parts(monitors))
