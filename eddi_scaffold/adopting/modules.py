@@ -14,11 +14,12 @@ from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.marked_file import split_lines
-from eddi_scaffold.regions.markers import indent_of
+from eddi_scaffold.regions.markers import indent_of, read_marker
 from eddi_scaffold.regions.python_text import parse_shallow
 from eddi_scaffold.source import read_source
 
 _CODING = re.compile(r"#.*coding[:=]")
+_NO_END = "the region has no end marker; put it back below the hand code"
 _MARKER = re.compile(r"(?<!-)-{3,}\s*Manual edit (begin|end)\s*-{3,}", re.IGNORECASE)
 
 
@@ -107,7 +108,7 @@ def read_module(path: Path) -> ParsedModule:
     """Read a module.
 
     Raises:
-        EddiError: it is not UTF-8 text or no Python (A001).
+        EddiError: it is not UTF-8 text or no Python (A001), or has damaged markers (H010).
     """
     data = read_source(path).data
     try:
@@ -125,7 +126,12 @@ def read_module(path: Path) -> ParsedModule:
     imports: list[ast.stmt] = []
     for node in tree.body:
         if isinstance(node, ast.ClassDef):
-            functions = (one for one in node.body if isinstance(one, ast.FunctionDef))
+            functions = [one for one in node.body if isinstance(one, ast.FunctionDef)]
+            faults = [fault for one in functions for fault in _faults(one, lines)]
+            if faults:
+                raise EddiError(
+                    *(error("H010", reason, Place(str(path), line)) for line, reason in faults)
+                )
             methods |= {one.name: _method(one, lines) for one in functions}
         elif isinstance(node, ast.Import | ast.ImportFrom):
             imports.append(node)
@@ -144,15 +150,32 @@ def _header(lines: Sequence[str]) -> str:
 
 def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
     marks = list(_marks(tree, lines))
-    found = _between(marks)
     statements = tuple(one for one in tree.body if not _is_text(one))
-    if found is None:
+    if not marks:
         return Method(tree.name, tree, None, statements)
-    begin, end = found
-    text = "".join(lines[begin:end])
+    begin, end = marks[0][1], marks[-1][1] - 1
+    inner = {line for _, line in marks}
+    text = "".join(lines[n - 1] for n in range(begin + 1, end + 1) if n not in inner)
     indent = indent_of(lines[begin - 1])
     outside = tuple(one for one in statements if not begin < one.lineno <= end)
     return Method(tree.name, tree, Body(text, indent, begin + 1), outside)
+
+
+def _faults(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a method in which a marker is damaged, or has no counterpart, and why."""
+    for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
+        reason = read_marker(lines[number - 1], number)
+        if isinstance(reason, str):
+            yield number, reason
+    begin = None
+    for what, number in _marks(tree, lines):
+        if what == "end" and begin is None:
+            yield number, "end marker without begin; put the begin marker back above it"
+        elif what == "begin" and begin is not None:
+            yield begin, _NO_END
+        begin = number if what == "begin" else None
+    if begin is not None:
+        yield begin, _NO_END
 
 
 def _marks(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[str, int]]:
@@ -162,15 +185,6 @@ def _marks(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[str, i
         before = lines[number - 1][: match.start()].strip() if match else "x"
         if match and before in {"", "#", "'''", '"""', "'", '"'}:
             yield match[1].lower(), number
-
-
-def _between(marks: Sequence[tuple[str, int]]) -> tuple[int, int] | None:
-    """Return the lines of the first begin and of the last end as slice bounds."""
-    begins = [line for what, line in marks if what == "begin"]
-    ends = [line for what, line in marks if what == "end"]
-    if not begins or not ends or ends[-1] <= begins[0]:
-        return None
-    return begins[0], ends[-1] - 1
 
 
 def _is_text(node: ast.stmt) -> bool:

@@ -15,6 +15,7 @@ from eddi_scaffold.source import read_source
 
 _MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
 _RECORDS = ".eddi"
+_EDITED = ("EDDIInput.py", "bayesian_network_config.py")
 _MANIFEST = "package.xml"
 _NAME = re.compile(rb"<name>\s*([A-Za-z0-9_-]+)\s*</name>")
 
@@ -47,8 +48,9 @@ def read_old_package(folder: Path) -> OldPackage:
     """Find out what a folder holds.
 
     Raises:
-        EddiError: it is not a folder (F001), holds nothing of an old package or is one of ours
-            (A002), holds one of its modules twice (A003), or a module is not Python (A001).
+        EddiError: it is not a folder (F001), holds nothing of an old package, is one of ours or is
+            a folder above packages (A002), holds one of its modules twice (A003), or a module is
+            not Python (A001) or has damaged markers (H010).
     """
     if not folder.is_dir():
         raise EddiError(
@@ -59,6 +61,7 @@ def read_old_package(folder: Path) -> OldPackage:
         hint = "`eddi-scaffold upgrade` brings it up to date"
         raise EddiError(error("A002", message, Place(str(folder)), hint))
     files = tuple(_files(folder))
+    _check_is_one_package(folder, files)
     eddi_input = _only(folder, files, "EDDIInput.py")
     config = _only(folder, files, "bayesian_network_config.py")
     if eddi_input is None and config is None:
@@ -74,6 +77,29 @@ def read_old_package(folder: Path) -> OldPackage:
     monitor = _only(folder, files, "EDDIMonitor.py")
     name = _package_name(folder)
     return OldPackage(folder, name, eddi_input, config, node, monitor, tuple(models), files)
+
+
+def _check_is_one_package(folder: Path, files: Sequence[Path]) -> None:
+    """Refuse a folder above packages: what else is in it is nothing that adopting makes unneeded.
+
+    Raises:
+        EddiError: one below it is a package, of ours or of the old tools (A002).
+    """
+    ours = next((one for one in files if _RECORDS in one.parts), None)
+    if ours is not None:
+        inner = folder / Path(*ours.parts[: ours.parts.index(_RECORDS)])
+        message = f"{inner} in it is a package of eddi-scaffold already"
+        hint = "name the folder of one package that the old generator wrote"
+        raise EddiError(error("A002", message, Place(str(folder)), hint))
+    edited = {file.parent for file in files if file.name in _EDITED}
+    above = {file.parent for file in files if file.name == _MANIFEST}
+    if Path() in above:
+        return
+    inner_packages = sorted(one for one in above for file in edited if file.is_relative_to(one))
+    if inner_packages:
+        message = "this is no package, but there is one below it"
+        hint = f"name its folder: `eddi-scaffold adopt {folder / inner_packages[0]}`"
+        raise EddiError(error("A002", message, Place(str(folder)), hint))
 
 
 def _package_name(folder: Path) -> str | None:

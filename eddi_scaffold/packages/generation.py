@@ -34,6 +34,7 @@ from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.python_text import parse_python
+from eddi_scaffold.regions.result import Restored
 from eddi_scaffold.regions.store import PRISTINE, SAVED, in_scratch, save_orphan, save_reject
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
 
@@ -208,7 +209,11 @@ def _merge_package(
     work.changes.update({f"{package.folder}/{p}": state for p, state in changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in changes if p in before})
     work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
-    work.notes += [f"{package.folder}/{note.file}: {note.text}" for note in merged.report.notes]
+    work.notes += [
+        f"{package.folder}/{note.file}: {note.text}"
+        for note in merged.report.notes
+        if not (package.saved and isinstance(note, Restored))  # an adoption says so itself
+    ]
     work.notes += found.untouched()
     work.attention = work.attention or merged.is_open
 

@@ -22,7 +22,7 @@ from .markers import with_sig
 from .merge import check_text, dissolve, kind_of
 from .outside import same_lines
 from .paths import is_relative
-from .placements import adopt_ids
+from .placements import adopt_ids, way_back
 from .review import doubtful_names
 from .store import (
     EDDI,
@@ -85,7 +85,8 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     ]
     for path, orphan in load_orphans(root).items():
         place = path.relative_to(root).as_posix()
-        file, note = orphan.file if is_relative(orphan.file) else place, f"saved in {place}"
+        file = orphan.file if is_relative(orphan.file) else place
+        note = f"saved in {place}; delete it if it is not needed{way_back(orphan.id)}"
         found.append(RegionStatus(orphan.id, file, None, "orphaned", (note,), review=True))
     for name in files_below(root / EDDI / "rejects"):
         note = "put the edit where it belongs now, then delete this file"

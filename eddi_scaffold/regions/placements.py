@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from . import names
 from .bodies import is_empty, same_body
 from .marked_file import MarkedFile, Region
-from .result import Note, Orphan
+from .result import Note, Orphan, Restored
 
 _PLACE = f"{names.folder}/orphans"
 
@@ -119,8 +119,9 @@ def claim_bodies(
                 claim = Placement(region, shown.body, region.sig, shown.indent, edited=False)
             else:
                 claim = Placement(region, saved.body, saved.sig, saved.indent, edited=True)
-                text = f"the saved body of region {saved.id!r} is back in region {region.id!r}"
-                notes.append(Note(path, None, text, attention=False))
+                text = f"the saved body of region {saved.id!r} is back"
+                text += "" if saved.id == region.id else f" in region {region.id!r}"
+                notes.append(Restored(path, None, text, attention=False))
                 taken.append(saved)
                 notes.extend(_report_changes(path, claim, None, None))
         claims[region.id] = claim
@@ -215,7 +216,15 @@ def _is_restored(orphan: Orphan, claim: Placement | None) -> bool:
 
 def _report_lost(path: str, region: Region, heir: str | None) -> Note:
     what = "gone" if heir is None else f"what was {heir!r} now"
-    return Note(path, region.line, f"region {region.id!r} is {what}; its body is saved in {_PLACE}")
+    saved = f"its body is saved in {_PLACE}{way_back(region.id)}"
+    return Note(path, region.line, f"region {region.id!r} is {what}; {saved}")
+
+
+def way_back(region_id: str) -> str:
+    """Return what else a person can do with a saved body: what is declared as its new place."""
+    kind, _, name = region_id.partition(":")
+    declared = {"input": f"`renamed_from: {name}`", "node": f"`renamed: {{NEW: {name}}}`"}.get(kind)
+    return f"; was it renamed? {declared} in the configuration brings it over" if declared else ""
 
 
 def _report_changes(

@@ -46,6 +46,10 @@ class Note:
     attention: bool = True
 
 
+class Restored(Note):
+    """A saved body is in a region again."""
+
+
 @dataclass(frozen=True)
 class Merged:
     """The new text of one file and what had to leave it.

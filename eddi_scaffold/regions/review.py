@@ -1,4 +1,4 @@
-"""Names of a hand-written body that nothing else knows: left over after a rename, or misspelt."""
+"""What is doubtful in a hand-written body: names that nothing else knows, and certain mistakes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 
 from .marked_file import Region
+from .mistakes import Inputs
 from .python_text import parse_python
 
 _BASE = "EDDIInputBase"
@@ -22,17 +23,20 @@ def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str,
     """Return for each region what its body assigns in vain, or reads though nothing sets it.
 
     ``self.x`` that neither the class outside of this region assigns nor anything in it reads,
-    ``self.x`` of an ``EDDIInput`` that nothing in the class sets, and local names that the function
-    never reads. Empty for a file that does not parse.
+    ``self.x`` of an ``EDDIInput`` that nothing in the class sets, local names that the function
+    never reads, and of the body of an input what cannot be meant (:mod:`.mistakes`). Empty for a
+    file that does not parse.
 
     Args:
         text: the file.
         regions: its hand-written regions.
     """
+    text = text.removeprefix("\ufeff")
     try:
-        tree = parse_python(text.removeprefix("\ufeff"))
+        tree = parse_python(text)
     except SyntaxError:
         return {}
+    inputs = Inputs(text, tree, _BASE)
     nodes = list(ast.walk(tree))
     classes = _Scopes([n for n in nodes if isinstance(n, ast.ClassDef)])
     functions = _Scopes([n for n in nodes if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)])
@@ -45,6 +49,9 @@ def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str,
             *(_unset(owner, lines) if owner else ()),
             *(_locals(function, lines) if function else ()),
         ]
+        if region.id.startswith("input:") and region.function is not None:
+            notes += inputs.mistakes(region.function, lines)
+            notes += () if notes else inputs.sets_nothing(region.function, lines)
         if notes:
             found[region.id] = tuple(dict.fromkeys(notes))
     return found

@@ -1,0 +1,167 @@
+"""What cannot be meant in the hand-written body of an input: mistakes of which a tree is proof."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import symtable
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+
+_KNOWN = {*dir(builtins), "__file__", "__class__"}
+_INDIRECT = {"exec", "eval", "globals", "setattr", "vars", "__dict__"}
+_PREFIX = "process_"
+
+
+class Inputs:
+    """The methods of a file that set inputs, with what is known of its names after one walk."""
+
+    def __init__(self, text: str, tree: ast.Module, base: str) -> None:
+        self._lines = text.split("\n")
+        self._text, self._tree = text, tree
+        self._methods: dict[str, ast.FunctionDef] = {}
+        self._owners: dict[str, ast.ClassDef] = {}
+        for owner in tree.body:
+            if isinstance(owner, ast.ClassDef) and [getattr(b, "id", "") for b in owner.bases] == [
+                base
+            ]:
+                for one in owner.body:
+                    if isinstance(one, ast.FunctionDef) and one.name.startswith(_PREFIX):
+                        self._methods[f"{owner.name}.{one.name}"] = one
+                        self._owners[f"{owner.name}.{one.name}"] = owner
+
+    def mistakes(self, function: str, lines: range) -> Iterator[str]:
+        """Yield what is wrong with the body of an input.
+
+        Args:
+            function: the qualified name of its method.
+            lines: of the body.
+        """
+        method = self._methods.get(function)
+        if method is None:
+            return
+        nodes = [one for one in ast.walk(method) if getattr(one, "lineno", 0) in lines]
+        own = method.name.removeprefix(_PREFIX)
+        for name in dict.fromkeys(one.id for one in nodes if isinstance(one, ast.Name)):
+            if (method.lineno, name) in self._unbound:
+                yield f"{name!r} is read, but nothing of that name is here: misspelt, not imported?"
+        for node in nodes:
+            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare):
+                yield f"'{self._line(node)}' only compares; `=` assigns"
+            if isinstance(node, ast.Assign) and _is_decimal_comma(node.value):
+                yield f"'{self._line(node)}' makes a tuple; a decimal number has a point"
+        others = {key.rpartition(".")[2].removeprefix(_PREFIX) for key in self._methods} - {own}
+        for name in dict.fromkeys(_assigned(nodes)):
+            if name in others:
+                yield f"'self.{name}' is another input, and assigned here; meant 'self.{own}'?"
+
+    def sets_nothing(self, function: str, lines: range) -> Iterator[str]:
+        """Yield that the body of an input leaves it unknown, where that is certain."""
+        method = self._methods.get(function)
+        if method is None:
+            return
+        nodes = [one for one in ast.walk(method) if getattr(one, "lineno", 0) in lines]
+        own = method.name.removeprefix(_PREFIX)
+        attributes = [one for one in nodes if isinstance(one, ast.Attribute)]
+        plain = sum(map(_is_self, nodes)) - sum(_is_self(one.value) for one in attributes)
+        called = any(isinstance(n, ast.Call) and _is_method(n.func) for n in nodes)
+        names = {getattr(one, "id", getattr(one, "attr", "")) for one in nodes}
+        told = {*_assigned(nodes), *self._set_elsewhere[self._owners[function].name]}
+        if own not in told and not plain and not called and not names & _INDIRECT:
+            yield f"nothing here assigns 'self.{own}', so the input stays unknown"
+
+    def _line(self, node: ast.stmt) -> str:
+        return self._lines[node.lineno - 1].strip()
+
+    @cached_property
+    def _set_elsewhere(self) -> dict[str, set[str]]:
+        """What methods of each class assign that are neither generated nor of an input."""
+        return {
+            owner.name: {
+                name
+                for one in owner.body
+                if not (isinstance(one, ast.FunctionDef) and one.name.startswith((_PREFIX, "__i")))
+                for name in _assigned(ast.walk(one))
+            }
+            for owner in self._owners.values()
+        }
+
+    @cached_property
+    def _unbound(self) -> set[tuple[int, str]]:
+        """Names that methods read and that nothing binds, each with the line of the method.
+
+        Empty where nobody can tell, as after ``from x import *``.
+        """
+        for node in ast.walk(self._tree):
+            stars = isinstance(node, ast.ImportFrom) and any(one.name == "*" for one in node.names)
+            if stars or (isinstance(node, ast.Name) and node.id in {"exec", "globals"}):
+                return set()
+        try:
+            module = symtable.symtable(self._text, "<region>", "exec")
+        except (SyntaxError, RecursionError, MemoryError, ValueError):
+            return set()
+        bound = _KNOWN | {
+            one.get_name()
+            for table in _tables(module)
+            for one in table.get_symbols()
+            if (table is module or one.is_declared_global()) and _binds(one)
+        }
+        return {
+            (method.get_lineno(), one.get_name())
+            for owner in module.get_children()
+            for method in owner.get_children()
+            for table in _tables(method)
+            for one in table.get_symbols()
+            if one.is_referenced() and one.is_global() and one.get_name() not in bound
+        }
+
+
+def _tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
+    left = [table]
+    while left:
+        one = left.pop()
+        yield one
+        left += one.get_children()
+
+
+def _binds(one: symtable.Symbol) -> bool:
+    return one.is_assigned() or one.is_imported() or one.is_namespace() or one.is_annotated()
+
+
+def _is_method(node: ast.expr) -> bool:
+    return isinstance(node, ast.Attribute) and _is_self(node.value)
+
+
+def _assigned(nodes: Iterable[ast.AST]) -> list[str]:
+    return [
+        one.attr
+        for one in nodes
+        if isinstance(one, ast.Attribute) and isinstance(one.ctx, ast.Store) and _is_self(one.value)
+    ]
+
+
+def _is_self(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) and node.id == "self"
+
+
+def _is_decimal_comma(node: ast.expr) -> bool:
+    """Tell ``x - 0,5``: a tuple without parentheses of which the ends at the comma are integers."""
+    if not isinstance(node, ast.Tuple) or len(node.elts) != 2:
+        return False
+    left, right = node.elts
+    bare = (node.lineno, node.col_offset) == (left.lineno, left.col_offset)
+    while isinstance(left, ast.BinOp | ast.UnaryOp | ast.Compare | ast.BoolOp):
+        left = _last(left)
+    return bare and _is_integer(left) and _is_integer(right)
+
+
+def _last(node: ast.BinOp | ast.UnaryOp | ast.Compare | ast.BoolOp) -> ast.expr:
+    if isinstance(node, ast.BinOp):
+        return node.right
+    if isinstance(node, ast.UnaryOp):
+        return node.operand
+    return node.comparators[-1] if isinstance(node, ast.Compare) else node.values[-1]
+
+
+def _is_integer(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and type(node.value) is int

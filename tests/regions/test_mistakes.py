@@ -1,0 +1,79 @@
+"""Mistakes in the body of an input are named; nothing is named that may be meant."""
+
+from __future__ import annotations
+
+import pytest
+
+from eddi_scaffold.regions.marked_file import parse
+from eddi_scaffold.regions.review import doubtful_names
+
+FILE = """import math
+from .eddi_runtime.history import EDDIInputBase
+
+
+class EDDIInput(EDDIInputBase):
+    def __init__(self):
+        super().__init__()
+        self.Upright = None
+        self.Charge = None
+
+    def process_Upright(self, imu):
+        '''-----Manual edit begin-----'''  # region: input:Upright
+        self.Upright = imu.orientation.x < 0.1
+        '''-----Manual edit end-----'''  # region: input:Upright
+
+    def process_Charge(self, battery):
+        '''-----Manual edit begin-----'''  # region: input:Charge
+        BODY
+        '''-----Manual edit end-----'''  # region: input:Charge
+"""
+
+
+def doubts(body: str, file: str = FILE) -> tuple[str, ...]:
+    text = file.replace("BODY", body.replace("\n", "\n        "))
+    return doubtful_names(text, parse(text)[0].regions.values()).get("input:Charge", ())
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("self.Charge = batery.level", "'batery' is read, but nothing of that name is here"),
+        ("self.Charge = np.clip(battery.level, 0, 1)", "'np' is read, but nothing of that name"),
+        ("self.Charge = [x + y for x in battery.cells][0]", "'y' is read, but nothing"),
+        ("self.Charge == battery.level", "'self.Charge == battery.level' only compares"),
+        ("pass", "nothing here assigns 'self.Charge', so the input stays unknown"),
+        ("level = battery.level\nprint(level)", "nothing here assigns 'self.Charge'"),
+        ("self.Charge = battery.level - 0,5", "makes a tuple; a decimal number has a point"),
+        ("self.Upright = True\nself.Charge = 1", "'self.Upright' is another input, and assigned"),
+        ("self.Upright = battery.level > 0.2", "'self.Upright' is another input, and assigned"),
+    ],
+)
+def test_a_mistake_is_named_once(body: str, said: str) -> None:
+    (found,) = doubts(body)
+    assert said in found
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "self.Charge = math.sqrt(battery.level) if __name__ else min(1, 2)",
+        "import numpy as np\nself.Charge = np.clip(battery.level, 0, 1)",
+        "self.Charge = sum(cell.level for cell in battery.cells)",
+        "def fit(x):\n    return x + battery.level\nself.Charge = fit(1)",
+        "try:\n    self.Charge = battery.level\nexcept AttributeError as e:\n    print(e)",
+        "if battery.present and self.Upright:\n    self.Charge = battery.level",
+        "for self.Charge in battery.levels:\n    break",
+        "self.Charge = (1, 2)",
+        "self.Charge = battery.low, battery.high",
+        "setattr(self, 'Charge', 1)",
+        "helper(self)\n\ndef helper(one):\n    one.Charge = 1",
+    ],
+)
+def test_what_may_be_meant_is_not_named(body: str) -> None:
+    assert doubts(body) == ()
+
+
+def test_what_a_method_of_ones_own_sets_may_be_meant() -> None:
+    more = FILE + "\n    def both(self, level):\n        self.Charge = level\n"
+    assert doubts("self.both(battery.level)", more) == ()
+    assert doubts("later(battery.level)", more + "\n\nfrom here import *\n") == ()
