@@ -1,4 +1,4 @@
-"""Topics of a deployment: two publishers of one, and publishers that are not among the files."""
+"""Topics of a deployment: two publishers or types of one, and publishers that are not at hand."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from eddi_scaffold.deployments.wiring.deployment import (
     kind_of_message,
 )
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, publications, read_respelt
-from eddi_scaffold.problems import Problem, error, warning
+from eddi_scaffold.problems import Problem, error, nearest, warning
 
 
 def check_topics(deployment: Deployment) -> Iterator[Problem]:
@@ -21,6 +21,25 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
         for other in publishers[1:]:
             if other.member is not publishers[0].member:
                 yield _shared(topic, publishers[0], other)
+
+
+def check_types(deployment: Deployment) -> Iterator[Problem]:
+    """Report topics that monitors read, or read and publish, with different types (D019)."""
+    first: dict[str, tuple[str, str]] = {}
+    several = set()
+    for topic, found in deployment.publishers.items():
+        first[topic] = found[0].publication.type, found[0].member.name
+        if any(one.publication.type != found[0].publication.type for one in found):
+            several.add(topic)  # reported as D005
+    for member in deployment.members:
+        for index, source in enumerate(member.config.config.SimulatorOutputs):
+            topic = member.topic(source.topic)
+            type_, name = first.setdefault(topic, (source.type, member.name))
+            if source.type != type_ and topic not in several:
+                message = f"{topic} has the type {type_} for {name}, and {source.type} here"
+                hint = "a topic has one type; is one of the two names wrong?"
+                place = member.config.place("SimulatorOutputs", index, "topic")
+                yield warning("D019", message, place, hint)
 
 
 def check_spellings(deployment: Deployment) -> Iterator[Problem]:
@@ -85,4 +104,19 @@ def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
             )
             place = config.place("SimulatorOutputs", index, "topic")
             hint = "check it together with the configuration and the model of its publisher"
+            alike = _alike(deployment, member, topic, source.type)
+            if alike is not None:
+                hint = f"{alike} Else {hint}"
             yield warning("D006", message, place, hint)
+
+
+def _alike(deployment: Deployment, member: Member, topic: str, type_: str) -> str | None:
+    """Return the hint at a topic of nearly this name that another member publishes."""
+    known = {
+        at: one.member.name
+        for at, found in deployment.publishers.items()
+        for one in found
+        if one.publication.type == type_ and one.member is not member
+    }
+    near = nearest(topic, known)
+    return f"did you mean {near} ({known[near]})?" if near is not None else None
