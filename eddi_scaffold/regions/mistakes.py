@@ -29,6 +29,7 @@ class Inputs:
                     if isinstance(one, ast.FunctionDef) and one.name.startswith(_PREFIX):
                         self._methods[f"{owner.name}.{one.name}"] = one
                         self._owners[f"{owner.name}.{one.name}"] = owner
+        self._inputs = {one.name.removeprefix(_PREFIX) for one in self._methods.values()}
 
     def mistakes(self, function: str, lines: range) -> Iterator[str]:
         """Yield what is wrong with the body of an input.
@@ -50,9 +51,8 @@ class Inputs:
                 yield f"'{self._line(node)}' only compares; `=` assigns"
             if isinstance(node, ast.Assign) and _is_decimal_comma(node.value):
                 yield f"'{self._line(node)}' makes a tuple; a decimal number has a point"
-        others = {key.rpartition(".")[2].removeprefix(_PREFIX) for key in self._methods} - {own}
         for name in dict.fromkeys(_assigned(nodes)):
-            if name in others:
+            if name != own and name in self._inputs:
                 yield f"'self.{name}' is another input, and assigned here; meant 'self.{own}'?"
 
     def sets_nothing(self, function: str, lines: range) -> Iterator[str]:
@@ -83,7 +83,7 @@ class Inputs:
                 if not (isinstance(one, ast.FunctionDef) and one.name.startswith((_PREFIX, "__i")))
                 for name in _assigned(ast.walk(one))
             }
-            for owner in self._owners.values()
+            for owner in dict.fromkeys(self._owners.values())
         }
 
     @cached_property
@@ -100,12 +100,7 @@ class Inputs:
             module = symtable.symtable(self._text, "<region>", "exec")
         except (SyntaxError, RecursionError, MemoryError, ValueError):
             return set()
-        bound = _KNOWN | {
-            one.get_name()
-            for table in _tables(module)
-            for one in table.get_symbols()
-            if (table is module or one.is_declared_global()) and _binds(one)
-        }
+        bound = _KNOWN | set(_bound(self._tree))
         return {
             (method.get_lineno(), one.get_name())
             for owner in module.get_children()
@@ -124,8 +119,29 @@ def _tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
         left += one.get_children()
 
 
-def _binds(one: symtable.Symbol) -> bool:
-    return one.is_assigned() or one.is_imported() or one.is_namespace() or one.is_annotated()
+def _bound(tree: ast.Module) -> Iterator[str]:
+    """Yield the names that statements of the module bind; a symbol table takes long for them."""
+    left: list[ast.AST] = [tree]
+    while left:
+        node = left.pop()
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield node.name
+            yield from (
+                name
+                for one in ast.walk(node)
+                for name in getattr(one, "names", ())
+                if isinstance(one, ast.Global)
+            )
+            continue
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            yield node.id
+        elif isinstance(node, ast.alias):
+            yield (node.asname or node.name).partition(".")[0]
+        elif isinstance(node, ast.ExceptHandler | ast.MatchAs | ast.MatchStar) and node.name:
+            yield node.name
+        elif isinstance(node, ast.MatchMapping) and node.rest:
+            yield node.rest
+        left += ast.iter_child_nodes(node)
 
 
 def _is_method(node: ast.expr) -> bool:
