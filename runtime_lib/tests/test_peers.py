@@ -219,6 +219,19 @@ def test_a_forged_number_does_not_silence_a_robot_for_ever():
     assert only(listener, 62.0).word == peers.Word("arm1")
 
 
+def test_a_word_that_rests_on_very_many_is_not_passed_on(monkeypatch):
+    monkeypatch.setattr(peers, "_MOST", 3)
+    for many, passed in ((3, True), (4, False)):
+        listener, speaker = cart(), arm()
+        speaker.hear(message(listener.word([], 10.0)), 10.0)
+        word = message(speaker.word(grants(), 10.0))
+        word.guarantees[0].rests_on = [f"r{k}/m" for k in range(many)]
+        listener.hear(word, 10.0)
+        assert (only(listener, 10.0).word.unfit == "") is passed
+        _, told = listener.word([("Enter", True, ("arm1",))], 10.0)
+        assert len(told["guarantees"][0][1]["rests_on"]) == (many + 1) * passed
+
+
 def test_a_fleet_names_its_node():
     fleet = Fleet("cart", "/eddi/peers", None, LEASE, (PARKED,))
     assert fleet.joined("", "m", "d").name[:2] == ("cart", "m")

@@ -39,8 +39,10 @@ _WORDS = "~peers"
 """Id of the subscription to all words; none of a configuration is like it."""
 LONGEST_LEASE = 60.0
 """Seconds: a node that was silent for longer is forgotten, and so is when a word was told."""
-_MOST = 10_000
-"""Words and nodes that are remembered, so that no sender can fill the memory."""
+_MOST_TOLD = 10_000
+"""Own words of which it is remembered when they were told."""
+_MOST = 1_000
+"""Nodes that are remembered, and that a word may rest on: no sender can fill memory or network."""
 
 Name = Tuple[str, str, str]
 """Robot, model and session of a node; a restart begins a new session."""
@@ -161,7 +163,7 @@ class Peers:
         self._lease = lease
         self._sources = tuple(sources)
         self._number = 0
-        self._told: Deque[Tuple[int, float]] = deque(maxlen=_MOST)
+        self._told: Deque[Tuple[int, float]] = deque(maxlen=_MOST_TOLD)
         self._speakers: Dict[Name, _Speaker] = {}
         self._behind: Dict[str, FrozenSet[str]] = {}
 
@@ -337,6 +339,8 @@ class Peers:
             return f"{robot} has the guarantee {source.guarantee} {times} in its word"
         if _monitor(*self.name[:2]) in told[0].rests_on:
             return f"the word of {robot} rests on this monitor itself"
+        if len(told[0].rests_on) > _MOST:
+            return f"the word of {robot} rests on more than {_MOST} monitors"
         if age == math.inf:
             return f"{robot} is heard, but has not answered this robot yet"
         if not (age <= self._lease and age <= message.lease):  # a lease may be no number
