@@ -13,7 +13,7 @@ from pathlib import Path
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import JsonValue, Model, Reading
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.packages.assembly import assemble, monitors_of, only, remembered_types
+from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import at_work, packages_root
@@ -101,11 +101,12 @@ def generate(
     target = chosen(platform)
     root = packages_root(target, folder)
     with at_work(() if dry_run else [root, folder]) as finished:
-        monitors, problems = monitors_of(model, configs, known=remembered_types(root))
+        monitors, problems = monitors_of(model, configs, root=root)
         asked = choices(runtime, single_process)
-        packages = assemble(monitors, target, root, problems, asked).packages
-        done = write_packages(root, packages, own_template(), within=folder, dry_run=dry_run)
-    return replace(done, notes=list(dict.fromkeys([*finished, *done.notes])))
+        made = assemble(monitors, target, root, problems, asked)
+        done = write_packages(root, made.packages, own_template(), within=folder, dry_run=dry_run)
+    notes = list(dict.fromkeys([*finished, *done.notes]))
+    return replace(done, notes=notes, left=[*done.left, *made.ageless])
 
 
 def run(

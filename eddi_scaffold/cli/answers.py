@@ -62,8 +62,8 @@ def answers(
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.packages.assembly import assemble, monitors_of, only, remembered_types
-    from eddi_scaffold.packages.handwritten import lost_sources
+    from eddi_scaffold.packages.assembly import assemble, monitors_of, only
+    from eddi_scaffold.packages.handwritten import lost_limits, lost_sources
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import choices, chosen
@@ -74,9 +74,7 @@ def answers(
     root = (workspace or Path()) / target.root
     configs = [config] if config else []
     with beside_configs(system, models) as (robot, problems):
-        monitors, found = monitors_of(
-            model, configs, name, default_guarantee or (), robot, remembered_types(root)
-        )
+        monitors, found = monitors_of(model, configs, name, default_guarantee or (), robot, root)
     only(monitors)
     asked = choices(runtime, single_process)
     assembly = assemble(monitors, target, root, [*problems, *found], asked)
@@ -105,7 +103,11 @@ def answers(
     lost = [
         f"{one.folder}: {line}"
         for one in packages
-        for line in lost_sources(root / one.folder, present.get(one.folder, {}), one.answers)
+        for was in [present.get(one.folder, {})]
+        for line in (
+            *lost_sources(root / one.folder, was, one.answers),
+            *lost_limits(was, one.answers),
+        )
     ]
     for line in lost:
         console.say(f"note: {line}")

@@ -87,7 +87,7 @@ def generate(
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.deployments.wiring.check import members_of
     from eddi_scaffold.deployments.wiring.topics import shared_by_robots
-    from eddi_scaffold.packages.assembly import assemble, monitors_of, remembered_types
+    from eddi_scaffold.packages.assembly import assemble, monitors_of
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
     from eddi_scaffold.packages.identity import exchanged, left_behind
@@ -102,9 +102,10 @@ def generate(
     root = packages_root(target, place)
     marks = default_guarantee or ()
     with at_work(() if dry_run else [root, place]) as finished:
-        known = remembered_types(root, rename or ())
         with beside_configs(system, models) as (robot, problems):
-            monitors, found = monitors_of(model, config or [], name, marks, robot, known)
+            monitors, found = monitors_of(
+                model, config or [], name, marks, robot, root, rename or ()
+            )
         renames = read_renames(rename or (), root, {monitor.package for monitor in monitors})
         moved = renames.involved
         asked = choices(runtime, single_process)
@@ -125,7 +126,12 @@ def generate(
         )
     outcome = replace(
         outcome,
-        left=[*outcome.left, *swapped, *(text for text, is_new in older if is_new)],
+        left=[
+            *outcome.left,
+            *swapped,
+            *assembly.ageless,
+            *(text for text, is_new in older if is_new),
+        ],
         notes=[
             *dict.fromkeys([*finished, *outcome.notes]),
             *(text for text, is_new in older if not is_new),

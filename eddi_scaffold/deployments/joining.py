@@ -11,6 +11,7 @@ from pathlib import Path
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.wiring.ages import with_default_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
+from eddi_scaffold.deployments.wiring.support import Participant
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
@@ -28,6 +29,7 @@ def join(
     configs: Sequence[ConfigFile],
     read: Callable[[Path], Reading],
     marks: Sequence[str] = (),
+    others: Callable[[], Sequence[Participant]] = lambda: (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join each configuration with its model; without configurations, every model by itself.
 
@@ -37,6 +39,7 @@ def join(
         read: reads the file that a configuration names, where none of the models is for it;
             raises EddiError.
         marks: the default guarantees that are marked.
+        others: returns the monitors that are there already and run with them.
 
     Returns:
         The monitors without errors, and all problems.
@@ -54,18 +57,21 @@ def join(
         pairs.append((model, config))
     if not configs:
         pairs = [(model, None) for model in models]
-    monitors, found = join_pairs(pairs, marks)
+    monitors, found = join_pairs(pairs, marks, others)
     return monitors, [*problems, *found, *check_wiring(members_of(monitors))]
 
 
 def join_pairs(
-    pairs: Sequence[tuple[Model, ConfigFile | None]], marks: Sequence[str] = ()
+    pairs: Sequence[tuple[Model, ConfigFile | None]],
+    marks: Sequence[str] = (),
+    others: Callable[[], Sequence[Participant]] = lambda: (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join models with their configurations, but do not look at the wiring between them.
 
     Args:
         pairs: the models and configurations of one robot.
         marks: the default guarantees that are marked.
+        others: returns the monitors that are there already and run with them.
 
     Returns:
         The monitors without errors, and all problems.
@@ -73,7 +79,7 @@ def join_pairs(
     problems: list[Problem] = []
     monitors: list[BoundMonitor] = []
     joined = [(model, _of(model, config, marks)) for model, config in pairs]
-    for monitor, found in _with_ages(joined, marks):
+    for monitor, found in _with_ages(joined, marks, others):
         problems += found
         monitors += [monitor] if monitor is not None else []
     return monitors, [*problems, *check_ids(monitors)]
@@ -103,10 +109,15 @@ def _of(model: Model, config: ConfigFile | None, marks: Sequence[str]) -> _Joine
     return monitor_of(model, kinds()[model.kind], config, marks)
 
 
-def _with_ages(joined: Sequence[tuple[Model, _Joined]], marks: Sequence[str]) -> Iterator[_Joined]:
+def _with_ages(
+    joined: Sequence[tuple[Model, _Joined]],
+    marks: Sequence[str],
+    others: Callable[[], Sequence[Participant]],
+) -> Iterator[_Joined]:
     """Give inputs on topics of the other monitors the limits that they lack."""
     whole = [one for _, (one, _) in joined if one is not None]
-    ages = {id(one): age for one, age in zip(whole, with_default_ages(whole), strict=True)}
+    found_ages = with_default_ages(whole, others)
+    ages = {id(one): age for one, age in zip(whole, found_ages, strict=True)}
     for model, (monitor, problems) in joined:
         age = ages.get(id(monitor))
         if age is None:

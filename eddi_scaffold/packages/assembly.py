@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of
-from eddi_scaffold.deployments.wiring.ages import with_default_ages
+from eddi_scaffold.deployments.wiring.ages import with_default_ages, without_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
 from eddi_scaffold.identifiers import package_name
@@ -48,12 +48,14 @@ class Assembly:
         monitors: folders of the monitor packages among them.
         problems: warnings and infos about models and configurations.
         present: package -> answers of those that are there already.
+        ageless: what to report of packages that are not made again: see ``without_limits``.
     """
 
     packages: Sequence[PackageAnswers]
     monitors: Sequence[str]
     problems: Sequence[Problem]
     present: Mapping[str, Mapping[str, Any]]
+    ageless: Sequence[str]
 
 
 def monitors_of(
@@ -62,7 +64,8 @@ def monitors_of(
     name: str | None = None,
     default_guarantees: Sequence[str] = (),
     robot: RobotAdditions | None = None,
-    known: Callable[[str], MessageFields] = lambda _: {},
+    root: Path | None = None,
+    renames: Sequence[str] = (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Read a model file, or several, and configurations, and join them.
 
@@ -75,7 +78,9 @@ def monitors_of(
         name: of one model.
         default_guarantees: the marks of ``--default-guarantee``.
         robot: what models of a robot add to the configurations.
-        known: package -> message types that count after those: see ``remembered_types``.
+        root: folder of all packages, where those that are there run with the monitors: they give
+            age limits, and the message types that a package was generated with stay known.
+        renames: ``OLD=NEW``: the package of the new name is there as the old one.
 
     Raises:
         EddiError: a file cannot be used, or none is given (G015).
@@ -93,38 +98,46 @@ def monitors_of(
         models = select(models, name)
     given, unsure = read_configs(config_files, robot)
     problems += unsure
-    configs = [with_types(one, known(package_name(one.config.Model.id))) for one in given]
+    former = _former(renames)
+    configs = [with_types(one, _remembered_types(one, root, former)) for one in given]
     read = partial(checked_models, default_guarantees=default_guarantees)
-    monitors, found = join(models, configs, read, default_guarantees)
+
+    def others() -> Sequence[Participant]:
+        new = {package_name(one.config.Model.id) for one in configs}
+        left_out = {*new, *former.values()}
+        return _beside(existing(root, left_out), left_out) if root is not None else ()
+
+    monitors, found = join(models, configs, read, default_guarantees, others)
     problems += found
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors, problems
 
 
-def remembered_types(root: Path, renames: Sequence[str] = ()) -> Callable[[str], MessageFields]:
-    """Return what tells the message types that a package was generated with.
+def _former(renames: Sequence[str]) -> Mapping[str, str]:
+    """Return the package that each renamed one was: ``OLD=NEW`` of the command line."""
+    pairs = [word.partition("=") for word in renames]
+    return {package_name(new): package_name(old) for old, _, new in pairs}
+
+
+def _remembered_types(
+    config: ConfigFile, root: Path | None, former: Mapping[str, str]
+) -> MessageFields:
+    """Return the message types that a package was generated with.
 
     They stay known where the models of the robot that they came from are not given again.
-
-    Args:
-        root: folder of all packages.
-        renames: ``OLD=NEW``: the package of the new name has those of the old one.
     """
-    pairs = [word.partition("=") for word in renames]
-    former = {package_name(new): package_name(old) for old, _, new in pairs}
-
-    def types(package: str) -> MessageFields:
-        folder = root / former.get(package, package)
-        answers = read_answers(folder) or {}
-        try:
-            check_answers(folder, answers)
-        except EddiError:  # told, if it matters, where the package is written
-            return {}
-        text = answers.get("config_json")
-        return from_json(text, folder.name).config.MessageTypes if text else {}
-
-    return types
+    if root is None:
+        return {}
+    package = package_name(config.config.Model.id)
+    folder = root / former.get(package, package)
+    answers = read_answers(folder) or {}
+    try:
+        check_answers(folder, answers)
+    except EddiError:  # told, if it matters, where the package is written
+        return {}
+    text = answers.get("config_json")
+    return from_json(text, folder.name).config.MessageTypes if text else {}
 
 
 def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
@@ -189,7 +202,8 @@ def assemble(
     ]
     wanted = {package.folder: package.answers for package in packages}
     shared = support(platform, root, before, wanted, config, gone)
-    return Assembly([*packages, *shared], new, found, before)
+    ageless = list(without_limits(present, packages))
+    return Assembly([*packages, *shared], new, found, before, ageless)
 
 
 def _sharing(
@@ -226,6 +240,20 @@ def wiring_with(
     """
     new = {monitor.package for monitor in monitors}
     return check_wiring(members_of(monitors), _beside(present, new))
+
+
+def without_limits(
+    present: Mapping[str, Mapping[str, Any]], packages: Sequence[PackageAnswers]
+) -> Iterator[str]:
+    """Yield the inputs of packages that are there which would have an age limit if made now.
+
+    Args:
+        present: package -> answers of those that stay, or are replaced.
+        packages: what is made.
+    """
+    after = {**present, **{package.folder: package.answers for package in packages}}
+    for folder, text in without_ages(_beside(after, ())):
+        yield f"{folder}: {text}"
 
 
 def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
@@ -331,7 +359,8 @@ def rejoined(
         for folder in present
         if folder in models
     }
-    ages = with_default_ages([one for one, _ in found.values()], _beside(present, found))
+    joined = [one for one, _ in found.values()]
+    ages = with_default_ages(joined, partial(_beside, present, found))
     for folder, age in zip(tuple(found), ages, strict=True):
         if age is not None:
             monitor, problems = _rejoined(present[folder], models[folder], age[0], folder)

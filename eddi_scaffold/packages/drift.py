@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from eddi_scaffold.packages.assembly import without_limits
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
@@ -70,6 +71,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         group.root, packages, own_template(), within=group.within, dry_run=True
     )
     reports = []
+    left = [*outcome.left, *without_limits(group.present, packages)]
     for folder in group.present:
         root = group.root / folder
         changed = sorted(
@@ -82,7 +84,9 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         edited = [str(path) for path in changed_generated(root)]
         regions = list_regions(root)
         states = Counter(str(region.state) for region in regions)
-        findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
+        findings = [
+            line for line in left if line.startswith((f"{folder} ", f"{folder}/", f"{folder}: "))
+        ]
         findings += [
             ": ".join(filter(None, (r.file, r.id, "; ".join(r.notes)))) for r in regions if r.review
         ]

@@ -7,7 +7,7 @@ needs a limit. The period of the topics of sensors is not known here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold.config.file import ConfigFile
@@ -23,23 +23,45 @@ _PERIODS = 2.5
 
 
 def with_default_ages(
-    monitors: Sequence[BoundMonitor], others: Sequence[Participant] = ()
+    monitors: Sequence[BoundMonitor], others: Callable[[], Sequence[Participant]] = lambda: ()
 ) -> list[tuple[ConfigFile, list[Problem]] | None]:
     """Return the configuration of each monitor with the limits that it lacks, if it lacks any.
 
     Args:
         monitors: those that run together.
-        others: those that run with them.
+        others: returns those that run with them; called where some limit is lacking.
 
     Returns:
         For each monitor ``None``, or its new configuration, and what to report of it (K053).
     """
     if not any(_lacks_some(one) for one in monitors):
         return [None] * len(monitors)
-    together = deployment(members_of(monitors), others)
+    own = {one.package for one in monitors}
+    beside = [one for one in others() if one.package not in own]
+    together = deployment(members_of(monitors), beside)
     members = {id(member.monitor): member for member in together.members}
     periods = dict(_periods(together))
     return [_completed(members[id(one)], periods) if _lacks_some(one) else None for one in monitors]
+
+
+def without_ages(participants: Sequence[Participant]) -> Iterator[tuple[str, str]]:
+    """Yield each package that would get a limit if it were generated now, and a sentence of it.
+
+    It was generated before the monitor whose topic it reads.
+
+    Args:
+        participants: the monitors of a workspace, as their packages remember them.
+    """
+    periods = dict(_periods(deployment((), participants)))
+    for one in participants:
+        for input_, seconds in _ages(one, periods):
+            topics = ", ".join(one.topics(input_))
+            text = (
+                f"input {input_!r} (from {topics}) has no max_age, and stays as it was if its "
+                f"publisher dies; {seconds:g} s, {_PERIODS} periods, if its configuration is "
+                "given to `generate` again"
+            )
+            yield one.package, text
 
 
 def _lacks_some(monitor: BoundMonitor) -> bool:
@@ -51,7 +73,7 @@ def _lacks_some(monitor: BoundMonitor) -> bool:
 def _completed(
     member: Member, periods: Mapping[str, Mapping[str, float]]
 ) -> tuple[ConfigFile, list[Problem]] | None:
-    ages = dict(_ages(member, periods))
+    ages = dict(_ages(member.participant, periods))
     if not ages:
         return None
     config = member.config.config
@@ -78,12 +100,11 @@ def _report_limit(entry: InputEntry, config: ConfigFile, index: int) -> Problem:
 
 
 def _ages(
-    member: Member, periods: Mapping[str, Mapping[str, float]]
+    participant: Participant, periods: Mapping[str, Mapping[str, float]]
 ) -> Iterator[tuple[str, float]]:
     """Yield each input that has no limit at all and reads monitors only, with its limit."""
-    participant = member.participant
     specs = {spec["id"]: spec for spec in participant.document["inputs"]}
-    for entry in member.config.config.EDDIInputs:
+    for entry in participant.config.config.EDDIInputs:
         spec = specs.get(entry.id)
         if spec is None or spec["max_age"] is not None:
             continue

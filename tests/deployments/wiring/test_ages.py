@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
-from tests.cli.command import run
+from tests.cli.command import Result, run
 from tests.deployments.wiring.test_bounds import LINK, READ, SENSOR
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT
 
@@ -125,3 +126,55 @@ def test_a_newer_model_keeps_the_limit(tmp_path: Path) -> None:
     done = run(*model, "-c", top.name, cwd=tmp_path)
     assert done.status == 0, done.err
     assert limit() == 0.625
+
+
+def _monitors(folder: Path) -> None:
+    written(folder, "base", SENSOR, f"{LIMITED}, field: data")
+    written(folder, "middle", BASE, READ, 2.0)
+
+
+def _generate(folder: Path, target: str, *names: str) -> Result:
+    configs = [word for name in names for word in ("-c", f"{name}_config.yml")]
+    return run("generate", "--platform", "plain", "-o", target, *configs, cwd=folder)
+
+
+def _files(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_one_by_one_the_packages_are_the_same_as_together(tmp_path: Path) -> None:
+    _monitors(tmp_path)
+    assert _generate(tmp_path, "all", "base", "middle").status == 0
+    for name in ("base", "middle"):  # the publisher is there before its reader
+        assert _generate(tmp_path, "one", name).status == 0
+    assert _files(tmp_path / "one") == _files(tmp_path / "all")
+    again = _generate(tmp_path, "all", "middle")
+    assert (again.status, "K017" in again.err) == (0, False)
+    assert _files(tmp_path / "one") == _files(tmp_path / "all")
+    # a package knows its limit: without its publisher, and in the end by a word of acceptance
+    shutil.rmtree(tmp_path / "one/base")
+    lost = _generate(tmp_path, "one", "middle")
+    assert lost.status == 3
+    line = "middle: input 'E' has no age limit any more: it was unknown after 0.625 s"
+    assert line in lost.err
+    written(tmp_path, "middle", BASE, f"{READ}, max_age: none", 2.0)
+    given_up = _generate(tmp_path, "all", "middle")
+    assert (given_up.status, "no age limit any more" in given_up.err) == (0, False)
+
+
+def test_a_reader_that_was_there_first_is_named_until_it_is_generated_again(tmp_path: Path) -> None:
+    _monitors(tmp_path)
+    first = _generate(tmp_path, "one", "middle")
+    assert (first.status, "K017" in first.err) == (0, True)
+    second = _generate(tmp_path, "one", "base")
+    assert second.status == 3
+    assert (
+        "left alone: middle: input 'E' (from /base/out) has no max_age, and stays as it was if its "
+        "publisher dies; 0.625 s, 2.5 periods, if its configuration is given to `generate` again"
+    ) in second.err
+    found = run("status", "one/base", "one/middle", cwd=tmp_path)
+    assert (found.status, "look at: middle: input 'E' (from /base/out)" in found.out) == (1, True)
+    assert _generate(tmp_path, "one", "middle").status == 0
+    assert run("status", "one/base", "one/middle", cwd=tmp_path).status == 0
+    assert _generate(tmp_path, "all", "base", "middle").status == 0
+    assert _files(tmp_path / "one") == _files(tmp_path / "all")
