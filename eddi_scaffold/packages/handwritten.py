@@ -13,6 +13,7 @@ from eddi_scaffold.deployments.wiring.lifetimes import limit_of
 from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions, regions_of
@@ -181,7 +182,7 @@ def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     return [
         HandwrittenRegion(str(package / status.file), status)
         for package in packages_below(folder)
-        for status in list_regions(package)
+        for status in list_regions(package, doubtful_names)
     ]
 
 

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
+from . import names
 from .bodies import same_body
 from .conflicts import CONFLICT, conflict_lines, separator_lines
 from .files import entries, read_regular, stays
@@ -23,7 +24,6 @@ from .merge import check_text, dissolve, kind_of
 from .outside import same_lines
 from .paths import is_relative
 from .placements import adopt_ids, way_back
-from .review import doubtful_names
 from .store import (
     EDDI,
     SAVED,
@@ -44,6 +44,8 @@ _PROBE = 8000
 """Bytes in which git looks for a zero byte, to tell that a file is no text."""
 _OTHER = "written for other inputs or states; look at it, then accept it"
 _LANGUAGES = {"python": "Python", "xml": "XML"}
+Doubts = Callable[[str, Iterable[Region]], Mapping[str, Sequence[str]]]
+"""Tells from a module and its hand-written regions what is doubtful in each of them."""
 State = Literal["untouched", "edited", "orphaned", "rejected", "broken", "unfit"]
 
 
@@ -69,8 +71,17 @@ class RegionStatus:
     review: bool = False
 
 
-def list_regions(root: Path) -> tuple[RegionStatus, ...]:
-    """Return everything that ``eddi-scaffold regions`` shows about a package, by file and line."""
+def _no_doubts(_text: str, _regions: Iterable[Region]) -> Mapping[str, Sequence[str]]:
+    return {}
+
+
+def list_regions(root: Path, doubts: Doubts = _no_doubts) -> tuple[RegionStatus, ...]:
+    """Return all regions of a package, by file and line, and what a person should look at.
+
+    Args:
+        root: the package.
+        doubts: what else to look at in Python, which a template knows and the merge does not.
+    """
     linked = linked_folders(root)
     if linked:
         return tuple(_broken(refusal) for refusal in linked)
@@ -78,7 +89,7 @@ def list_regions(root: Path) -> tuple[RegionStatus, ...]:
     if _has_lost_renderings(root):
         note = "without this folder hand edits and generated text look the same; generate again"
         found.append(RegionStatus("", EDDI, None, "broken", (note,), review=True))
-    found += _regions(root)
+    found += _regions(root, doubts)
     broken = {one.file for one in found if one.state == "broken"}
     found += [
         one for one in unfit_files(root, partial(former_texts, root)) if one.file not in broken
@@ -108,8 +119,8 @@ def regions_of(root: Path) -> list[RegionStatus]:
     return [] if linked_folders(root) else _regions(root)
 
 
-def _regions(root: Path) -> list[RegionStatus]:
-    return [status for name in editable_files(root) for status in _of_file(root, name)]
+def _regions(root: Path, doubts: Doubts = _no_doubts) -> list[RegionStatus]:
+    return [status for name in editable_files(root) for status in _of_file(root, name, doubts)]
 
 
 def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
@@ -153,7 +164,7 @@ def unfit_files(
     changed = changed_bases(root)
     if not changed and not _is_of_one_rendering(root):
         note = "answers and renderings are not of one run, of two branches, or were changed by hand"
-        found.append(_unfit(ANSWERS, f"{note}: look at `git diff .eddi`, then generate again"))
+        found.append(_unfit(ANSWERS, f"{note}: look at `git diff {EDDI}`, then generate again"))
     if listed_generated(root):
         found.append(_unfit(GENERATED, "these renderings are not in their places; generate again"))
     for name in editable_files(root):
@@ -206,11 +217,11 @@ def _strange_parts(
     olds = {key: parse(one)[0] for key, one in texts.items() if _part_of(one) not in accepted}
     commit = made_of(base, mine, olds)
     if commit is not None:
-        cure = f"git checkout {commit} -- {place}', then upgrade; if the file is right, accept it"
-        note = f"generated lines are of the rendering in {commit}; run '{cure}"
-        found[_part_of(texts[commit])] = note
+        cure = f"run 'git checkout {commit} -- {place}', then generate again"
+        note = f"generated lines are of the rendering in {commit}; {cure}"
+        found[_part_of(texts[commit])] = f"{note}; if the file is right, accept it"
     elif found:
-        cure = f"where you removed nothing: take {place} of the file's branch, then upgrade"
+        cure = f"where you removed nothing: take {place} of the file's branch, then generate again"
         found[[*found][-1]] += f"; {cure}; else accept the file"
     return found
 
@@ -248,8 +259,8 @@ def mixed_renderings(root: Path, committed: Callable[[str], str | None]) -> str 
         return None
     return (
         "answers and renderings are of two branches, of a run that was interrupted, or changed by"
-        " hand: run `copier recopy --trust --force` or `eddi-scaffold upgrade`, which bring all to"
-        " one, and commit"
+        f" hand: {names.upgrade}run `copier recopy --trust --force`, which brings all to one, and"
+        " commit"
     )
 
 
@@ -324,7 +335,7 @@ def _documents(
     return text, adopt_ids(mine, theirs) if theirs else mine, theirs, []
 
 
-def _of_file(root: Path, name: str) -> list[RegionStatus]:
+def _of_file(root: Path, name: str, doubts: Doubts) -> list[RegionStatus]:
     text, mine, theirs, faults = _documents(root, name)
     base = _base(root, name, theirs)
     if mine is not None and base is not None and not (root / EDDI / "next" / name).exists():
@@ -341,9 +352,9 @@ def _of_file(root: Path, name: str) -> list[RegionStatus]:
             d is not None and same_body(r.body, d.body) for d in (old.get(r.id), new.get(r.id))
         )
     }
-    doubts = doubtful_names(text, edited.values()) if kind_of(name) == "python" else {}
+    notes = doubts(text, edited.values()) if kind_of(name) == "python" else {}
     return [
-        _edited(name, region, new.get(region.id), doubts.get(region.id, ()))
+        _edited(name, region, new.get(region.id), notes.get(region.id, ()))
         if region.id in edited
         else RegionStatus(region.id, name, region.line, "untouched")
         for region in mine.regions.values()

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from . import names
 from .conflicts import other_side
 from .files import read_regular, stays
 from .generated import GENERATED, listed_generated, place_generated, recorded_generated
@@ -44,7 +45,7 @@ from .store import (
     write_file,
 )
 
-AGAIN = "then run `eddi-scaffold upgrade` for this package, or commit and `copier update --trust`"
+AGAIN = f"then {names.upgrade}commit and run `copier update --trust`"
 """What a person does to have a package merged once more."""
 _SAVES = 5
 """Each starts the merge anew; one who saves more often in a second is no person."""
@@ -151,14 +152,14 @@ def _sync(
     Raises:
         ChangedMeanwhileError: a person saved a file in between; it is merged again from there.
     """
-    names = editable_files(root)
-    clean_temporaries(root, [*names, *listed_generated(root), *recorded_generated(root)])
+    paths = editable_files(root)
+    clean_temporaries(root, [*paths, *listed_generated(root), *recorded_generated(root)])
     _settle_renderings(root)
     changed = changed_bases(root)
     _finish_interrupted(root)
     if not (root / PRISTINE).is_dir():  # then the bases are the newest renderings
-        names = [name for name in names if name not in changed]
-    found = [_read(root, name, committed, refused, notes, name in changed) for name in names]
+        paths = [path for path in paths if path not in changed]
+    found = [_read(root, path, committed, refused, notes, path in changed) for path in paths]
     texts = [text for text in found if text is not None]
     stored = load_orphans(root)
     plan = _plan(texts, list(stored.values()), refused)

@@ -40,6 +40,7 @@ from eddi_scaffold.mros.as_json import model_json, system_json
 from eddi_scaffold.mros.as_tree import model_tree, system_tree
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
+from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
@@ -521,7 +522,7 @@ def _sync(folder: Path) -> Made:
         (package / sample.name).write_bytes(sample.data)
         before = files_below(package)
         yield
-        list_regions(package)
+        list_regions(package, doubtful_names)
         yield
         assert files_below(package) == before, "a list of regions changed a file"
         report = sync_package(package)

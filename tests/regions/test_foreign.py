@@ -1,4 +1,4 @@
-"""The merge of hand edits by itself: a template that is not ours, and a distribution of its own."""
+"""The merge of hand edits by itself: the template of its README, and a distribution of its own."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from eddi_scaffold.regions import __main__ as command
+from eddi_scaffold.regions import names
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.merge import merge
 from eddi_scaffold.regions.result import Merged
@@ -33,7 +34,8 @@ from tests.regions.test_sync import git
 pytestmark = pytest.mark.slow
 
 TOOL = Path(command.__file__).parent
-FOREIGN = Path(__file__).parent / "foreign"
+README = TOOL / "README.md"
+_FILE = re.compile(r"<!-- file: (\S+) -->\n```\w+\n(.*?)```", re.DOTALL)
 POOL = ("load", "clean", "store", "plot", "send")
 STEPS = ["load", "clean", "store"]
 # What is planned upstream changes when, and whether, Copier calls the tool.
@@ -51,13 +53,15 @@ ORDERS: dict[str, Callable[[str], str]] = {
 
 
 class Work:
-    """A folder made of the foreign template, by the real Copier."""
+    """A folder made of the README's template, by the real Copier."""
 
     def __init__(self, folder: Path, order: str) -> None:
         self.template, self.package = folder / "template", folder / "work" / "package"
         self.versions, self.steps = 0, list(STEPS)
-        shutil.copytree(FOREIGN, self.template)
-        shutil.copytree(TOOL, self.template / "keep", ignore=shutil.ignore_patterns("__py*"))
+        for name, content in _FILE.findall(README.read_text()):  # as its author would type it
+            (self.template / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.template / name).write_text(content)
+        shutil.copytree(TOOL, self.template / "regions", ignore=shutil.ignore_patterns("__py*"))
         settings_file = self.template / "copier.yml"
         text = settings_file.read_text()
         settings_file.write_text(ORDERS[order](text))
@@ -93,7 +97,7 @@ class Work:
                 )
 
     def sync(self) -> None:
-        words = [sys.executable, str(self.template / "keep"), "--folder", ".hand", "sync"]
+        words = [sys.executable, str(self.template / "regions"), "--folder", ".regions", "sync"]
         subprocess.run(words, cwd=self.package, check=True)
 
     def commit(self) -> None:
@@ -135,7 +139,7 @@ def test_a_foreign_template_with_copier(tmp_path: Path, order: str) -> None:
         assert f"({work.versions})" in text
         assert re.findall(r"self\.(\w+)\(\)", text) == work.steps
         for token, home in written.items():
-            orphans = work.package / ".hand" / "orphans"
+            orphans = work.package / ".regions" / "orphans"
             saved = "".join(p.read_text() for p in orphans.glob("*")) if orphans.exists() else ""
             assert token in (work.body(home) if home in work.steps else saved)
             assert text.count(f"{token} ") <= 1
@@ -229,6 +233,12 @@ def test_the_distribution(tmp_path: Path) -> None:
     assert "process_a" not in text
 
 
-def test_the_folder_imports_nothing_of_ours() -> None:
+def test_the_folder_knows_nothing_of_ours() -> None:
+    """But for two names, of which ``--folder`` changes one, and the other is of a folder."""
     for file in TOOL.glob("*.py"):
-        assert "eddi_scaffold" not in re.sub(r'""".*?"""', "", file.read_text(), flags=re.DOTALL)
+        code = re.sub(r'""".*?"""', "", file.read_text(), flags=re.DOTALL)
+        named = {"eddi-scaffold"} if file.name in {"names.py", "state.py"} else set()
+        assert {*re.findall(r"(?i)eddi.?(?:scaffold|input)", code)} <= named, file
+    with patch.multiple(names, folder=".eddi", upgrade=names.upgrade):
+        names.choose(".hand")
+        assert names.upgrade == ""

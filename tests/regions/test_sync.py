@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.check import accept, broken_files, list_regions
 from eddi_scaffold.regions.marked_file import parse
@@ -463,12 +464,13 @@ def test_states_and_review(package: Path) -> None:
     render(package, Package((replace(A, states=("x",)), B)))
     sync_package(package)
     write_hand(package, "input:b", "self.hand = old_name = 1")
-    states = {s.id: s for s in list_regions(package)}
+    states = {s.id: s for s in list_regions(package, doubtful_names)}
     assert states["node:a"].state == "untouched"
     assert (states["input:a"].state, states["input:a"].review) == ("edited", True)
     assert "other inputs or states" in states["input:a"].notes[0]
     assert any("'self.hand'" in note for note in states["input:b"].notes)
     assert any("'old_name'" in note for note in states["input:b"].notes)
+    assert [s.id for s in list_regions(package) if s.review] == ["input:a"]
     assert states["node:b"].notes == ()
     assert accept(package, ["input:a", "no:such"]) == ("input:a",)
     again = {s.id: s for s in list_regions(package)}

@@ -6,9 +6,9 @@ import ast
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 
-from .marked_file import Region
-from .mistakes import Inputs
-from .python_text import parse_python
+from eddi_scaffold.packages.mistakes import Inputs
+from eddi_scaffold.regions.marked_file import Region
+from eddi_scaffold.regions.python_text import parse_python
 
 _BASE = "EDDIInputBase"
 _INHERITED = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eddi_scaffold.regions.marked_file import parse
-from eddi_scaffold.regions.review import doubtful_names
+from eddi_scaffold.packages.review import doubtful_names
 
 FILE = """import math
 from .eddi_runtime.history import EDDIInputBase
