@@ -21,7 +21,7 @@ from .manifest import (
     record_files,
     recorded_files,
 )
-from .paths import inside
+from .paths import inside, is_relative
 from .result import Note
 from .store import (
     EDDI,
@@ -38,6 +38,7 @@ GENERATED = f"{EDDI}/generated"
 """Folder into which Copier renders the files that must not be edited."""
 _NOT_FORMATTED = b"# fmt: off\n"
 """Black, ruff, yapf and autopep8 obey it."""
+_LEFT = "it is left alone, and should be as generated: {}"
 
 
 def listed_generated(root: Path) -> list[str]:
@@ -78,11 +79,16 @@ def place_generated(root: Path) -> list[Note]:
         What was kept of a person's text, and what could not be written.
     """
     names, before = listed_generated(root), recorded_files(root)
-    if not (root / GENERATED).is_dir() or not (names or before):
+    behind = [
+        name
+        for name in files_below(root / GENERATED)
+        if is_relative(name) and inside(root, name) is None
+    ]
+    if not (root / GENERATED).is_dir() or not (names or before or behind):
         return []  # all was placed, or the folder was lost and tells nothing
     written: dict[str, Digests] = {}
-    notes: list[Note] = []
-    whole = True
+    notes = [Note(name, None, _LEFT.format("its folder is a link")) for name in behind]
+    whole = not behind
     gone = sorted(name for name in before.keys() - names if _is_place(root, name))
     for name in [*names, *gone]:
         new = as_placed(name, read_regular(root / GENERATED / name)) if name in names else None
@@ -96,8 +102,7 @@ def place_generated(root: Path) -> list[Note]:
             if new is None:
                 continue
             whole = False
-            text = f"it is left alone, and should be as generated: {problem.strerror or problem}"
-            notes.append(Note(name, None, text))
+            notes.append(Note(name, None, _LEFT.format(problem.strerror or problem)))
     record_files(root, written)
     if whole:
         discard(root, GENERATED)

@@ -183,6 +183,25 @@ def test_what_is_no_file_is_left_alone(tmp_path: Path, kind: str) -> None:
     assert target.exists() == (kind == "link")
 
 
+@pytest.mark.parametrize("outside", [True, False])
+def test_files_below_a_linked_folder_are_told(tmp_path: Path, outside: bool) -> None:
+    root, own = tmp_path / "package", tmp_path / ("own" if outside else "package/own")
+    own.mkdir(parents=True)
+    (own / "b.py").write_text("mine = 1\n")
+    (root / "test").parent.mkdir(exist_ok=True)
+    (root / "test").symlink_to(own)
+    render(root, a=FIRST, test__b=FIRST)
+    for _ in range(2):  # it waits until the link is gone
+        (note,) = sync_package(root).notes
+        assert (note.file, note.attention) == ("test/b.py", True)
+        assert any(one.file == ".eddi/generated" and one.review for one in list_regions(root))
+    assert (root / "a.py").read_text() == FIRST
+    assert (own / "b.py").read_text() == "mine = 1\n"
+    (root / "test").unlink()
+    assert sync(root).notes == ()
+    assert (root / "test/b.py").read_text() == FIRST
+
+
 def test_programs_stay_programs(tmp_path: Path) -> None:
     render(tmp_path, a=FIRST)
     (tmp_path / ".eddi/generated/a.py").chmod(0o755)
