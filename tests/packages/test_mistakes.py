@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.packages.review import doubtful_names
+from eddi_scaffold.regions.marked_file import parse
 
 FILE = """import math
 from .eddi_runtime.history import EDDIInputBase
