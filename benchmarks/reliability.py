@@ -38,7 +38,12 @@ from eddi_scaffold.compiling.reliability import trees  # noqa: E402
 from eddi_scaffold.compiling.reliability.diagram import Gate  # noqa: E402
 from eddi_scaffold.compiling.reliability.diagram import build as diagram_of  # noqa: E402
 from eddi_scaffold.compiling.reliability.markov import Chain, rates_of  # noqa: E402
-from eddi_scaffold.compiling.reliability.model import Event, FaultTree, battery_chain  # noqa: E402
+from eddi_scaffold.compiling.reliability.model import (  # noqa: E402
+    Event,
+    FaultTree,
+    Named,
+    battery_chain,
+)
 from eddi_scaffold.compiling.reliability.structures import rotors_chain  # noqa: E402
 
 STATES = (5, 50, 500)
@@ -198,7 +203,9 @@ def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
         level = above
     diagram = diagram_of(events, gates, level[0])
     basic = tuple(Event(str(i), "fixed", (0.0,), "", None, 0.0, "") for i in range(events))
-    lines = trees.class_lines("Tree", FaultTree(basic, diagram, None, repair=False), [], 4000)
+    named = tuple(Named(gate.type, "") for gate in gates)
+    tree = FaultTree(basic, named, diagram, None, repair=False)
+    lines = trees.class_lines("Tree", tree, [], 4000)
     text = "\n".join(["from eddi_runtime.reliability import tree", *lines])
     evaluate = module_of(text, "tree").Tree().failure
     q = [chance.random() * 1e-2 for _ in range(events)]
