@@ -17,7 +17,7 @@ from eddi_scaffold.problems import Problem
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009, without D006, D016, D017 and D019).
+    """Check what monitors read of each other (D001 to D009 but D006, D016, D017, D019).
 
     Args:
         members: the monitors that are at hand.
