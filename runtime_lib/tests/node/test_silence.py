@@ -1,5 +1,6 @@
 """Why a topic is silent: the words that all transports have in common."""
 
+import difflib
 import time
 
 import pytest
@@ -20,6 +21,19 @@ def reason(topic, published=(), silence=None):
 def test_a_topic_that_nobody_publishes_has_the_nearest_name():
     assert reason(ABSENT, ["/rte/e0c", "/x"]) == "nobody publishes it, the nearest name is /rte/e0c"
     assert reason(ABSENT, ["/camera/image"]) == "nobody publishes it"
+
+
+def test_the_nearest_name_is_searched_when_the_graph_changes_only(monkeypatch):
+    searched = []
+    search = difflib.get_close_matches
+    monkeypatch.setattr(
+        difflib, "get_close_matches", lambda *given: searched.append(given) or search(*given)
+    )
+    silence = Silence([], 0.0)
+    near = "nobody publishes it, the nearest name is /rte/e0"
+    assert [reason(ABSENT, {"/rte/e0c"}, silence) for _ in range(3)] == [f"{near}c"] * 3
+    assert len(searched) == 1  # with hundreds of silent topics it would take half a core
+    assert reason(ABSENT, {"/rte/e0d"}, silence) == f"{near}d"
 
 
 def test_nothing_is_called_absent_before_the_graph_is_known():

@@ -1,7 +1,18 @@
 """Why nothing usable comes from a topic: what a transport knows of its publishers, in words."""
 
 import time
-from typing import Collection, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import (
+    Collection,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 from .receipts import Input, Receipt
 from .report import GraphFact
@@ -50,6 +61,8 @@ class Silence:
         self._sources = sources
         self._settled_at = time.monotonic() + grace
         self._were_published: Set[str] = set()
+        self._published: Collection[str] = ()
+        self._absent: Dict[str, str] = {}
 
     def quiet(self, receipts: Mapping[str, Receipt]) -> List[Tuple[Input, Optional[float]]]:
         """Return each source without a recent message, and the seconds since its last one."""
@@ -65,23 +78,29 @@ class Silence:
             topics: those without a recent message.
             published: full names of all topics that somebody publishes.
         """
+        if self._published != (names := frozenset(published)):
+            self._published, self._absent = names, {}  # the nearest names are searched anew
         wrong_types, reasons = {}, {}
         for topic in topics:
             if topic.types and topic.expected not in topic.types:
                 sent = min(topic.types)
                 wrong_types[topic.name] = f"{topic.expected} expected, the publisher sends {sent}"
             else:
-                reasons[topic.name] = self._reason(topic, published)
+                reasons[topic.name] = self._reason(topic)
             if topic.types:
                 self._were_published.add(topic.name)
         return GraphFact(wrong_types=wrong_types, reasons=reasons)
 
-    def _reason(self, topic: Topic, published: Collection[str]) -> str:
+    def _reason(self, topic: Topic) -> str:
         if topic.types:
             return _fault(topic)
         if topic.age is not None or topic.name in self._were_published:
             return "its publisher is gone"
-        return _absent(topic.name, published) if time.monotonic() >= self._settled_at else ""
+        if time.monotonic() < self._settled_at:
+            return ""
+        if topic.name not in self._absent:
+            self._absent[topic.name] = _absent(topic.name, self._published)
+        return self._absent[topic.name]
 
 
 def _fault(topic: Topic) -> str:
