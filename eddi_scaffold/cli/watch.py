@@ -69,7 +69,7 @@ def watch(
 
     Shows a page on this machine; with --text, prints a line for each change.
 
-    Example: eddi-scaffold watch --text --bag shift.bag
+    Example: eddi-scaffold watch --text --robot arm
     """
     from eddi_scaffold.watch.fleet import FleetState
     from eddi_scaffold.watch.names import wanted_robots

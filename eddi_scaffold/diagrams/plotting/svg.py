@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from eddi_scaffold.diagrams.plotting.tracks import Track, stretches, ticks
+from eddi_scaffold.diagrams.plotting.tracks import Track, shown_time, stretches, ticks
 from eddi_scaffold.escaping import xml_text
 
 _LEFT, _RIGHT, _WIDTH = 230, 70, 1000
@@ -28,9 +28,7 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
         title: one line above.
         tracks: from top to bottom; a heading is shown where the group changes.
     """
-    times = [t for track in tracks for t in (*track.times[:1], *track.times[-1:])]
-    start, end = (min(times), max(times)) if times else (0.0, 1.0)
-    end = end if end > start else start + 1.0
+    start, end = shown_time(tracks)
     body: list[str] = []
     y = _TOP
     group = None
@@ -146,7 +144,7 @@ def _grid(start: float, end: float, bottom: int) -> Iterable[str]:
         x = _number(_x(t, start, end))
         yield f'<line class="grid" x1="{x}" y1="{_TOP - 6}" x2="{x}" y2="{bottom}"/>'
         yield _text(float(x), bottom + 14, f"{t:g}", "small", anchor="middle")
-    yield _text(_WIDTH - _RIGHT + 6, bottom + 14, "s", "small")
+    yield _text(_WIDTH - _RIGHT + 18, bottom + 14, "s", "small")
 
 
 def _legend(y: int) -> Iterable[str]:

@@ -60,6 +60,18 @@ def tracks_of(group: str, samples: Iterable[tuple[float, Mapping[str, object]]])
     return [Track(name, group, tuple(times[name]), tuple(values[name])) for name in times]
 
 
+def shown_time(tracks: Iterable[Track]) -> tuple[float, float]:
+    """Return from when to when tracks are shown: their last values can be seen as well."""
+    times = [track.times for track in tracks if track.times]
+    if not times:
+        return 0.0, 1.0
+    start, end = min(one[0] for one in times), max(one[-1] for one in times)
+    if not end > start:
+        return start, start + 1.0
+    step = max((one[-1] - one[-2] for one in times if len(one) > 1), default=0.0)
+    return start, end + max(step, (end - start) / 100)
+
+
 def stretches(track: Track, end: float) -> list[tuple[float, float, Value]]:
     """Return (from, to, value) of each stretch of equal values; the last one ends at ``end``."""
     found: list[tuple[float, float, Value]] = []
