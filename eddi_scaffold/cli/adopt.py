@@ -36,7 +36,9 @@ def adopt(
     ] = None,
     dry_run: DryRun = False,
 ) -> None:
-    """Take over a package made by the D7.2 tools, with every hand-written body in its place.
+    """Take over a package made by the D7.2 tools.
+
+    Every hand-written body is in its place afterwards.
 
     The old package is only read. Model and configuration are recovered from it and written next to
     the new one.

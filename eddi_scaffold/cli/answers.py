@@ -57,7 +57,9 @@ def answers(
         typer.Option("--all", help="Also the answers of the packages that all monitors share."),
     ] = False,
 ) -> None:
-    """Write the answers with which plain `copier copy` renders the same package as `generate`.
+    """Write the answers for plain `copier copy`.
+
+    It renders the same package as `generate` with them.
 
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """

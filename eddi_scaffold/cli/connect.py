@@ -56,7 +56,7 @@ def connect(
     dry_run: DryRun = False,
     as_json: Json = False,
 ) -> None:
-    """Draft the configuration of a model: inputs with the topics of a robot that fit them.
+    """Draft a configuration: which topics fit which inputs.
 
     What is not clear says TODO, with candidates and reasons as comments; `check` lists it. In a
     configuration that is there, only what says TODO changes, and what is missing is added.

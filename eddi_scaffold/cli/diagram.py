@@ -26,7 +26,9 @@ def diagram(
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
-    """Draw a model as SVG; with several models in the file, one picture for each.
+    """Draw a model as SVG.
+
+    With several models in the file, one picture for each.
 
     Of a deployment.yml: its robots, their monitors, and whose guarantees fulfil whose demands.
 

@@ -58,7 +58,9 @@ def event(
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page.")] = 8765,
     as_json: Json = False,
 ) -> None:
-    """Check a conditional event, or make a monitor of it: Python, or C99 without heap.
+    """Check a condition, or make Python or C99 of it.
+
+    The C99 takes no heap.
 
     Without --check and --inputs, the monitor is written to --output; Python may go to stdout. With
     --target c, it may be that of a ConSert, too.

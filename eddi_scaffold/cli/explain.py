@@ -14,7 +14,7 @@ def explain(
     *,
     json: Json = False,
 ) -> None:
-    """Say what a problem means, why it matters, what to do, and show one.
+    """Say what a problem means, and what to do.
 
     Example: eddi-scaffold explain K007
     """

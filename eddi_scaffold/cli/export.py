@@ -31,7 +31,9 @@ def export(
     config: ConfigFiles = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
-    """Write each model as a file of its own: YAML; networks as XDSL and XMLBIF, trees as Open-PSA.
+    """Write each model as a file of its own.
+
+    YAML; networks as XDSL and XMLBIF, trees as Open-PSA.
 
     With configurations, the models that these are about, with what they add. With --into, one file
     of events or SafeML settings is written into an EDDI, of which every other byte stays.

@@ -64,7 +64,7 @@ def generate(
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
-    """Generate monitors, or regenerate them; hand-written lines stay.
+    """Generate monitors, also anew; hand-written lines stay.
 
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
     """

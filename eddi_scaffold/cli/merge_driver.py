@@ -14,7 +14,7 @@ def merge_driver(
     theirs: Annotated[Path, typer.Argument(help="%B: of the other branch.")],
     path: Annotated[str, typer.Argument(help="%P: the file in the repository.")],
 ) -> None:
-    """Merge two branches of an editable file by its regions; git runs it as a merge driver.
+    """Merge branches of an editable file; git runs it.
 
     Example: eddi-scaffold merge-driver %O %A %B %P
     """

@@ -88,7 +88,9 @@ def parse_rossystem(
         typer.Option("--topics", help="Names of the system, or those of the node models."),
     ] = NameSource.label,
 ) -> None:
-    """Write the topics of a robot's system into SimulatorOutputs of a configuration.
+    """Write a robot's topics into a configuration.
+
+    They are the block SimulatorOutputs.
 
     Only that block changes. Ids that are there stay.
 

@@ -86,7 +86,9 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Run monitors on a recording; print changes of verdicts, or every step as JSON or CSV.
+    """Run monitors on a recording.
+
+    Prints changes of verdicts, or every step as JSON or CSV. Several monitors take a bag.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
     """

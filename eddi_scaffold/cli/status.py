@@ -22,7 +22,9 @@ def status(
     config: ConfigFiles = None,
     as_json: Json = False,
 ) -> None:
-    """Report which packages differ from what they would be now, and what was written by hand.
+    """Report which packages differ, and what is hand-written.
+
+    Each is compared with what would be generated now.
 
     Example: eddi-scaffold status -w catkin_ws
     """

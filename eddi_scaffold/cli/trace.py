@@ -20,7 +20,9 @@ def trace(
         bool, typer.Option("--csv", help="Print one table for a spreadsheet.")
     ] = False,
 ) -> None:
-    """Print the trace table of packages: model elements, their places, code and topics.
+    """Print what became of each element of the models.
+
+    A table of packages: model elements, their places, code and topics.
 
     Example: eddi-scaffold trace -w catkin_ws
     """

@@ -29,7 +29,7 @@ def upgrade(
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
-    """Bring all packages of a workspace to newer templates; hand-written lines stay.
+    """Bring packages to newer templates; hand edits stay.
 
     To change a model or a configuration, run `generate` again; with -m or -c this command does the
     same for packages that are there, and makes no new ones.

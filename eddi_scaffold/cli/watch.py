@@ -65,9 +65,10 @@ def watch(
         float, typer.Option("--speed", min=0.01, help="How fast the page plays a recording.")
     ] = 1.0,
 ) -> None:
-    """Watch the guarantees of robots: which are active, why not, and since when.
+    """Watch which guarantees of robots are active.
 
-    Shows a page on this machine; with --text, prints a line for each change.
+    Says why the others are not, and since when. Shows a page on this machine; with --text,
+    prints a line for each change.
 
     Example: eddi-scaffold watch --text --robot arm
     """

@@ -78,6 +78,7 @@ def test_help_lists_the_commands_by_when_they_are_needed(tmp_path: Path) -> None
     assert (result.status, result.err) == (0, "")
     listed = result.out.partition("Start here:\n")[2].partition("  Start with:")[0]
     assert re.findall(r"(?m)^  (\S+)  ", listed) == COMMANDS
+    assert "..." not in listed  # no line is cut
     assert "eddi-scaffold example two-conserts demo" in " ".join(result.out.split())
 
 
@@ -553,7 +554,7 @@ def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
 
 
 def test_upgrade_finds_the_model_that_a_newer_configuration_names(tmp_path: Path) -> None:
-    for file in (ROOT / "examples/safeml").iterdir():
+    for file in (ROOT / "examples/safeml").glob("*.*"):
         shutil.copy(file, tmp_path / file.name)
     generate = ("generate", "--platform", "plain", "-o", "pl", "-c", "perception_config.yml")
     assert run(*generate, cwd=tmp_path).status == 0

@@ -379,7 +379,7 @@ def test_what_several_monitors_cannot_do(folder: Path, words: Sequence[str], cod
 
 
 def test_an_event_on_the_motor_is_the_evidence_of_a_consert(tmp_path: Path) -> None:
-    for file in (ROOT / "examples" / "motor-watch").iterdir():
+    for file in (ROOT / "examples" / "motor-watch").glob("*.*"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     rows: list[Message] = []
     for k in range(60):

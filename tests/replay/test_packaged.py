@@ -112,7 +112,7 @@ def test_a_plain_package_gets_values(folder: Path) -> None:
 
 @pytest.mark.slow
 def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
-    for file in (ROOT / "examples" / "pedestrian").iterdir():
+    for file in (ROOT / "examples" / "pedestrian").glob("*.*"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     words = ("pedestrian.xml", "-c", "eddi_config.yml")
     made = run("generate", "--platform", "plain", "-o", "out", "-m", *words, cwd=tmp_path)
