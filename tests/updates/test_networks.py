@@ -48,6 +48,7 @@ class Life:
     nodes: list[Node]
     written: dict[str, str] = field(default_factory=dict)
     renamed: dict[str, str] = field(default_factory=dict)
+    aside: list[str] = field(default_factory=list)  # saved under a name that another body has
     count: int = 0
 
     @property
@@ -133,12 +134,10 @@ class Life:
             old, new = self.nodes[at].id, self.chance.choice(free)
             self.nodes[at] = replace(self.nodes[at], id=new, title=new)
             self.renamed = {new: old}
-            # a saved body of the new name belongs to the new name: it comes back first
             moved = self.written.pop(old, None)
-            if moved is not None and new not in self.written:
+            if moved is not None:  # what was declared holds; a saved body of the name stays saved
+                self.aside += [self.written[new]] if new in self.written else []
                 self.written[new] = moved
-            elif moved is not None:
-                self.written[old] = moved
         elif what == "swap" and len(self.nodes) > 1:
             one, two = self.chance.sample(range(len(self.nodes)), 2)
             first, second = self.nodes[one].id, self.nodes[two].id
@@ -165,6 +164,8 @@ class Life:
             kept = [one for one in saved if token in one.body]
             assert stands or kept, f"{token} of {name} is lost"
             assert text.count(token) == int(stands), f"{token} moved"
+        for token in self.aside:
+            assert token in text or any(token in one.body for one in saved), f"{token} is lost"
 
 
 @settings(max_examples=2000 if long_profile() else 2)
