@@ -197,6 +197,8 @@ def _variable_row(variable: Variable, scope: Scope) -> dict[str, Any]:
         row["timeout"] = variable.timeout
     if variable.infinite:
         row["infinite"] = True
+    if variable.infinite and variable.defined:
+        row["defined"] = True
     if variable.type.enum:
         row["literals"] = list(scope.enums[variable.type.enum])
     return row

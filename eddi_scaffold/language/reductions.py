@@ -103,12 +103,14 @@ def reduced(
     )
     if array_of(lists[0])[1]:
         row["messages"] = True
+    infinite = [part for part in parts if part.name in lists and part.infinite]
     timeouts = [part.timeout for part in parts if part.timeout is not None]
     return Variable(
         canonical(file, root),
         NUMBER if node.op == "list_count" or node.op not in TRUTHS else BOOL,
         timeout=min(timeouts, default=None),
-        infinite=node.op in _KEEP_INFINITY and any(scope.variables[n].infinite for n in lists),
+        infinite=node.op in _KEEP_INFINITY and bool(infinite),
+        defined=all(one.defined for one in infinite),
         reduction=row,
         parts=tuple(parts),
     )

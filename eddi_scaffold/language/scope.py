@@ -51,6 +51,7 @@ class Variable:
         range: least and greatest value.
         timeout: nanoseconds after which a sample is UNKNOWN; ``None`` for never.
         infinite: infinity is a value (range sensors report "no return" by it).
+        defined: the definition of the message says so; nobody accepts it in place of a measurement.
         declared: by a VAR or by the caller.
         within: names of the numbers between which its finite values are measurements.
         reduction: how it is made of lists, as in the intermediate form.
@@ -64,6 +65,7 @@ class Variable:
     range: tuple[float, float] | None = None
     timeout: int | None = None
     infinite: bool = False
+    defined: bool = False
     declared: bool = True
     within: tuple[str, str] | None = None
     reduction: Mapping[str, Any] | None = None

@@ -218,7 +218,8 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
     """Return what a condition accepts of silence.
 
     ``KNOWN`` and ``AGE`` take silence as an argument, ``COVERAGE`` a share of the samples for all
-    of them, ``ALLOW INF`` an infinite value.
+    of them, ``ALLOW INF`` an infinite value. Where the definition of the message makes infinity a
+    measurement, nothing is missing: what is missing is NaN or no message there, hence UNKNOWN.
     """
     found: dict[Silence, None] = {}
     for node in nodes_below(form["nodes"], root):
@@ -233,7 +234,7 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
             of = "elements" if window is None else "samples"
             text = f"{coverage:.0%} of the {of} for all of them"
             found[Silence(f"COVERAGE {coverage:g}", text, window, at)] = None
-        if variable.get("infinite"):
+        if variable.get("infinite") and not variable.get("defined"):
             found[Silence("ALLOW INF", "an infinite value", None, at)] = None
     return list(found)
 

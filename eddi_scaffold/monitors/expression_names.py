@@ -158,7 +158,12 @@ class ExpressionNames:
             )
         unit = documented.units[0] if len(documented.units) == 1 else None
         return replace(
-            variable, unit=unit, range=documented.range, infinite=documented.infinite, within=within
+            variable,
+            unit=unit,
+            range=documented.range,
+            infinite=documented.infinite,
+            defined=documented.infinite,
+            within=within,
         )
 
     def _check(self, name: str, check: list[JsonValue]) -> None:

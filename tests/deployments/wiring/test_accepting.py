@@ -51,6 +51,29 @@ def test_the_monitor_is_told_what_it_cannot_see(
     assert spec.get("accepts") == keys
 
 
+@pytest.mark.parametrize(
+    ("expression", "keys"),
+    [
+        ("MIN(s.ranges[*]) > 0.8", None),  # REP 117: +inf is a measurement, what is missing is NaN
+        ("s.ranges[0] > 0.8", None),
+        ("MIN(s.ranges[*], COVERAGE 0.9) > 0.8", ["COVERAGE 0.9"]),
+        ("VAR s.ranges[0] : NUMBER TIMEOUT 1s ALLOW INF\ns.ranges[0] > 0.8", ["ALLOW INF"]),
+    ],
+)
+def test_infinity_is_accepted_by_whoever_writes_it(
+    expression: str, keys: list[str] | None, tmp_path: Path
+) -> None:
+    entry = f", expression: {json.dumps(expression)}, max_age: 1.0"
+    config = written(tmp_path, entry, ", parameters: [{model: base.yml}]")
+    text = config.read_text("utf-8").replace("std_msgs.Bool", "sensor_msgs.LaserScan")
+    config.write_text(text, "utf-8")
+    (monitor,), _ = monitors_of(None, [config])
+    (spec,) = json.loads(monitor.model_json)["inputs"]
+    assert spec.get("accepts") == keys
+    checked = run("check", "base_config.yml", "base.yml", cwd=tmp_path)
+    assert ("[D009]" in checked.err) == (keys is not None), checked.err
+
+
 class Message:
     data = True
 
