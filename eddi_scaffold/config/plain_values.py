@@ -5,7 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from eddi_scaffold.config.file import KEY
-from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, differs_between_versions, value_11
+from eddi_scaffold.positioned_yaml.nodes import (
+    Items,
+    Map,
+    Node,
+    differs_between_versions,
+    number_for_11,
+    value_11,
+)
 from eddi_scaffold.problems import Place, Problem, warning
 
 Places = dict[tuple[str | int, ...], Place]
@@ -39,8 +46,10 @@ def plain_values(
         ]
     if differs_between_versions(node):
         value = value_11(node)
-        message = f"{node.text!r} is read as {value!r} (YAML 1.1)"
-        problems.append(
-            warning("K008", message, node.place, "write it in quotes if a text is meant")
-        )
+        number = number_for_11(node) if isinstance(value, str) else None
+        read = repr(value) if number is None else f"the text {value!r}"
+        message = f"{node.text!r} is read as {read} (YAML 1.1)"
+        hint = "write it in quotes if a text is meant"
+        hint = hint if number is None else f"write {number} for the number, or quotes for the text"
+        problems.append(warning("K008", message, node.place, hint))
     return value_11(node)

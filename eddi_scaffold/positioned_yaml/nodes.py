@@ -57,6 +57,7 @@ __all__ = [
     "dump_11",
     "dump_plain",
     "is_null",
+    "number_for_11",
     "quoted",
     "read_document",
     "read_map",
@@ -135,6 +136,24 @@ def differs_between_versions(node: Node) -> bool:
         return False
     old, new = _scalar_11(node.text), value_12(node)
     return repr(old) != repr(new)  # by text, since NaN differs from itself
+
+
+_DECIMAL = re.compile(
+    r"(?P<minus>[-+]?)(?P<whole>[0-9]*)(?:\.(?P<rest>[0-9]*))?(?:[eE](?P<sign>[-+]?)(?P<power>[0-9]+))?",
+    re.ASCII,
+)
+
+
+def number_for_11(node: Node) -> str | None:
+    """Return how to write a number so that YAML 1.1, too, reads it: ``1.0e-9`` for ``1e-9``."""
+    if not isinstance(node, Scalar) or not node.plain:
+        return None
+    match = _DECIMAL.fullmatch(node.text)
+    if match is None:
+        return None
+    power = match["power"] and f"e{match['sign'] or '+'}{match['power']}"
+    text = f"{match['minus']}{match['whole'] or '0'}.{match['rest'] or '0'}{power or ''}"
+    return text if _scalar_11(text) == value_12(node) else None
 
 
 class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):

@@ -118,6 +118,23 @@ def test_scalars_that_the_versions_take_differently(text, differs):
     assert y.differs_between_versions(plain(text)) is differs
 
 
+@pytest.mark.parametrize(
+    ("text", "written"),
+    [
+        ("1e-9", "1.0e-9"),
+        ("5E-1", "5.0e-1"),
+        ("1e1", "1.0e+1"),
+        ("-.5", "-0.5"),
+        ("1.5e3", "1.5e+3"),
+    ]
+    + [(text, None) for text in ("0o7", "1e999", "on", "'1e3'", "=", ".", "e5", "1e-999")],
+)
+def test_a_number_that_both_versions_read(text, written):
+    assert y.number_for_11(plain(text)) == written
+    if written is not None:
+        assert y.value_11(plain(written)) == y.as_number(plain(text)).value
+
+
 def test_integers_and_booleans():
     assert y.as_integer(plain("-12")) == -12
     assert [y.as_integer(plain(text)) for text in ("1.0", "0x1", "9" * 30)] == [None] * 3
