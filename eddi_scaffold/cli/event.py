@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -71,6 +72,7 @@ def event(
     from eddi_scaffold.language import analyse
     from eddi_scaffold.language.report import as_json as report_json
     from eddi_scaffold.language.report import as_text
+    from eddi_scaffold.language.standalone import without_limits
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.targets.names import check_module_name
 
@@ -96,6 +98,10 @@ def event(
             console.json(report_json(analysis))
             raise typer.Exit(exit_status.BAD_INPUT)
         raise EddiError(*analysis.problems)
+    if target is Target.c and not check and inputs is None:
+        analysis = replace(
+            analysis, problems=(*analysis.problems, *without_limits(analysis, label))
+        )
     if not as_json:
         console.problems(analysis.problems)
     if inputs is not None:
@@ -208,14 +214,15 @@ def _generate_of_model(
     as_json: bool,
 ) -> None:
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.monitors.standalone import standalone
+    from eddi_scaffold.monitors.standalone import standalone, without_limits
     from eddi_scaffold.packages.assembly import monitors_of, only
 
     monitors, problems = monitors_of(path, [config] if config is not None else [])
     monitor = only(monitors)
+    problems = [*problems, *without_limits(monitor)]
+    files = standalone(monitor, target.value, name or monitor.package)
     if not as_json:
         console.problems(problems)
-    files = standalone(monitor, target.value, name or monitor.package)
     found = [problem.as_json() for problem in problems]
     _write(files, output, lambda new: {"problems": found, "files": new}, as_json=as_json)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from eddi_scaffold.compiling.compilation import program_of
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.problems import EddiError, Problem, error, warning
 from eddi_scaffold.targets import Target, printed
 from eddi_scaffold.targets.monitor_model import named
 
@@ -29,3 +29,13 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, st
         raise EddiError(error("E026", message, model.place, hint))
     source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
     return printed(named(program, name, source, kind=kind.name), target)
+
+
+def without_limits(monitor: BoundMonitor) -> list[Problem]:
+    """Report the inputs of a model without a configuration: no value of theirs gets old (K017)."""
+    names = [binding.model.id for binding in monitor.inputs if binding.max_age is None]
+    if monitor.config is not None or not names:
+        return []
+    message = f"{', '.join(names)}: no max_age, so a value stays as it was if its source dies"
+    hint = "give the configuration with the `max_age` of each input: -c CONFIG"
+    return [warning("K017", message, monitor.model.place, hint)]

@@ -225,8 +225,9 @@ def _main(model: MonitorModel) -> list[str]:
         lines += [f"/* {describe(model, k)}; {unknown} is UNKNOWN. */"]
         function = _declared(variable, f"read_{model.variables[k]}")
         lines += [f"static {function}({stamp})", "{"]
-        body = ["    (void)stamp; /* set it when the sample is not from now */"]
-        body = [*(body if variable.stamped else []), f"    return {unknown};"]
+        if variable.stamped:  # outside of the region: a body need not use it
+            lines += ["    (void)stamp; /* set *stamp when the sample is not from now */"]
+        body = [f"    return {unknown};"]
         lines += [*region(f"variable:{variable.name}", body, c=True, indent="    "), "}", ""]
     for k, output in enumerate(model.program.results if not model.numeric else ()):
         for what in ("raised", "cleared"):

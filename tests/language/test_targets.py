@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import random
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -156,6 +157,17 @@ def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
         c_program.compile_c([level, *sources, "-o", str(tmp_path / "demo"), "-lm"])
     done = subprocess.run([str(tmp_path / "demo")], capture_output=True, text=True, check=True)
     assert done.stdout.split("\n")[:2] == ["hot 1", "odd 1"]
+
+
+def test_a_body_need_not_use_the_stamp(tmp_path: Path) -> None:
+    text = "VAR x : NUMBER TIMEOUT 500ms\nEVENT e := x > 5"
+    files = generate(analysis_of(text), "c", "demo")
+    region = r"(?s)(Manual edit begin[^\n]*variable:x[^\n]*\n).*?(\n *//[^\n]*Manual edit end)"
+    main, found = re.subn(region, r"\1    return 7.0;\2", files["demo_main.c"])
+    assert found == 1, main
+    for name, written in {**files, "demo_main.c": main}.items():
+        (tmp_path / name).write_text(written)
+    c_program.compile_c(["-c", str(tmp_path / "demo_main.c"), "-o", str(tmp_path / "demo.o")])
 
 
 def test_fast_math_is_refused(tmp_path: Path) -> None:
