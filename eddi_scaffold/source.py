@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import io
+import itertools
 import os
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
-from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.problems import EddiError, Place, Problem, error, nearest
 from eddi_scaffold.regions.files import MAX_BYTES, NotRegularError, open_regular, read_regular
 from eddi_scaffold.regions.paths import inside
 
 KEPT_BYTES = 4 * 1024 * 1024
 """Larger files are not kept in memory next to what is made of them."""
+_MOST_NEIGHBOURS = 1_000
 
 
 @dataclass(frozen=True)
@@ -158,4 +160,16 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
 def _unreadable(name: str, problem: OSError) -> Problem:
     reason = problem.strerror or str(problem)
     hint = "write it to a file first" if isinstance(problem, NotRegularError) else None
+    if isinstance(problem, FileNotFoundError):
+        hint = _near(Path(name))
     return error("F001", f"cannot read the file: {reason}", Place(name), hint)
+
+
+def _near(path: Path) -> str | None:
+    """Return the hint on a file of a near name in the folder of one that is missing."""
+    try:
+        there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
+    except (OSError, ValueError):
+        return None
+    near = nearest(path.name, there)
+    return f"did you mean {str(path.with_name(near))!r}?" if near is not None else None

@@ -8,7 +8,7 @@ from eddi_scaffold.config.file import ConfigFile, about_file
 from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.source import beside
 
-_MODEL_KEYS = ("model", "config", "file")
+MODEL_KEYS = ("model", "config", "file")
 _Keys = tuple[str | int, ...]
 
 
@@ -51,7 +51,7 @@ def _named_model(file: ConfigFile) -> tuple[str, _Keys] | None:
     given = file.config.Model.parameters
     where: _Keys = ("Model", "parameters")
     maps = [((*where, k), one) for k, one in enumerate(given)] if isinstance(given, list) else []
-    for key in _MODEL_KEYS:
+    for key in MODEL_KEYS:
         for keys, one in maps or [(where, given)]:
             name = one.get(key) if isinstance(one, dict) else None
             if isinstance(name, str) and name:

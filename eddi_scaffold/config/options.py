@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from eddi_scaffold.config.file import KEY, ConfigFile
+from eddi_scaffold.config.model_path import MODEL_KEYS
 from eddi_scaffold.config.schema import INPUT_TYPES, ModelSection
 from eddi_scaffold.config.violations import hint_for_decimals
 from eddi_scaffold.kinds import DeclaredInput, Options, kinds
@@ -62,4 +63,8 @@ def unknown_options(
         if key not in known:
             place = places.get(("Model", key, KEY), Place(file))
             hint = hint_for_decimals(key) or near.hint(key)
+            if key in MODEL_KEYS and isinstance(section[key], str):
+                hint = (
+                    f"the file of the model is named so: `parameters: [{{{key}: {section[key]}}}]`"
+                )
             yield error("K004", f"unknown key {key!r}", place, hint)

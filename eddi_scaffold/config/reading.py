@@ -20,6 +20,7 @@ from eddi_scaffold.config.plain_values import plain_values
 from eddi_scaffold.config.schema import Config, Entry
 from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.config.violations import violations
+from eddi_scaffold.kinds import kinds
 from eddi_scaffold.positioned_yaml.nodes import Map, read_map
 from eddi_scaffold.problems import (
     EddiError,
@@ -73,6 +74,12 @@ def read_config(
     document, problems = read_map(source, "K001")
     if document is None:
         return None, problems
+    if {"Model"}.isdisjoint(document.keys()):
+        title = next((kind.title for kind in kinds().values() if kind.sniff(source)), None)
+        if title is not None:
+            message = f"this is a model, of the kind {title}, not a configuration"
+            hint = "`-m` takes it; `connect` drafts a configuration for it"
+            return None, [error("K001", message, Place(source.name), hint)]
     places: dict[tuple[str | int, ...], Place] = {}
     data = plain_values(overridden(_renamed(document, problems), override), places, problems)
     # an empty section is an empty list, as D7.2's tools read it

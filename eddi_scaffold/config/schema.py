@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from eddi_runtime.node.settings import FREQUENCIES
@@ -34,9 +35,22 @@ INPUT_TYPES: dict[str, InputType] = {
 
 _COMMA = re.compile(r"\d+,\d+")
 """A number as some languages write it."""
+_QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?) *([A-Za-z]+)")
+_SECONDS = {"ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
+_HERTZ = {"hz": 1.0, "khz": 1e3}
 
 _LONGEST_GRACE = 1e6
 """Seconds that inputs may wait for their first message: more is not a limit at all."""
+
+
+def _plain_number(value: object, units: Mapping[str, float]) -> str | None:
+    """Return the hint for a text that a person means as a number."""
+    text = value.strip() if isinstance(value, str) else ""
+    if _COMMA.fullmatch(text):
+        return f"a decimal point: {text.replace(',', '.')}"
+    match = _QUANTITY.fullmatch(text)
+    factor = units.get(match[2].casefold()) if match is not None else None
+    return f"without a unit: {float(match[1]) * factor:g}" if match and factor else None
 
 
 def _topic(text: str) -> str:
@@ -63,9 +77,7 @@ def _max_age(value: object) -> object:
         return value
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         message = "seconds (a number above 0) or the word none are expected"
-        if isinstance(value, str) and _COMMA.fullmatch(value):
-            raise HintedError(message, f"a decimal point: {value.replace(',', '.')}")
-        raise ValueError(message)  # noqa: TRY004 - pydantic collects ValueErrors
+        raise HintedError(message, _plain_number(value, _SECONDS))
     if not math.isfinite(value) or value <= 0:
         raise ValueError("seconds must be a number above 0, or the word none")
     return float(value)
@@ -73,7 +85,8 @@ def _max_age(value: object) -> object:
 
 def _frequency(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError("a number of steps per second is expected")  # noqa: TRY004 - pydantic collects ValueErrors
+        message = "a number of steps per second is expected"
+        raise HintedError(message, _plain_number(value, _HERTZ))
     low, high = FREQUENCIES
     if not low <= value <= high:  # never true of not-a-number
         raise HintedError(
@@ -85,7 +98,8 @@ def _frequency(value: object) -> object:
 
 def _seconds(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError("seconds (a number from 0 on) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+        message = "seconds (a number from 0 on) are expected"
+        raise HintedError(message, _plain_number(value, _SECONDS))
     if not 0 <= value <= _LONGEST_GRACE:
         raise ValueError(f"seconds from 0 to {_LONGEST_GRACE:g} are expected")
     return float(value)
@@ -93,7 +107,8 @@ def _seconds(value: object) -> object:
 
 def _positive(value: object, longest: float = _LONGEST_GRACE) -> object:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError("seconds (a number above 0) are expected")  # noqa: TRY004 - pydantic collects ValueErrors
+        message = "seconds (a number above 0) are expected"
+        raise HintedError(message, _plain_number(value, _SECONDS))
     if not 0 < value <= longest:
         raise ValueError(f"seconds above 0, up to {longest:g}, are expected")
     return float(value)

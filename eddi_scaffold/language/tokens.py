@@ -30,12 +30,14 @@ _TOKEN = re.compile(
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
       | (?P<text>"[^"\r\n]+")
       | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=])
-      | (?P<other>.)""",
+      | (?P<other>&&|\|\||.)""",
     re.VERBOSE | re.DOTALL,
 )
 _INSTEAD = {
     "&": "AND",
+    "&&": "AND",
     "|": "OR",
+    "||": "OR",
     "!": "NOT",
     "\N{LESS-THAN OR EQUAL TO}": "<=",
     "\N{GREATER-THAN OR EQUAL TO}": ">=",
@@ -93,7 +95,7 @@ def tokens_of(text: str, findings: TextFindings) -> tuple[Token, ...]:
             findings.error(
                 "E001",
                 match.start(),
-                f"unexpected character {char!r}",
+                f"unexpected {'characters' if len(char) > 1 else 'character'} {char!r}",
                 f"write {instead}" if instead else None,
             )
     last = found[-1].end if found else 0

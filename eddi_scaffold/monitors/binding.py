@@ -454,7 +454,11 @@ class _InputBinder:
         try:
             found = resolve(path, message, self._fields_of)
         except fields.FieldPathError as problem:
-            self._error("K020", str(problem), "field", problem.hint)
+            first, *rest = path
+            hint = problem.hint
+            if rest and isinstance(first, fields.Attribute) and first.name in self.entry.requires:
+                hint = f"leave out `{first.name}.`: the path begins in the message"
+            self._error("K020", str(problem), "field", hint)
             return path
         self._check_end(found.type, message)
         documented = documented_at(found.path, message, self._fields_of)

@@ -9,7 +9,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model, named_model_path
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Kind, Model, Reading, kinds
-from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
+from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error, listed
 
 
 def select(
@@ -61,10 +61,20 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
             fitting  # one model, one configuration: the id of the configuration names the package
         )
     if not found:
-        names = ", ".join(model.name for model in fitting) or "none"
         message = f"there is no {section.type} called {section.id!r}"
-        raise EddiError(error("K026", message, config.place("Model", "id"), f"there are: {names}"))
+        hint = f"there are: {', '.join(model.name for model in fitting) or 'none'}"
+        place = config.place("Model", "id")
+        if models and not fitting:
+            hint, place = _of_other_type(models), config.place("Model", "type")
+        raise EddiError(error("K026", message, place, hint))
     return found[0]
+
+
+def _of_other_type(models: Sequence[Model]) -> str:
+    """Return the hint for a configuration with another type than that of each model."""
+    known = kinds()
+    found = [f"the {known[one.kind].config_types[0]} {one.name!r}" for one in models]
+    return f"{models[0].source.file_name} holds {listed(found)}: is `type` right?"
 
 
 def _kinds_of(config: ConfigFile) -> Sequence[Kind[Model]]:

@@ -75,6 +75,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     if source.name.lower().endswith(YAML_SUFFIXES):
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].functions.read_file(source, default_guarantees)
+    if source.name.lower().endswith(".csv"):
+        message = "this is a recording, not a model"
+        hint = "`run` takes it with --inputs, beside a model or a configuration"
+        return Reading((), (error("F003", message, Place(source.name), hint),))
     known = ", ".join(kind.title for kind in kinds().values())
     if b"\0" in head or not _is_utf8(source.data):
         message = f"this is not text, so it is not a model ({known})"

@@ -183,6 +183,9 @@ def _scalar_11(text: str) -> Any:
 
 
 _NOT = "put the text in quotes, and write NOT for `!`"
+_RESOLVE = (
+    "keep what is right of both sides, and delete the lines of `<<<<<<<`, `=======`, `>>>>>>>`"
+)
 
 
 @dataclass
@@ -237,6 +240,10 @@ class _Composer:
         except yaml.MarkedYAMLError as problem:
             mark = problem.problem_mark or problem.context_mark
             place = Place(self.name) if mark is None else self._place(mark)
+            conflict = self._conflict(mark.line) if mark is not None else None
+            if conflict is not None:
+                message = "a merge conflict that nobody has resolved begins here"
+                raise _Stop(message, Place(self.name, conflict + 1, 1), _RESOLVE) from None
             if mark is not None and self._has_tab(mark.line):
                 message = "this is not YAML: a tab indents this line"
                 raise _Stop(message, place, "indent with spaces") from None
@@ -250,6 +257,11 @@ class _Composer:
         """Return whether a line, counted from 0, is indented with a tab."""
         text = self._line(line)
         return "\t" in text[: len(text) - len(text.lstrip(" \t"))]
+
+    def _conflict(self, last: int) -> int | None:
+        """Return the first line up to ``last``, from 0, that git put before both sides."""
+        numbered = enumerate(itertools.islice(yaml_lines(self.text), last + 1))
+        return next((at for at, text in numbered if text.startswith("<<<<<<< ")), None)
 
     def _quotes(self, context: str, line: int) -> str | None:
         """Return the hint for an operator of expressions that YAML takes for its own."""

@@ -45,9 +45,11 @@ def taken_names(
     inside = _manifests(root.parent, ignoring) if root is not None else ()
     ours = root.resolve() if root is not None else None
     taken: dict[str, str] = {}
-    for name, place in _packages([*environment, *inside]):
-        if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
-            taken.setdefault(name, f"the ROS package {name} is in {place}")
+    sourced = "; a terminal in which its workspace is not sourced does not see it"
+    for paths, end in ((inside, ""), (environment, sourced)):
+        for name, place in _packages(paths):
+            if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
+                taken.setdefault(name, f"the ROS package {name} is in {place}{end}")
     taken |= taken_by_python()
     taken |= dict.fromkeys(imported, "it would hide a module that every ROS node imports")
     generated = (MESSAGE_PACKAGE, LAUNCHER, RUNTIME, *own)

@@ -23,6 +23,7 @@ NOT_IN_THE_FILES = {
     "G008 no such platform": "about an option",
     "G014 workspace and folder": "about options",
     "G006 a deployment file without a folder": "an option is missing",
+    "G006 a package in a package": "about the destination",
     "G014 a deployment file and a model": "options that exclude each other",
     "G015 nothing to generate from": "no file at all",
     "G015 a configuration without its model": "a warning without `--platform`",
@@ -37,6 +38,7 @@ NOT_IN_THE_FILES = {
     "H012 a folder of somebody else": "about the destination",
     "D003 ConSerts that feed each other in one workspace": "about a package that is there",
     "D017 the same in one workspace": "about a package that is there",
+    "K001 a model in place of a configuration": "`check` sees that it is a model",
     "K001 the file is XML": "a model in place of a configuration: `check` sees that it is a model",
 }
 OTHER_CODE = {

@@ -29,6 +29,15 @@ def test_packages_of_the_ros_environment_are_taken_but_not_our_own(
     assert "conserta" not in taken
 
 
+def test_a_package_of_another_workspace_is_taken_where_that_is_sourced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package(tmp_path / "other" / "src" / "cart")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "other" / "src"))
+    reason = taken_names(tmp_path / "src" / "eddi_monitor")["cart"]
+    assert reason.endswith("; a terminal in which its workspace is not sourced does not see it")
+
+
 def test_a_package_elsewhere_in_the_workspace_is_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -66,7 +66,7 @@ def test_equal_functions_and_implication():
             "info",
             "S007",
             (
-                "provided service 'S0' depends on 'a' alone: "
+                "provided service 'S0' needs 'a' in every case: "
                 "without it no guarantee of the service is active"
             ),
         ),

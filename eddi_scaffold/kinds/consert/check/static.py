@@ -167,6 +167,6 @@ def _single_points(
         return
     for index, id_ in enumerate(leaves_of(consert)):
         if common >> index & 1:
-            message = f"provided service {shown(service.id)} depends on {shown(id_)} alone"
+            message = f"provided service {shown(service.id)} needs {shown(id_)} in every case"
             end = "without it no guarantee of the service is active"
             yield info("S007", f"{message}: {end}", service.place)
