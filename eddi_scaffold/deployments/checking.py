@@ -27,6 +27,8 @@ from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.source import Source, read_source
 
 BY_HAND = "to be written by hand: "
+_OF_WHAT_LACKS = ("D006", "G001", "X037")
+"""What is said of something that no file has: it may be in one that could not be read."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ def check_files(
         found, named = check_fleet(fleet, read)
         problems += found
         files = [file for file in files if file.resolve() not in named]  # these are checked there
-    models, configs, found = _read_files(files, default_guarantees, robot, target)
+    models, configs, found, are_whole = _read_files(files, default_guarantees, robot, target)
     problems += found
     alone = [] if models else [config for config in configs if not _names_its_model(config)]
     if not has_errors(problems):  # else what is wrong may be the file with their models
@@ -74,7 +76,8 @@ def check_files(
     configs = [config for config in configs if config not in alone]
     if target is None and configs:
         target = chosen(DEFAULT)
-    return problems + _together(models, configs, target, default_guarantees)
+    found = _together(models, configs, target, default_guarantees)
+    return problems + [one for one in found if are_whole or one.code not in _OF_WHAT_LACKS]
 
 
 def _fleets(files: Iterable[Path]) -> tuple[list[Path], list[Source]]:
@@ -99,26 +102,30 @@ def _read_files(
     marks: Sequence[str],
     robot: RobotAdditions | None,
     target: Platform | None,
-) -> tuple[list[Model], list[ConfigFile], list[Problem]]:
-    """Read every file, with all that is wrong with it by itself."""
+) -> tuple[list[Model], list[ConfigFile], list[Problem], bool]:
+    """Read every file, with all that is wrong with it by itself; tell whether all could be read."""
     models: list[Model] = []
     configs: list[ConfigFile] = []
     problems: list[Problem] = []
+    are_whole = True
     for path in files:
         try:
             source = read_source(path)
         except EddiError as failure:
             problems += failure.problems
+            are_whole = False
             continue
         if is_config(source):
             config, found = read_config(source, robot)
             configs += [config] if config is not None else []
+            are_whole &= config is not None
             problems += found
         else:
             reading = _read(source, marks, target)
             models += reading.models
             problems += reading.problems
-    return models, configs, problems
+            are_whole &= bool(reading.models)
+    return models, configs, problems, are_whole
 
 
 def _read(source: Source, marks: Sequence[str], target: Platform | None) -> Reading:

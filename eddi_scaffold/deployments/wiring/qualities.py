@@ -32,8 +32,7 @@ def check_qualities(participants: Sequence[Participant]) -> Iterator[Problem]:
         for index, source in enumerate(reader.config.config.SimulatorOutputs):
             topic = reader.topic(source.topic)
             for at, writer, output in written:
-                name = _lacking(source.qos, output.qos) if at == topic else None
-                if name is not None:
+                for name in _lacking(source.qos, output.qos) if at == topic else ():
                     asked, given = getattr(source.qos, name), getattr(output.qos, name)
                     message = (
                         f"{reader.name} asks for {name} {asked} of {topic}, which {writer.name}"
@@ -51,8 +50,7 @@ def _topics(one: Participant, output: OutputEntry) -> Iterator[str]:
         yield f"{topic}/{STATUS}"
 
 
-def _lacking(asked: InputQos, offered: InputQos) -> str | None:
+def _lacking(asked: InputQos, offered: InputQos) -> Iterator[str]:
     for (name, wanted), less in _LESS_THAN.items():
         if getattr(asked, name) == wanted and getattr(offered, name) == less:
-            return name
-    return None
+            yield name
