@@ -173,7 +173,8 @@ def assemble(
         gone: packages below ``root`` that will have another name.
 
     Raises:
-        EddiError: a package name cannot be used, or a configuration lacks what the platform needs.
+        EddiError: a package name cannot be used, a configuration lacks what the platform needs, or
+            the platform does not have what is chosen.
     """
     chosen = chosen or {}
     renewed = {monitor.package for monitor in monitors}
@@ -182,6 +183,9 @@ def assemble(
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
+    if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
+        message = f"the platform {platform.name} does not have `--single-process`"
+        found.append(error("G014", message, hint="leave it out"))
     if has_errors(found):
         raise EddiError(*found)
     config = next((m.config.config for m in monitors if m.config is not None), None)

@@ -22,6 +22,7 @@ NOT_IN_THE_FILES = {
     "G007 the folder of the sources": "about the destination",
     "G008 no such platform": "about an option",
     "G014 workspace and folder": "about options",
+    "G014 one process on a platform that has none": "about options",
     "G006 a deployment file without a folder": "an option is missing",
     "G006 a package in a package": "about the destination",
     "G014 a deployment file and a model": "options that exclude each other",
