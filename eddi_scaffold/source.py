@@ -161,15 +161,20 @@ def _unreadable(name: str, problem: OSError) -> Problem:
     reason = problem.strerror or str(problem)
     hint = "write it to a file first" if isinstance(problem, NotRegularError) else None
     if isinstance(problem, FileNotFoundError):
-        hint = _near(Path(name))
+        hint = near_file(Path(name), name)
     return error("F001", f"cannot read the file: {reason}", Place(name), hint)
 
 
-def _near(path: Path) -> str | None:
-    """Return the hint on a file of a near name in the folder of one that is missing."""
+def near_file(path: Path, written: str) -> str | None:
+    """Return the hint on a file of a near name in the folder of one that is missing.
+
+    Args:
+        path: where that one should be.
+        written: how a person named it.
+    """
     try:
         there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
     except (OSError, ValueError):
         return None
     near = nearest(path.name, there)
-    return f"did you mean {str(path.with_name(near))!r}?" if near is not None else None
+    return f"did you mean {str(Path(written).with_name(near))!r}?" if near is not None else None

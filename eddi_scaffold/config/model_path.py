@@ -6,7 +6,7 @@ from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile, about_file
 from eddi_scaffold.problems import EddiError, error
-from eddi_scaffold.source import beside
+from eddi_scaffold.source import beside, near_file
 
 MODEL_KEYS = ("model", "config", "file")
 _Keys = tuple[str | int, ...]
@@ -40,7 +40,8 @@ def named_model_path(file: ConfigFile) -> Path | None:
             *(about_file(p, name, file.place(*where)) for p in failure.problems)
         ) from None
     except (OSError, ValueError):
-        hint = "a name is relative to the folder of the configuration"
+        near = near_file(path, name)
+        hint = near or "a name is relative to the folder of the configuration"
         message = f"there is no file {name!r}"
         raise EddiError(error("F001", message, file.place(*where), hint)) from None
     return path

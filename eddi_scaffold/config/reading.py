@@ -78,7 +78,7 @@ def read_config(
         title = next((kind.title for kind in kinds().values() if kind.sniff(source)), None)
         if title is not None:
             message = f"this is a model, of the kind {title}, not a configuration"
-            hint = "`-m` takes it; `connect` drafts a configuration for it"
+            hint = "give it as the model; `connect` drafts a configuration for it"
             return None, [error("K001", message, Place(source.name), hint)]
     places: dict[tuple[str | int, ...], Place] = {}
     data = plain_values(overridden(_renamed(document, problems), override), places, problems)
