@@ -31,6 +31,7 @@ class _Connection(http.client.HTTPConnection):
 
 
 class _Transport(xmlrpc.client.Transport):
+    accept_gzip_encoding = False  # a limit of size is one of what arrives
     made: _Connection | None = None
     ended = False
 
