@@ -56,7 +56,16 @@ RESERVED = frozenset(
     ]
 )
 INPUT_MEMBERS = frozenset(
-    {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
+    {
+        "begin_step",
+        "bind",
+        "end_step",
+        "expression",
+        "processing",
+        "states",
+        "update",
+        "update_each",
+    }
     | {"update_expression"}
 )
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""

@@ -14,7 +14,16 @@ from typing import Any, NoReturn
 
 FORMAT = 1
 RESERVED_ATTRIBUTES = frozenset(
-    {"begin_step", "bind", "expression", "processing", "states", "update", "update_each"}
+    {
+        "begin_step",
+        "bind",
+        "end_step",
+        "expression",
+        "processing",
+        "states",
+        "update",
+        "update_each",
+    }
     | {"update_expression"}
 )
 """Members of the runtime's ``EDDIInputBase``: no input is held in an attribute of these names."""

@@ -12,7 +12,7 @@ from eddi_scaffold.regions.python_text import parse_python
 
 _BASE = "EDDIInputBase"
 _INHERITED = (
-    *("bind", "begin_step", "expression", "processing", "states"),
+    *("bind", "begin_step", "end_step", "expression", "processing", "states"),
     *("update", "update_each", "update_expression"),
     *dir(object),
 )

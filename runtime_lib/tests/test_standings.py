@@ -64,6 +64,7 @@ def test_an_unsafe_default_is_in_use_until_the_first_message():
     specs = (InputSpec("e", "e", ("e",), accepts=("allow_unsafe_default: true", "KNOWN")),)
     told = Input(specs)
     told.e = True
+    told.bind(specs)
     assert accepted(specs, told.give(None)) == ("e: allow_unsafe_default: true",)
     assert accepted(specs, told.give(True)) == ("e: KNOWN",)
     assert accepted(specs, told.give(None)) == ()

@@ -53,7 +53,7 @@ def test_they_come_over(tmp_path: Path) -> None:
         assert done.startswith("0 "), done
     packages = workspace / "src" / "eddi_monitor"
     code = packages / "conserta" / "src" / "conserta" / "EDDIInput.py"
-    code.write_text(code.read_text().replace("= RtE_E0.data\n", "= RtE_E0.data and mine()\n"))
+    code.write_text(code.read_text().replace("= RtE_E0.data\n", "= RtE_E0.data and True\n"))
     manifest = packages / "eddi_runtime" / "package.xml"
     manifest.write_text(manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>"))
     monitor = packages / "conserta" / "src" / "conserta" / "EDDIMonitor.py"
@@ -74,7 +74,7 @@ def test_they_come_over(tmp_path: Path) -> None:
     )
     compiled = where / "src" / "conserta" / "compiled.py"
     assert "class Monitor(consert.ConSert):" in compiled.read_text("utf-8")
-    assert code.read_text().count("RtE_E0.data and mine()") == 1
+    assert code.read_text().count("RtE_E0.data and True") == 1
     kept = where / ".eddi" / "rejects" / "src" / "conserta" / "EDDIMonitor.py.edited"
     assert kept.read_text() == edited
     kept.unlink()
@@ -84,7 +84,7 @@ def test_they_come_over(tmp_path: Path) -> None:
 
     done = templates.eddi("v0.2.0", "upgrade", "-w", workspace, cwd=tmp_path)
     assert done.startswith("0 "), done
-    assert code.read_text().count("RtE_E0.data and mine()") == 1
+    assert code.read_text().count("RtE_E0.data and True") == 1
     assert manifest.read_text().count("<!-- ours -->") == 1
     assert (packages / "motor_watch" / "src" / "motor_watch" / "compiled.py").is_file()
     assert not list(packages.rglob("*.rej"))
