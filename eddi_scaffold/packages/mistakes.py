@@ -41,7 +41,7 @@ class Inputs:
         method = self._methods.get(function)
         if method is None:
             return
-        nodes = [one for one in ast.walk(method) if getattr(one, "lineno", 0) in lines]
+        nodes = _nodes(method, lines)
         own = method.name.removeprefix(_PREFIX)
         for name in dict.fromkeys(one.id for one in nodes if isinstance(one, ast.Name)):
             if (method.lineno, name) in self._unbound:
@@ -60,7 +60,7 @@ class Inputs:
         method = self._methods.get(function)
         if method is None:
             return
-        nodes = [one for one in ast.walk(method) if getattr(one, "lineno", 0) in lines]
+        nodes = _nodes(method, lines)
         own = method.name.removeprefix(_PREFIX)
         attributes = [one for one in nodes if isinstance(one, ast.Attribute)]
         plain = sum(map(_is_self, nodes)) - sum(_is_self(one.value) for one in attributes)
@@ -109,6 +109,10 @@ class Inputs:
             for one in table.get_symbols()
             if one.is_referenced() and one.is_global() and one.get_name() not in bound
         }
+
+
+def _nodes(method: ast.FunctionDef, lines: range) -> list[ast.AST]:
+    return [one for one in ast.walk(method) if getattr(one, "lineno", 0) in lines]
 
 
 def _tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:

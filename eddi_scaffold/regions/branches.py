@@ -22,7 +22,6 @@ from .outside import Language, merge_items, regions_in
 _WRITTEN = "  # written"
 _OF_TWO_BRANCHES = "of two branches"
 """In place of a digest: no package has it."""
-_ALL_DIFFER = 3
 
 
 class Joined(NamedTuple):
@@ -70,9 +69,8 @@ def join_manifests(base: str, ours: str, theirs: str) -> str | None:
     try:
         old, own, new = ({} if not text else json.loads(text) for text in (base, ours, theirs))
         was, mine, other = (one.get("rendering") for one in (old, own, new))
-        record = {"rendering": _chosen(was, mine, other)}
-        if len({was, mine, other}) == _ALL_DIFFER:
-            record["rendering"] = _OF_TWO_BRANCHES
+        both_new = was not in {mine, other} and mine != other
+        record = {"rendering": _OF_TWO_BRANCHES if both_new else _chosen(was, mine, other)}
         for part in ("meaning", "sha256"):
             before, mine, other = (dict(one.get(part, {})) for one in (old, own, new))
             record[part] = {
