@@ -9,6 +9,7 @@ from pathlib import Path
 from eddi_scaffold.deployments.fleet.closed import is_closed
 from eddi_scaffold.deployments.fleet.direct import read_directly
 from eddi_scaffold.deployments.fleet.fleet import Fleet, read_whole_fleet
+from eddi_scaffold.deployments.fleet.offers import Seat
 from eddi_scaffold.deployments.fleet.robots import FleetRobot
 from eddi_scaffold.deployments.fleet.station import check_station
 from eddi_scaffold.deployments.fleet.words import among_others
@@ -18,7 +19,8 @@ from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, depl
 from eddi_scaffold.deployments.wiring.hidden import check_hidden
 from eddi_scaffold.deployments.wiring.topics import absent_publishers
 from eddi_scaffold.kinds import Reading
-from eddi_scaffold.problems import Problem, has_errors, warning
+from eddi_scaffold.monitors.fleet import fleet_message
+from eddi_scaffold.problems import Problem, error, has_errors, warning
 from eddi_scaffold.source import Source
 
 _OWN_PERIODS = 2
@@ -44,7 +46,7 @@ def check_fleet(
 
 def problems_of(fleet: Fleet) -> list[Problem]:
     """Return what is wrong with robots that could be read: each by itself, then together."""
-    problems = [*check_station(fleet), *_check_ages(fleet)]
+    problems = [*check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
     closed = is_closed(fleet)
     members: dict[FleetRobot, list[Member]] = {}
     for robot in fleet.robots:
@@ -104,6 +106,25 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
                 hint = f"write {source.topic[1:]}, relative to the namespace of each robot"
                 place = member.config.place("SimulatorOutputs", index, "topic")
                 yield warning("D014", message, place, hint)
+
+
+def _check_names(fleet: Fleet) -> Iterator[Problem]:
+    """Report monitors of one robot whose words nobody could tell apart (D010)."""
+    relied = {one.seat for bond in fleet.bonds for one in bond.offers}
+    first: dict[tuple[str, str], Seat] = {}
+    for seat in fleet.seats:
+        if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
+            continue
+        before = first.setdefault((seat.robot.name, seat.monitor.model.name), seat)
+        if before is not seat:
+            message = (
+                f"{before.name} and {seat.name} are both monitors of {seat.monitor.model.name}: "
+                "others cannot tell their words apart, and count neither"
+            )
+            hint = "copy the model for one of them, and give the ConSert there another id"
+            report = error if relied & {before, seat} else warning
+            place = fleet.file.place("Robots", seat.robot.number, "monitors", seat.index)
+            yield report("D010", message, place, hint)
 
 
 def _check_ages(fleet: Fleet) -> Iterator[Problem]:
