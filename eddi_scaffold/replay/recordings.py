@@ -39,6 +39,7 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASC
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
+_POINT = "numbers have a decimal point, commas separate cells"
 _EXPECTED: Mapping[str, str] = {
     "bool": "true, false, 1, 0, or nan for unknown",
     "float": "a number, or nan for unknown",
@@ -223,7 +224,7 @@ class _Reader:
         other = next((mark for mark in _OTHER_MARKS if mark in line), None)
         if len(names) == 1 and other is not None:
             message = f"cells are separated by {_OTHER_MARKS[other]}, commas are expected"
-            self._error("I001", message, number, line.index(other) + 1)
+            self._error("I001", message, number, line.index(other) + 1, _POINT)
             return ()
         if TIME not in names:
             self._error("I001", "the header has no column t (time in seconds)", number, 1)
@@ -251,7 +252,8 @@ class _Reader:
         if len(cells) != len(columns):
             if self._errors == before:
                 message = f"{len(cells)} cells, but the header has {len(columns)} columns"
-                self._error("I005", message, number, 1)
+                hint = _POINT if len(cells) > len(columns) else None
+                self._error("I005", message, number, 1, hint)
             return None
         time_at = columns.index(TIME)
         t = self._time(cells[time_at], number, last)
@@ -266,7 +268,7 @@ class _Reader:
         t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
         if not math.isfinite(t):
             message = f"the time {cell.text!r} is not a number of seconds"
-            self._error("I007", message, number, cell.col)
+            self._error("I007", message, number, cell.col, _hint(cell))
             return None
         if abs(t) > MAX_TIME:
             message = f"the time {cell.text} is out of range: at most 9e9 seconds"
@@ -283,7 +285,7 @@ class _Reader:
         value = _converted(cell.text, wanted)
         if value is None:
             message = f"cannot read {cell.text!r}: expected {_EXPECTED[wanted]}"
-            self._error("I006", message, number, cell.col)
+            self._error("I006", message, number, cell.col, _hint(cell))
         return value
 
     def _cells(self, number: int, line: str) -> list[_Cell]:
@@ -320,6 +322,10 @@ def _plain(part: str, start: int) -> _Cell:
     """Return a cell without quotes, the blanks around it cut; ``start`` counts from 0."""
     text = part.strip()
     return _Cell(text, start + (len(part) - len(part.lstrip()) if text else 0) + 1)
+
+
+def _hint(cell: _Cell) -> str | None:
+    return _POINT if "," in cell.text else None
 
 
 def _converted(text: str, wanted: InputType) -> JsonValue:
