@@ -120,6 +120,13 @@ def test_an_example_is_a_place_to_start_from(tmp_path: Path) -> None:
     assert run("example", "list", cwd=tmp_path).out.splitlines() == names()
 
 
+def test_an_example_links_only_to_what_is_written_with_it() -> None:
+    for readme in (ROOT / "examples").glob("*/README.md"):
+        for link in re.findall(r"\]\(([^)]*)\)", readme.read_text("utf-8")):
+            assert ".." not in link, readme
+            assert (readme.parent / link).is_file(), readme
+
+
 def test_the_example_is_sound(folder: Path) -> None:
     result = run("check", MODEL, CONFIG, "consert_b_config.yml", cwd=folder)
     assert (result.status, result.out) == (0, "")
