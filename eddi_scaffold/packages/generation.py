@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import os
 import shutil
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -209,6 +209,7 @@ def _merge_package(
     work.changes.update({f"{package.folder}/{p}": state for p, state in changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in changes if p in before})
     work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
+    work.notes += [f"{package.folder}/{one}" for one in _written_anew(target, before, changes)]
     work.notes += [
         f"{package.folder}/{note.file}: {note.text}"
         for note in merged.report.notes
@@ -296,6 +297,21 @@ def _merged(
     ]
     is_open = bool(look) or report.needs_attention or needs_a_look(staged)
     return _Merged(changed, look, report, is_open)
+
+
+def _written_anew(
+    target: Path, before: Mapping[str, FileState], changes: Mapping[str, FileState | None]
+) -> Iterator[str]:
+    """Yield what is to be said of each editable file that somebody removed."""
+    for path, state in sorted(changes.items()):
+        if path in before or state is None or f".eddi/base/{path}" not in before:
+            continue
+        committed = committed_text(target, path)
+        if committed != state.text:
+            there = f"; `git -C {target} checkout HEAD -- {path}` brings back what was committed"
+            yield f"{path}: it was missing and is written anew, without hand edits" + (
+                there if committed is not None else ""
+            )
 
 
 def _is_record(path: str) -> bool:

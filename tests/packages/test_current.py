@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import write_packages
+from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
-from tests.checkouts import checkout, tree
+from tests.checkouts import checkout, git, tree
 
 pytestmark = pytest.mark.slow
 
@@ -23,11 +24,24 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Template:
 
 
 @pytest.fixture
-def generate(
-    template: Template, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Callable[[], list[str]]:
-    """Return what generates a workspace in ``tmp_path / "ws"`` and tells what was rendered."""
+def write(template: Template, tmp_path: Path) -> Callable[[], Outcome]:
+    """Return what generates a workspace in ``tmp_path / "ws"``."""
     example = Path(template.location) / "examples" / "two-conserts"
+
+    def again() -> Outcome:
+        ros1, root = platforms()["ros1"], tmp_path / "ws"
+        model, config = example / "two_conserts.xml", example / "consert_a_config.yml"
+        monitors, problems = monitors_of(model, [config])
+        return write_packages(root, assemble(monitors, ros1, root, problems).packages, template)
+
+    return again
+
+
+@pytest.fixture
+def generate(
+    write: Callable[[], Outcome], monkeypatch: pytest.MonkeyPatch
+) -> Callable[[], list[str]]:
+    """Return what generates the workspace and tells what was rendered."""
     rendered: list[str] = []
     render = Renderer.render
 
@@ -39,10 +53,7 @@ def generate(
 
     def again() -> list[str]:
         rendered.clear()
-        ros1, root = platforms()["ros1"], tmp_path / "ws"
-        model, config = example / "two_conserts.xml", example / "consert_a_config.yml"
-        monitors, problems = monitors_of(model, [config])
-        write_packages(root, assemble(monitors, ros1, root, problems).packages, template)
+        write()
         return sorted(rendered)
 
     return again
@@ -83,6 +94,32 @@ def test_what_differs_is_put_right(
     change(package)
     assert generate() == ["conserta"]
     assert tree(package, "rejects") == before
+
+
+def test_a_removed_file_is_written_anew_with_a_word(
+    write: Callable[[], Outcome], tmp_path: Path
+) -> None:
+    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    said = "conserta/src/conserta/EDDIInput.py: it was missing and is written anew"
+
+    def again() -> list[str]:
+        file.unlink()
+        return list(write().notes)
+
+    write()
+    assert again() == [f"{said}, without hand edits"]
+    git(tmp_path / "ws", "init", "-q")
+    git(tmp_path / "ws", "add", ".")
+    git(tmp_path / "ws", "commit", "-qm", "as it was generated")
+    assert again() == []  # what was committed, byte for byte
+    edit(file, "= RtE_E0.data", "= RtE_E0.data and True")
+    git(tmp_path / "ws", "commit", "-qam", "a hand edit")
+    (note,) = again()
+    command = re.search("`git (.*)`", note)
+    assert note.startswith(f"{said}, without hand edits; ")
+    assert command is not None
+    git(tmp_path, *command[1].split())
+    assert "= RtE_E0.data and True" in file.read_text()
 
 
 def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) -> None:
