@@ -231,7 +231,11 @@ def _one_topic(
         shared = f"{len(analysis.events)} events share one topic"
         message = f"{shared}: the latest message may be from any of them"
         hint = "give each event a separate output: `event: ID` with `topic:`"
-        yield warning("W005", message, model.place, hint)
+        place = model.place
+        if model.data.placed is None:  # a file: the second event, the first is no mistake
+            line, column = line_and_column(model.data.text)(analysis.events[1].at)
+            place = replace(place, line=line, col=column)
+        yield warning("W005", message, place, hint)
 
 
 def parts(model: EventModel) -> Sequence[str]:

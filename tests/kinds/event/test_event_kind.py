@@ -79,7 +79,8 @@ def test_wrong_files(text: str, code: str, folder: Path) -> None:
 
 def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
     both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert "2 events share one topic: the latest message may be from any of them [W005]" in both.err
+    told = "warning: 2 events share one topic: the latest message may be from any of them [W005]"
+    assert f"overheat.events:4:7: {told}\n    EVENT cold (HAZARD) := temp < 10\n" in both.err
     config = folder / "eddi_config.yml"
     text = config.read_text()
     outputs = "EDDIOutputs:\n  - {id: e, topic: /e, event: %s}\n"
