@@ -239,7 +239,7 @@ class ExpressionParser(Cursor):
         self._k += 1
         if word.word == "SECTOR":
             low = self._signed()
-            self._expect("..")
+            self._expect("..", "'..' as in SECTOR -30 deg .. 30 deg")
             return replace(options, sector=(low, self._signed()))
         if word.word == "LENGTH":
             return replace(options, length=self._lengths())

@@ -91,7 +91,8 @@ def reduced(
             limits.append([_limited(lists, elements, scope), *nodes[1:]])
         row |= _sector(node.options, lists, elements)
     except _Wrong as problem:
-        findings.error(problem.code, node.start, str(problem), problem.hint)
+        at = node.start if problem.at is None else problem.at
+        findings.error(problem.code, at, str(problem), problem.hint)
         return None
     needed, new = elements.builder.needed([nodes[0], *(n for limit in limits for n in limit[1:])])
     parts = [_part(name, scope) for name in elements.used]
@@ -117,9 +118,11 @@ def reduced(
 
 
 class _Wrong(Exception):  # noqa: N818 - it ends one reduction
-    def __init__(self, message: str, hint: str | None = None, code: str = "E007") -> None:
+    def __init__(
+        self, message: str, hint: str | None = None, code: str = "E007", at: int | None = None
+    ) -> None:
         super().__init__(message)
-        self.hint, self.code = hint, code
+        self.hint, self.code, self.at = hint, code, at
 
 
 def _head(name: str) -> str:
@@ -172,13 +175,15 @@ def _sector(options: ReductionOptions, lists: list[str], elements: Elements) -> 
     for end in options.sector:
         unit = find(end.unit) if end.unit else None
         if unit is None or unit.dimension != "angle":
-            raise _Wrong("SECTOR needs angles", "SECTOR -30 deg .. 30 deg", "E009")
+            raise _Wrong("SECTOR needs angles", "SECTOR -30 deg .. 30 deg", "E009", end.at)
         ends.append(converted(end.value, end.unit or "", "rad"))
+    at = dict(options.at)["SECTOR"]
     if ends[0] >= ends[1]:
-        raise _Wrong("the SECTOR is empty: its ends are swapped")
+        hint = "angles are not turned by 360 deg: across the end of a scan, take two sectors"
+        raise _Wrong("the SECTOR is empty: its ends are swapped", hint, at=at)
     scans = {_place_of(name)[0] for name in lists if not array_of(name)[1]}
     if len(lists) != 1 or len(scans) != 1 or not array_of(lists[0])[0].endswith("[*]"):
-        raise _Wrong("SECTOR needs the list of a scan, such as scan.ranges[*]")
+        raise _Wrong("SECTOR needs the list of a scan, such as scan.ranges[*]", at=at)
     (scan,) = scans
     for angle in ANGLES:
         elements.number(f"{scan}.{angle}")

@@ -44,7 +44,7 @@ _INSTEAD = {
     "#": "// for a comment",
     "\N{NO-BREAK SPACE}": "a plain blank",
     "%": "the unit pct",
-    "\N{DEGREE SIGN}": "the unit degC",
+    "\N{DEGREE SIGN}": "the unit, deg or degC",
 }
 
 
