@@ -11,6 +11,7 @@ from eddi_scaffold.config.fleet.reading import is_fleet
 from eddi_scaffold.deployments.fleet.sites import sites_of
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
+from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import at_work
 from eddi_scaffold.problems import EddiError, Place, error
@@ -52,7 +53,12 @@ def generate_fleet(
             dry_run=dry_run,
             progress=console.progress,
         )
-    console.problems([*problems, *found])
+    places = places_of(sites, folder)
+
+    def packages(name: str) -> list[Path]:
+        return [place / name for place in places if (place / name).is_dir()]
+
+    console.problems(until_written([*problems, *found], packages))
     outcome = replace(outcome, notes=list(dict.fromkeys([*finished, *outcome.notes])))
     steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
     for site in sites:

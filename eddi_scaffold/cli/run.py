@@ -171,7 +171,7 @@ def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> 
     near = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
     found = []
     for monitor in monitors if configs else ():
-        for package in packages_of(monitor, near):
+        for package in packages_of(monitor.package, near):
             lines = ", ".join(written(package))
             if lines:
                 message = f"the hand-written lines of this package are not used here: {lines}"

@@ -18,7 +18,7 @@ from eddi_scaffold.deployments.wiring.check import members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.topics import absent_publishers
 from eddi_scaffold.kinds import Model, Reading, kinds
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.monitors.choosing import without_model
 from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
@@ -32,7 +32,7 @@ _OF_WHAT_LACKS = ("D006", "G001", "X037")
 
 
 @dataclass(frozen=True)
-class ByHand(Problem):
+class ByHand(UntilWritten):
     """An input that only hand-written code can make of its messages (K050).
 
     Attributes:
@@ -203,4 +203,6 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
                 of = f"{binding.model.id} (input of {monitor.model.name})"
                 place = monitor.config.place("EDDIInputs", index[binding.model.id])
                 hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
-                yield ByHand("info", "K050", f"{BY_HAND}{of}", place, hint, of=of)
+                names = tuple(filter(None, (binding.model.id, binding.renamed_from)))
+                text = f"{BY_HAND}{of}"
+                yield ByHand("info", "K050", text, place, hint, None, monitor.package, names, of)

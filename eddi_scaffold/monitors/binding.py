@@ -56,6 +56,19 @@ _MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
 
 
 @dataclass(frozen=True)
+class UntilWritten(Problem):
+    """A problem of an input that ends when a person writes its region.
+
+    Attributes:
+        package: of the monitor.
+        inputs: id of the input, and the one before where it was renamed.
+    """
+
+    package: str = ""
+    inputs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class InputBinding:
     """One input of the model, joined with its entry in the configuration.
 
@@ -418,7 +431,11 @@ class _InputBinder:
         if holds(message, self.item.type, self._fields_of) is False:
             text = f"{self.item.id!r} is of type {self.item.type}, and no field of {message} is"
             hint = "is it the right topic? An `expression:` or code in EDDIInput.py can convert it"
-            self.problems.append(warning("K062", text, self._place("requires"), hint))
+            names = tuple(filter(None, (self.entry.id, self.entry.renamed_from)))
+            package = package_name(self.config.config.Model.id)
+            place = self._place("requires")
+            found = UntilWritten("warning", "K062", text, place, hint, None, package, names)
+            self.problems.append(found)
 
     def _numbers(self) -> str | None:
         """Return the expression for a list of numbers, joined where several messages hold it.

@@ -23,6 +23,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.answers_check import check_answers
+from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import existing, is_compiled
 from eddi_scaffold.platforms import (
@@ -207,7 +208,8 @@ def assemble(
     wanted = {package.folder: package.answers for package in packages}
     shared = support(platform, root, before, wanted, config, gone)
     ageless = list(without_limits(present, packages))
-    return Assembly([*packages, *shared], new, found, before, ageless)
+    told = until_written(found, lambda package: [root / package])
+    return Assembly([*packages, *shared], new, told, before, ageless)
 
 
 def _sharing(

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.deployments.wiring.lifetimes import limit_of
 from eddi_scaffold.deployments.wiring.support import remembered
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
-from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.regions.check import RegionStatus, accept, list_regions, regions_of
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.store import EDDI
@@ -142,12 +142,32 @@ def written(package: Path) -> list[str]:
     return [status.id for status in regions_of(package) if status.state == "edited"]
 
 
-def packages_of(monitor: BoundMonitor, near: Iterable[Path]) -> list[Path]:
-    """Return the packages of a monitor in workspaces around or below some folders.
+def until_written(
+    problems: Iterable[Problem], packages: Callable[[str], Sequence[Path]]
+) -> list[Problem]:
+    """Leave out what is not true any more, because a person has written the region of the input.
+
+    Args:
+        problems: what was found in models and configurations.
+        packages: from the name of a package to the folders where it is.
+    """
+
+    def is_written(problem: Problem) -> bool:
+        if not isinstance(problem, UntilWritten):
+            return False
+        regions = {f"input:{name}" for name in problem.inputs}
+        there = packages(problem.package)
+        return bool(there) and all(regions.intersection(written(one)) for one in there)
+
+    return [problem for problem in problems if not is_written(problem)]
+
+
+def packages_of(package: str, near: Iterable[Path]) -> list[Path]:
+    """Return where the package of a monitor is, in workspaces around or below some folders.
 
     Only the places of a catkin workspace and of ``generate -o`` are looked at, nothing else.
     """
-    file = f"{monitor.package}/{ANSWERS_FILE}"
+    file = f"{package}/{ANSWERS_FILE}"
     found: dict[Path, None] = {}
     for folder in near:
         places = [(folder, pattern) for pattern in ("", "*/", "src/*/", "*/src/*/")]

@@ -25,6 +25,7 @@ from eddi_scaffold.packages.assembly import (
     wiring_with,
     with_choices,
 )
+from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
@@ -216,7 +217,7 @@ def targets(
         packages += [package for package in made if package.folder in shared]
     if has_errors(problems):
         raise EddiError(*problems)
-    return packages, problems
+    return packages, until_written(problems, lambda package: [group.root / package])
 
 
 def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.command import EXAMPLE, run
+from tests.cli.command import EXAMPLE, example, run
 
 FILE = "src/conserta/EDDIInput.py"
 BODY = "        self.RtE_A_E0 = RtE_E0.data\n"
@@ -95,3 +95,25 @@ def test_a_body_that_is_not_python_is_looked_at(package: Path) -> None:
     assert "it is not valid Python: '(' was never closed" in shown.out
     told = run("status", package, cwd=package)
     assert (told.status, "[H011]" in told.err) == (2, True)
+
+
+def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None:
+    """Only while nobody has written the region, an input that no field fits is a warning."""
+    example(tmp_path)
+    config = tmp_path / "consert_b_config.yml"
+    config.write_text(config.read_text("utf-8").replace("std_msgs.Bool", "sensor_msgs.Imu"))
+    generate = ["generate", "--platform", "plain", "-o", "out", "-m", "two_conserts.xml", "-c"]
+    check = ["check", "two_conserts.xml", config.name]
+    calls = [
+        ([*generate, config.name], "K062"),
+        (["upgrade", "-w", "out", "-m", "two_conserts.xml", "-c", config.name], "K062"),
+        (check, "K062"),
+        (check, "to be written by hand: RtE_A_E0"),
+    ]
+    for command, said in calls:
+        assert said in run(*command, cwd=tmp_path).err
+    file = tmp_path / "out" / "consertb" / "EDDIInput.py"
+    text = file.read_text("utf-8")
+    file.write_text(text.replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = bool(RtE_E0)"))
+    for command, said in calls:
+        assert said not in run(*command, cwd=tmp_path).err
