@@ -19,7 +19,7 @@ from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import at_work, packages_root
 from eddi_scaffold.platforms import choices, chosen
 from eddi_scaffold.problems import EddiError, Place, Problem
-from eddi_scaffold.replay.parts import of_values, rhythm
+from eddi_scaffold.replay.parts import columns, of_values, rhythm
 from eddi_scaffold.replay.playing import play
 from eddi_scaffold.replay.recordings import read_tape
 from eddi_scaffold.replay.running import steps
@@ -127,5 +127,5 @@ def run(
     """
     monitors, _ = monitors_of(model, [config] if config is not None else [])
     monitor = only(monitors)
-    tape, _ = read_tape(read_source(recording), monitor)
-    yield from steps(play([of_values(monitor, rhythm(monitor))], tape))
+    tape, _ = read_tape(read_source(recording), columns([monitor]))
+    yield from steps(play(of_values([monitor], [rhythm(monitor)]), tape))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.replay.parts import of_values
+from eddi_scaffold.replay.parts import columns, of_values
 from eddi_scaffold.replay.playing import Play, play
 from eddi_scaffold.replay.recordings import read_tape
 from eddi_scaffold.replay.steps import ROWS, Rhythm
@@ -12,5 +12,5 @@ from eddi_scaffold.source import Source
 
 def played(monitor: BoundMonitor, source: Source, rhythm: Rhythm = ROWS) -> Play:
     """Yield the steps of a monitor on a CSV file."""
-    tape, _ = read_tape(source, monitor)
-    return play([of_values(monitor, rhythm)], tape)
+    tape, _ = read_tape(source, columns([monitor]))
+    return play(of_values([monitor], [rhythm]), tape)

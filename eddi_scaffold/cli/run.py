@@ -51,7 +51,11 @@ def run(
     ] = None,
     inputs: Annotated[
         Path | None,
-        typer.Option("-i", "--inputs", help="CSV with a column t and one per input."),
+        typer.Option(
+            "-i",
+            "--inputs",
+            help="CSV with a column t and one per input that no other monitor here gives.",
+        ),
     ] = None,
     bag: Annotated[
         Path | None,
@@ -88,7 +92,7 @@ def run(
 ) -> None:
     """Run monitors on a recording.
 
-    Prints changes of verdicts, or every step as JSON or CSV. Several monitors take a bag.
+    Prints changes of verdicts, or every step as JSON or CSV. Several monitors hear each other.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
     """
@@ -240,23 +244,20 @@ def _parts(
         made = package.from_messages() if package is not None else None
         return of_messages(monitors, rhythms, made)
     made = package.from_values() if package is not None else None
-    return [of_values(monitors[0], rhythms[0], made)]
+    return of_values(monitors, rhythms, made)
 
 
 def _from_csv(
     monitors: Sequence[BoundMonitor], path: Path | None, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
-    from eddi_scaffold.problems import EddiError, error, warning
+    from eddi_scaffold.problems import warning
+    from eddi_scaffold.replay.parts import columns
     from eddi_scaffold.replay.recordings import read_tape
     from eddi_scaffold.source import read_source
 
     assert path is not None
-    if len(monitors) > 1:
-        message = "--inputs has the inputs of one monitor, several take a bag"
-        raise EddiError(error("G020", message, hint="use --bag, or give one configuration"))
-    (monitor,) = monitors
-    tape, found = read_tape(read_source(path), monitor)
-    if monitor.config is None:
+    tape, found = read_tape(read_source(path), columns(monitors))
+    if any(monitor.config is None for monitor in monitors):
         message = "without a configuration no `max_age` is checked, and each row is one step"
         hint = "give it with -c" if package is None else "generate the package with -c"
         found.append(warning("I016", message, hint=hint))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
+from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.replay.node import SECOND, GivenInput, ReplayedNode
 from eddi_scaffold.replay.playing import Part
 from eddi_scaffold.replay.publishing import Publications
@@ -15,6 +16,8 @@ from eddi_scaffold.replay.steps import ROWS, Rhythm, rhythm_of
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
+
+    from eddi_scaffold.kinds import InputType
 
 
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
@@ -43,17 +46,53 @@ Made = tuple["RuntimeMonitor[Any]", ReplayedNode]
 """A monitor that runs, and a node of it."""
 
 
-def of_values(monitor: BoundMonitor, rhythm: Rhythm, made: Made | None = None) -> Part:
-    """Return a monitor whose inputs are given their values themselves.
+def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
+    """Return input -> type of those whose values a recording has: what no other monitor publishes.
+
+    Raises:
+        EddiError: inputs of one name are not the same in two monitors (G020).
+    """
+    shared = published(monitors)
+    owners: dict[str, tuple[str, object]] = {}
+    found: dict[str, InputType] = {}
+    for monitor in monitors:
+        for one in monitor.inputs:
+            if _is_received(one, monitor, shared):
+                continue
+            id_ = one.model.id
+            topics = [monitor.topic(source.topic) for source in one.requires]
+            meaning = (one.model.type, one.unit, one.expression, one.computed_text, topics)
+            first, same = owners.setdefault(id_, (monitor.model.name, meaning))
+            if same != meaning:
+                message = f"{id_!r} of {first} and of {monitor.model.name} would be one column"
+                hint = "run one configuration alone, or use --bag, which knows topics"
+                raise EddiError(error("G020", message, hint=hint))
+            found[id_] = one.model.type
+    return found
+
+
+def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collection[str]) -> bool:
+    topics = [monitor.topic(source.topic) for source in binding.requires]
+    return bool(topics) and binding.is_given and all(topic in shared for topic in topics)
+
+
+def of_values(
+    monitors: Sequence[BoundMonitor], rhythms: Sequence[Rhythm], made: Made | None = None
+) -> list[Part]:
+    """Return monitors that are given their ``columns``, and listen to each other.
 
     Args:
-        monitor: what to run.
-        rhythm: how it steps.
-        made: by its package; without, what the package would be without hand-written lines.
+        monitors: what to run; several have configurations.
+        rhythms: how each steps.
+        made: by the package of the only one; without, what the package would be without
+            hand-written lines.
     """
-    bindings = [by_value(one) for one in monitor.inputs]
-    topics = {one.model.id: [one.model.id] for one in bindings}
-    return _part("", bindings, rhythm, topics, made or _made(monitor, bindings))
+    shared = published(monitors)
+    inputs = [
+        [one if _is_received(one, monitor, shared) else by_value(one) for one in monitor.inputs]
+        for monitor in monitors
+    ]
+    return _joined(monitors, inputs, rhythms, made)
 
 
 def of_messages(
@@ -66,25 +105,28 @@ def of_messages(
         rhythms: how each steps.
         made: by the package of the only one.
     """
+    return _joined(monitors, [one.inputs for one in monitors], rhythms, made)
+
+
+def _joined(
+    monitors: Sequence[BoundMonitor],
+    inputs: Sequence[Sequence[InputBinding]],
+    rhythms: Sequence[Rhythm],
+    made: Made | None,
+) -> list[Part]:
     several = len(monitors) > 1
-    parts = {}
-    for monitor, one in zip(monitors, rhythms, strict=True):
-        assert monitor.config is not None
-        name = monitor.config.config.Model.id
-        sources = {source.id: source for b in monitor.inputs for source in b.requires}
+    parts = []
+    for monitor, bindings, rhythm in zip(monitors, inputs, rhythms, strict=True):
         topics: dict[str, list[str]] = {}
-        for source in sources.values():
-            topics.setdefault(monitor.topic(source.topic), []).append(source.id)
+        for source in {source.id: source for b in bindings for source in b.requires}.values():
+            # a column has no message
+            name = monitor.topic(source.topic) if source.type else source.id
+            topics.setdefault(name, []).append(source.id)
+        name = monitor.config.config.Model.id if several and monitor.config is not None else ""
         publisher = Publications(monitor, monitor.topic) if several else None
-        parts[name] = _part(
-            name if several else "",
-            monitor.inputs,
-            one,
-            topics,
-            made or _made(monitor, monitor.inputs),
-            publisher,
-        )
-    return _in_order(list(parts.values()))
+        running = made or _made(monitor, bindings)
+        parts.append(_part(name, bindings, rhythm, topics, running, publisher))
+    return _in_order(parts)
 
 
 def _made(monitor: BoundMonitor, bindings: Sequence[InputBinding]) -> Made:

@@ -26,7 +26,6 @@ from eddi_scaffold.problems import (
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import InputType, JsonValue
-    from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.source import Source
 
 TIME = "t"
@@ -126,12 +125,12 @@ def tape_of(recording: Recording) -> Tape:
     return Tape(rows[0], rows[-1], samples, rows)
 
 
-def read_tape(source: Source, monitor: BoundMonitor) -> tuple[Tape, list[Problem]]:
-    """Read the values of a monitor's inputs.
+def read_tape(source: Source, types: Mapping[str, InputType]) -> tuple[Tape, list[Problem]]:
+    """Read the values of inputs.
 
     Args:
         source: as for ``read_recording``.
-        monitor: its inputs are the columns.
+        types: as for ``read_recording``.
 
     Returns:
         The recording, and warnings.
@@ -139,7 +138,6 @@ def read_tape(source: Source, monitor: BoundMonitor) -> tuple[Tape, list[Problem
     Raises:
         EddiError: a problem is an error (I001 to I003, I005 to I009, I015).
     """
-    types = {binding.model.id: binding.model.type for binding in monitor.inputs}
     recording, problems = read_recording(source, types)
     if recording is None:
         raise EddiError(*problems)

@@ -50,7 +50,7 @@ from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import sync_package
 from eddi_scaffold.replay.bags import read_bag
-from eddi_scaffold.replay.parts import compiled, of_messages, of_values, rhythm
+from eddi_scaffold.replay.parts import columns, compiled, of_messages, of_values, rhythm
 from eddi_scaffold.replay.playing import play
 from eddi_scaffold.replay.recordings import read_tape
 from eddi_scaffold.replay.running import changes, steps
@@ -431,9 +431,9 @@ def _recordings(folder: Path) -> Made:
 
     def attempt(sample: Sample) -> Steps:
         with contextlib.suppress(EddiError):
-            tape, _ = read_tape(Source("damaged.csv", sample.data), monitor)
+            tape, _ = read_tape(Source("damaged.csv", sample.data), columns([monitor]))
             for one in (rhythm(monitor), ROWS):
-                list(changes(itertools.islice(play([of_values(monitor, one)], tape), 100)))
+                list(changes(itertools.islice(play(of_values([monitor], [one]), tape), 100)))
         yield
 
     return samples, attempt
