@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from math import fsum, inf
 
 from eddi_scaffold.compiling.reliability.markov import (
     Chain,
@@ -112,4 +112,4 @@ def _unpacked(count: int) -> list[str]:
 
 
 def _dot(one: _Numbers, other: _Numbers) -> float:
-    return sum(a * b for a, b in zip(one, other, strict=True))
+    return fsum(a * b for a, b in zip(one, other, strict=True))

@@ -1,8 +1,8 @@
 """Continuous-time Markov chains without subtractions, so that 1e-18 keeps its digits.
 
-Plain loops, additions, products and quotients only: the same digits on every machine. Sources:
-uniformisation (Jensen 1953), scaling and squaring of non-negative matrices, and the elimination of
-Grassmann, Taksar and Heyman (1985).
+Plain loops, products, quotients, and sums that are rounded once, as ``sum`` is not before Python
+3.12: the same digits on every machine. Sources: uniformisation (Jensen 1953), scaling and squaring
+of non-negative matrices, and the elimination of Grassmann, Taksar and Heyman (1985).
 """
 
 from __future__ import annotations
@@ -136,10 +136,13 @@ def _connected(pairs: Iterable[tuple[int, int]], starts: Iterable[int]) -> set[i
 
 def _product(one: Matrix, other: Sequence[Sequence[float]]) -> Matrix:
     columns = list(zip(*other, strict=True))
-    return [
-        [sum(a * b for a, b in zip(row, column, strict=True)) for column in columns] for row in one
-    ]
+    found = []
+    for row in one:
+        used = [(k, value) for k, value in enumerate(row) if value]
+        found.append([math.fsum([value * column[k] for k, value in used]) for column in columns])
+    return found
 
 
 def _normalised(matrix: Matrix) -> Matrix:
-    return [[value / whole for value in row] for row, whole in ((row, sum(row)) for row in matrix)]
+    wholes = map(math.fsum, matrix)
+    return [[value / whole for value in row] for row, whole in zip(matrix, wholes, strict=True)]

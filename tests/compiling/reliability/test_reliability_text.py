@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import ast
+import math
 import subprocess
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from eddi_scaffold.compiling import compilation
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelFile
 from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.compiling.reliability import chains, markov
 from runtime_lib.tests.reliability.reliability_models import (
     chain,
     compiled,
@@ -71,6 +75,24 @@ MODELS = [
 @pytest.mark.parametrize("made", MODELS)
 def test_the_formatter_changes_nothing(made: ModelFile) -> None:
     assert objections(compile_model(made)) == ""
+
+
+def test_each_python_writes_the_same_digits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From Python 3.12 on, ``sum`` adds floats in another way."""
+    texts = []
+    for add in (_one_by_one, math.fsum):
+        compilation._known_lines.cache_clear()
+        for module in (chains, markov):
+            monkeypatch.setattr(module, "sum", add, raising=False)
+        texts.append([compile_model(one) for one in MODELS])
+    assert texts[0] == texts[1]
+
+
+def _one_by_one(values: Iterable[float]) -> float:
+    whole = 0.0
+    for value in values:
+        whole += value
+    return whole
 
 
 @pytest.mark.parametrize("made", MODELS)

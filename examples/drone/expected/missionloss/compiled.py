@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 1})
-# sha256 of the lines below: 66135d6dc98d1bac505aa5fb319b9118a4b832f4b8477d90c8348669700eb7d9
+# sha256 of the lines below: 15a04f64e8c91d60aa0b96fcc4b0b1b36f7ed1b2a255a4820f5ce0b00cd3475e
 
 
 # Markov Rotors
@@ -18,7 +18,7 @@ class Chain0(chain.Chain):
     first = (1.0, 0.0, 0.0)
     # Failed and alive at the horizon, mean life in hours.
     ahead = (
-        (1.496663304269644e-07, 0.9999998503336696, 24987.531172069823),  # Healthy
+        (1.4966633042696437e-07, 0.9999998503336696, 24987.531172069823),  # Healthy
         (0.009950166250831949, 0.9900498337491681, 50.0),  # OneRotorLost
         (1.0, 0.0, 0.0),  # Crashed
     )
@@ -34,7 +34,7 @@ class Chain0(chain.Chain):
     def look(self, belief, at):
         b0, b1, b2 = belief
         return (
-            b0 * 1.496663304269644e-07 + b1 * 0.009950166250831949 + b2,  # failed
+            b0 * 1.4966633042696437e-07 + b1 * 0.009950166250831949 + b2,  # failed
             b0 * 0.9999998503336696 + b1 * 0.9900498337491681,  # alive
             b0 * 24987.531172069823 + b1 * 50.0,  # mean life
             0.0,  # lives for ever
