@@ -33,6 +33,8 @@ SAVED = (f"{EDDI}/orphans/", f"{EDDI}/rejects/")
 """Folders of records that a person may work in: text of theirs that has no place."""
 PRISTINE = f"{EDDI}/pristine"
 """Folder into which Copier renders the editable files."""
+IGNORED = ".gitignore"
+"""Record that hides renderings from git; if it hides itself it goes with them."""
 _PLACED = f"{EDDI}/placed"
 """What a folder of renderings is called while it is removed."""
 _TEMPORARY = ".eddi-tmp"
@@ -82,10 +84,10 @@ def newest_rendering(root: Path, name: str) -> str | Fault | None:
     return without_sentinel(text) if isinstance(text, str) else text
 
 
-def is_hidden(root: Path, folder: str) -> bool:
-    """Return whether git, and so Copier, is told not to look into a folder of the records."""
-    text = read_text(root / EDDI / ".gitignore")
-    return isinstance(text, str) and f"/{folder.rpartition('/')[2]}/" in text.splitlines()
+def is_hidden(root: Path, record: str) -> bool:
+    """Return whether git, and so Copier, is told not to look at one of the records."""
+    text = read_text(root / EDDI / IGNORED)
+    return isinstance(text, str) and f"/{record}" in text.splitlines()
 
 
 def discard(root: Path, folder: str) -> None:

@@ -27,6 +27,7 @@ from .merge import may_return, merge, retire
 from .result import Merged, Note, Orphan, RefusedFile
 from .store import (
     EDDI,
+    IGNORED,
     PRISTINE,
     ChangedMeanwhileError,
     clean_temporaries,
@@ -177,14 +178,17 @@ def _settle_renderings(root: Path) -> None:
 
 
 def _clear(root: Path) -> None:
-    """Remove the renderings, which are the bases now.
+    """Remove the renderings, which are the bases now, and what hid them from git.
 
     They stay where git sees them: Copier would take them for files that a person removed, and never
     render them again; and beside a file in ``generated`` that could not be placed yet.
     """
-    waits = (root / GENERATED).is_dir() or not (root / PRISTINE).is_dir()
-    if not waits and is_hidden(root, PRISTINE):
+    if (root / GENERATED).is_dir():
+        return
+    if (root / PRISTINE).is_dir() and is_hidden(root, "pristine/"):
         discard(root, PRISTINE)
+    if not (root / PRISTINE).is_dir() and is_hidden(root, IGNORED):
+        remove_file(root / EDDI / IGNORED)
 
 
 def linked_folders(root: Path) -> tuple[Refusal, ...]:

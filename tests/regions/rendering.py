@@ -107,8 +107,9 @@ def sentinel(path: str) -> str:
 def render(root: Path, package: Package, records: str = ".eddi") -> None:
     """Do what Copier does: editable files only where absent, pristine copies always."""
     (root / records / "pristine").mkdir(parents=True, exist_ok=True)
-    if not (root / records / ".gitignore").exists():
-        (root / records / ".gitignore").write_text("/pristine/\n/generated/\n/placed/\n")
+    hidden = root / records / ".gitignore"
+    if not hidden.exists():
+        hidden.write_text("/.gitignore\n/pristine/\n/generated/\n/placed/\n")
     for path in FILES:
         pristine = root / records / "pristine" / path
         if path not in package.files:

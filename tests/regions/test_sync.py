@@ -569,6 +569,7 @@ def test_the_folder_runs_alone(package: Path, tmp_path: Path, name: str) -> None
 def test_a_merged_rendering_goes_where_git_does_not_see_it(package: Path) -> None:
     before = snapshot(package)
     assert not (package / ".eddi/pristine").exists()
+    assert not (package / ".eddi/.gitignore").exists()
     assert sync_package(package).touched == ()
     assert snapshot(package) == before
     (package / ".eddi/.gitignore").write_text("")  # there Copier would take it for removed
