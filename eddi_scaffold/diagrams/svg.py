@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramNode, LegendEntry, Shape, Tone
-from eddi_scaffold.diagrams.layout import LETTER, LINE, RULE, Box, Route, laid_out
+from eddi_scaffold.diagrams.layout import LINE, RULE, Box, Route, laid_out, text_width
 from eddi_scaffold.escaping import xml_text
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
@@ -35,7 +35,7 @@ def drawn(diagram: Diagram) -> str:
     """Return the SVG of a diagram."""
     layout = laid_out(diagram)
     legend = _legend(diagram.legend, _TITLE + layout.height + _MARGIN)
-    title = len(diagram.title) * LETTER * 1.4
+    title = text_width(diagram.title) * 15 / 12
     keys = sum(_legend_width(entry) for entry in diagram.legend)
     width = max(layout.width, title, keys) + 2 * _MARGIN
     height = _TITLE + layout.height + _MARGIN + (_LEGEND if legend else 0.0)
@@ -76,7 +76,7 @@ def _edge(line: Route) -> str:
         return drawn
     x, y = line.label
     text = xml_text(line.edge.label)
-    wide = len(line.edge.label) * LETTER
+    wide = text_width(line.edge.label)
     plate = f'<rect x="{_n(x - wide / 2)}" y="{_n(y - 8)}" width="{_n(wide)}" height="15" '
     return (
         f'{drawn}{plate}fill="#ffffff" opacity="0.85"/>'
@@ -189,7 +189,7 @@ def _legend(entries: Sequence[LegendEntry], y: float) -> list[str]:
 
 
 def _legend_width(entry: LegendEntry) -> float:
-    return 44 + len(entry.text) * LETTER
+    return 44 + text_width(entry.text)
 
 
 def _n(value: float) -> str:

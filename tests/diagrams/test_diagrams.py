@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, drawn
 from eddi_scaffold.diagrams.layers import layered
-from eddi_scaffold.diagrams.layout import label_of, laid_out
+from eddi_scaffold.diagrams.layout import label_of, laid_out, text_width
 from eddi_scaffold.diagrams.ordering import crossings, ordered
 from eddi_scaffold.diagrams.placing import placed
 
@@ -120,7 +120,7 @@ def test_labels_of_opposite_edges_stand_apart_inside_the_picture() -> None:
     layout = laid_out(Diagram("Chain", nodes, edges, "up"))
     spans = []
     for line in layout.lines:
-        half = len(line.edge.label) * 6.7 / 2
+        half = text_width(line.edge.label) / 2
         spans.append((line.label[0] - half, line.label[0] + half, line.label[1]))
         assert spans[-1][0] >= 0
         assert spans[-1][1] <= layout.width
@@ -174,3 +174,17 @@ def test_edges_across_very_many_layers_have_no_bends() -> None:
     assert sum(map(len, layers.rows)) < 40 * count
     assert layers.chains[count - 1] == (0, count, 2)
     assert layers.chains[-1] == ()
+
+
+def test_labels_fit_into_their_boxes() -> None:
+    measured = {  # by a browser: DejaVu Sans Bold, 12 pixels
+        "PEDESTRIAN_DISTANCE_UNKNOWN": 236.3,
+        "pedestrian_distance_unknown": 204.0,
+        "WWMM_MMWW": 106.7,
+        "mmmm_wwww": 100.4,
+        "0.123456789": 88.1,
+    }
+    for label, width in measured.items():
+        (box,) = laid_out(Diagram("", (DiagramNode("a", (label,)),), ())).boxes
+        assert box.lines == (label,)
+        assert box.width >= width + 8

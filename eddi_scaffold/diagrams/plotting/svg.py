@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from eddi_scaffold.diagrams.plotting.tracks import Track, shown_time, stretches, ticks
 from eddi_scaffold.escaping import xml_text
 
 _LEFT, _RIGHT, _WIDTH = 230, 70, 1000
 _TOP, _BAND, _GRAPH, _GAP, _HEADING = 46, 18, 64, 8, 24
-_COLOURS = {True: "#2e7d4f", False: "#c9ced6", None: "url(#unknown)"}
+_COLOURS = {True: "#1f5f99", False: "#c9ced6", None: "url(#unknown)"}
 _WORDS = {True: "active or true", False: "inactive or false", None: "unknown"}
 _STYLE = (
     "text{font:12px sans-serif;fill:#1f2933}.small{font-size:10px;fill:#52606d}"
     ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
     ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
 )
+_DECADES, _LEAST = 1e3, 1e-15
+"""How far probabilities span before their axis is logarithmic, and the least of the highest."""
 _MAX_COLUMNS = 2000
 """Steps of a line that are drawn; of more, the lowest and highest of each column are kept."""
 
@@ -68,7 +70,7 @@ def _document(title: str, height: int, parts: Iterable[str]) -> str:
 
 
 def _track(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
-    parts = [_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=32)]
+    parts = [_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=28)]
     if track.form == "number":
         return parts + _line(track, y, height, start, end)
     for begin, until, value in stretches(track, end):
@@ -89,10 +91,16 @@ def _track(track: Track, y: int, height: int, start: float, end: float) -> list[
 def _line(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
     known = [v for v in track.values if isinstance(v, int | float) and math.isfinite(v)]
     low, high = (min(known), max(known)) if known else (0.0, 1.0)
-    span = high - low or 1.0
+    least = min((v for v in known if v > 0), default=high)
+    decades = low >= 0 and high <= 1 and 0 < least * _DECADES <= high
+    if decades:
+        low = max(least, high * _LEAST)  # 0 is at the foot as well
+    scale: Callable[[float], float] = math.log10 if decades else float
+    span = scale(high) - scale(low) or 1.0
 
     def at(value: float) -> float:
-        return y + height - 4 - (min(max(value, low), high) - low) / span * (height - 8)
+        share = (scale(min(max(value, low), high)) - scale(low)) / span
+        return y + height - 4 - share * (height - 8)
 
     frame = f'x="{_LEFT}" y="{y}" width="{_WIDTH - _LEFT - _RIGHT}" height="{height}"'
     parts = [
@@ -100,6 +108,10 @@ def _line(track: Track, y: int, height: int, start: float, end: float) -> list[s
         _text(_WIDTH - _RIGHT + 6, y + 12, f"{high:.4g}", "small"),
         _text(_WIDTH - _RIGHT + 6, y + height - 2, f"{low:.4g}", "small"),
     ]
+    if decades:
+        parts.append(_text(_WIDTH - _RIGHT + 6, y + height // 2 + 4, "log", "small"))
+        levels = [at(10.0**k) for k in range(math.ceil(scale(low)), math.floor(scale(high)) + 1)]
+        parts += [_rule(_LEFT, level, _WIDTH - _RIGHT, level) for level in levels]
     path: list[str] = []
     pen_down = False
     for begin, until, value in _thinned(stretches(track, end), start, end):
@@ -142,7 +154,7 @@ def _thinned(
 def _grid(start: float, end: float, bottom: int) -> Iterable[str]:
     for t in ticks(start, end):
         x = _number(_x(t, start, end))
-        yield f'<line class="grid" x1="{x}" y1="{_TOP - 6}" x2="{x}" y2="{bottom}"/>'
+        yield _rule(float(x), _TOP - 6, float(x), bottom)
         yield _text(float(x), bottom + 14, f"{t:g}", "small", anchor="middle")
     yield _text(_WIDTH - _RIGHT + 18, bottom + 14, "s", "small")
 
@@ -153,6 +165,11 @@ def _legend(y: int) -> Iterable[str]:
         yield f'<rect x="{x}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
         yield _text(x + 20, y, word, "small")
         x += 140
+
+
+def _rule(left: float, top: float, right: float, bottom: float) -> str:
+    ends = f'x1="{_number(left)}" y1="{_number(top)}" x2="{_number(right)}" y2="{_number(bottom)}"'
+    return f'<line class="grid" {ends}/>'
 
 
 def _x(t: float, start: float, end: float) -> float:

@@ -60,6 +60,33 @@ def test_numbers_are_a_line_of_steps_that_breaks_where_they_are_unknown() -> Non
     assert "unknown" in [title.text for title in root.iter(f"{SVG}title")]
 
 
+def levels(svg: str) -> list[float]:
+    (line,) = ET.fromstring(svg).iter(f"{SVG}path")
+    steps = line.attrib["d"].replace("M", "L").split("L")[1::2]
+    return [float(step.split(" ")[1]) for step in steps]
+
+
+def test_probabilities_that_span_decades_have_a_logarithmic_axis() -> None:
+    svg = plot("p", [track(1e-9, 1e-6, 1e-3, 0.0, 1e-2)])
+    low, middle, upper, zero, high = levels(svg)
+    assert (low, high) == (zero, min(levels(svg)))
+    assert math.isclose((low - middle) / (low - high), 3 / 7, abs_tol=0.01)
+    assert math.isclose((low - upper) / (low - high), 6 / 7, abs_tol=0.01)
+    assert {">log<", ">1e-09<", ">0.01<"} <= {f">{t.text}<" for t in ET.fromstring(svg).iter()}
+    for linear in ((0.5, 0.9), (1e-9, 5.0), (-1e-9, 0.5), (0.0, 0.0)):
+        assert ">log<" not in plot("x", [track(*linear)])
+
+
+def test_what_is_true_may_be_bad_and_is_not_green() -> None:
+    (band, *_) = [
+        rect.attrib["fill"]
+        for rect in ET.fromstring(plot("SafeML", [track(True, name="odd_violation")])).iter()
+        if rect.tag == f"{SVG}rect" and len(rect)
+    ]
+    red, green, blue = (int(band[at : at + 2], 16) for at in (1, 3, 5))
+    assert blue > green > red
+
+
 def test_a_long_recording_keeps_its_peak() -> None:
     values = [0.0] * 50_000
     values[31_234] = 9.0
