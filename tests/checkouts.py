@@ -6,6 +6,8 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,6 +42,19 @@ def git(folder: Path, *words: str) -> str:
     """Run git as nobody in particular."""
     identity = ("-c", "user.name=Tester", "-c", "user.email=tester@localhost")
     return run(["git", *identity, *words], folder, _SILENT).stdout
+
+
+def assert_licensed(dist: Path, name: str) -> None:
+    """Assert that the wheel and the sdist of a distribution hold the text of the licence."""
+    text = (HERE / "LICENSE").read_bytes()
+    (wheel,) = dist.glob(f"{name}-*.whl")
+    (sdist,) = dist.glob(f"{name}-*.tar.gz")
+    with zipfile.ZipFile(wheel) as files, tarfile.open(sdist) as packed:
+        (one,) = [file for file in files.namelist() if file.endswith("/licenses/LICENSE")]
+        assert files.read(one) == text
+        file = packed.extractfile(f"{sdist.name.removesuffix('.tar.gz')}/LICENSE")
+        assert file is not None
+        assert file.read() == text
 
 
 def run(

@@ -15,7 +15,7 @@ import pytest
 from eddi_runtime import __version__
 
 from eddi_scaffold.compiling.parts import PARTS
-from tests.checkouts import HERE, run
+from tests.checkouts import HERE, assert_licensed, run
 from tests.cli.command import EXAMPLE
 from tests.cli.command import run as eddi
 from tests.interpreters import old_python
@@ -91,6 +91,7 @@ def test_the_wheel_has_all_parts_and_needs_nothing(world: World) -> None:
         f"eddi_runtime-{__version__}.dist-info",
     }
     assert "eddi_runtime/py.typed" in names
+    assert_licensed(world.wheels, "eddi_runtime")
     assert all({f"eddi_runtime/{p}.py", f"eddi_runtime/{p}/__init__.py"} & {*names} for p in PARTS)
     about = metadata.Distribution.at(next(world.site.glob("eddi_runtime-*.dist-info")))
     assert about.metadata["Requires-Python"] == ">=3.8"

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold import __version__
-from tests.checkouts import Checkout, checkout, git, run, tree
+from tests.checkouts import Checkout, assert_licensed, checkout, git, run, tree
 
 OLD, NOW = "v0.0.1", f"v{__version__}"
 SHELF = "~/.local/share/eddi-scaffold/templates.bundle"
@@ -74,6 +74,7 @@ def test_contents(installed: Installed) -> None:
     roots = {name.partition("/")[0] for name in names}
     assert roots == {"eddi_scaffold", "eddi_runtime", f"eddi_scaffold-{__version__}.dist-info"}
     assert "eddi_scaffold/_examples/two-conserts/two_conserts.xml" in names
+    assert_licensed(installed.wheel.parent, "eddi_scaffold")
     assert not [name for name in names if "/expected/" in name or "/tests/" in name]
     assert installed.wheel.stat().st_size < 1_900_000
 
