@@ -15,6 +15,7 @@ from eddi_scaffold.config import fields
 from eddi_scaffold.config.field_types import documented_at, resolve
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import (
+    EITHER_TIMES,
     Fields,
     MessageFields,
     declared,
@@ -158,7 +159,7 @@ def monitor_of(
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
-    known = known_types(config, known_messages())
+    known = known_types(config, {**known_messages(), **EITHER_TIMES})  # a platform binds again
     bindings, found = bind_inputs(model, kind, config, known)
     problems = [*problems, *found]
     if config is not None:
@@ -189,6 +190,18 @@ def known_types(config: ConfigFile | None, known: MessageFields) -> MessageField
         for name, fields in given.items()
     }
     return {**known, **own}
+
+
+def bound_to(monitor: BoundMonitor, known: MessageFields) -> tuple[BoundMonitor, list[Problem]]:
+    """Return a monitor with the fields of a platform: one that another has may be missing.
+
+    Args:
+        monitor: as it was read.
+        known: type -> its fields.
+    """
+    inputs, problems = bind_inputs(monitor.model, monitor.kind, monitor.config, known)
+    errors = [one for one in problems if one.level == "error"]  # the rest was told before
+    return replace(monitor, inputs=tuple(inputs)), errors
 
 
 def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str, JsonValue]:

@@ -158,15 +158,29 @@ def test_a_life_cycle_concerns_only_what_starts_the_node(workspace: Path, tmp_pa
             assert (runtime / part).is_file() is travels, part
 
 
-def test_a_field_that_only_ros1_has_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("platform", "name", "refused"),
+    [
+        ("ros1", "nsecs", ""),
+        ("ros2", "nanosec", ""),
+        ("dds", "nanosec", ""),
+        ("ros1", "nanosec", "time has no field 'nanosec'"),
+        ("ros2", "nsecs", "builtin_interfaces/Time has no field 'nsecs'"),
+        ("dds", "nsecs", "builtin_interfaces/Time has no field 'nsecs'"),
+    ],
+)
+def test_parts_of_a_time_are_those_of_the_platform(
+    tmp_path: Path, platform: str, name: str, refused: str
+) -> None:
     config = yaml.safe_load((CONTRACT / "rover_config.yml").read_text("utf-8"))
     config["SimulatorOutputs"][1]["type"] = "sensor_msgs/Range"
-    config["EDDIInputs"][1]["field"] = "header.stamp.secs"
+    config["EDDIInputs"][1]["field"] = f"header.stamp.{name}"
     path = tmp_path / "config.yml"
     path.write_text(yaml.safe_dump(config, sort_keys=False), "utf-8")
     (monitor,), _ = monitors_of(CONTRACT / "rover.yml", [path])
-    _, (problem,) = platforms()["ros2"].monitor(monitor)
-    assert problem.message.startswith("builtin_interfaces/Time has no field 'secs'")
+    _, problems = platforms()[platform].monitor(monitor)
+    errors = [one.message for one in problems if one.level == "error"]
+    assert [one.partition(";")[0] for one in errors] == ([refused] if refused else [])
 
 
 def test_names_of_packages_that_are_installed(

@@ -7,6 +7,7 @@ from functools import cache
 
 from eddi_scaffold.config.message_types.common import common_messages
 from eddi_scaffold.config.message_types.definitions import (
+    EITHER_TIMES,
     TIMES,
     Fields,
     declared,
@@ -19,6 +20,7 @@ from eddi_scaffold.config.message_types.definitions import (
 from eddi_scaffold.kinds import kinds
 
 __all__ = [
+    "EITHER_TIMES",
     "TIMES",
     "Fields",
     "MessageFields",

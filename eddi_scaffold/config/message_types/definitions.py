@@ -26,6 +26,11 @@ TIMES: Mapping[str, Fields] = {
     "duration": {"secs": "int32", "nsecs": "int32"},
 }
 """What rospy makes of the two primitive types that have parts."""
+EITHER_TIMES: Mapping[str, Fields] = {
+    "time": {**TIMES["time"], "sec": "int32", "nanosec": "uint32"},
+    "duration": {**TIMES["duration"], "sec": "int32", "nanosec": "uint32"},
+}
+"""The same, or as in ROS 2: before it is known for which of them a package is."""
 _FIELD = re.compile(r"^\s*([A-Za-z][\w/]*(?:\[\d*\])?)\s+([A-Za-z]\w*)\s*(?:#.*)?$", re.MULTILINE)
 _TYPE = re.compile(r"([A-Za-z][\w/]*)(\[\d*\])?")
 

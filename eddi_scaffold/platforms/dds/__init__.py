@@ -14,7 +14,7 @@ from eddi_scaffold.escaping import toml_text
 from eddi_scaffold.identifiers import taken_by_python
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
 from eddi_scaffold.monitors.nodes import node_of
 from eddi_scaffold.platforms import (
     RUNTIME,
@@ -27,7 +27,7 @@ from eddi_scaffold.platforms import (
 )
 from eddi_scaffold.platforms.dds.definitions import definitions_of, hashes_of
 from eddi_scaffold.problems import Problem
-from eddi_scaffold.ros.ros2_types import bound_to, types_of
+from eddi_scaffold.ros.ros2_types import types_of
 
 _TEMPLATES = Templates("dds_monitor")
 

@@ -7,11 +7,11 @@ from functools import partial
 
 from eddi_scaffold import platforms
 from eddi_scaffold.compiling.parts import HOST
-from eddi_scaffold.config.message_types import packages_of
+from eddi_scaffold.config.message_types import known_messages, packages_of
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.nodes import node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import PackageAnswers
@@ -32,6 +32,7 @@ from eddi_scaffold.ros.shared_packages import package_answers, runtime_parts
 
 def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     """Return the answers of one monitor package."""
+    monitor, problems = bound_to(monitor, known_types(monitor.config, known_messages()))
     node = node_of(monitor)
     classes = classes_of(node)
     answers = shared_answers(monitor, templates.MONITOR)
@@ -45,7 +46,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
         f"src/{monitor.package}/{n}": data
         for n, data in monitor.kind.functions.data_files(monitor.model).items()
     }
-    return PackageAnswers(monitor.package, answers, files), node.problems
+    return PackageAnswers(monitor.package, answers, files), [*problems, *node.problems]
 
 
 def support_answers(

@@ -10,7 +10,7 @@ from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
 from eddi_scaffold.monitors.nodes import node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import PackageAnswers
@@ -24,7 +24,7 @@ from eddi_scaffold.ros.message_classes import (
 from eddi_scaffold.ros.messages import messages_of
 from eddi_scaffold.ros.mros_models import interfaces_of, nodes_of, specs_of
 from eddi_scaffold.ros.package_names import LAUNCHER, RUNTIME
-from eddi_scaffold.ros.ros2_types import bound_to, types_of
+from eddi_scaffold.ros.ros2_types import types_of
 from eddi_scaffold.ros.shared_packages import package_answers, runtime_parts
 
 MONITOR_TEMPLATE = "ros2_monitor"
