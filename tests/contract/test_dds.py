@@ -17,6 +17,7 @@ from eddi_runtime.node.start import StartError
 from eddi_runtime.transports.dds.arguments import arguments, domain_id
 from eddi_runtime.transports.dds.graph import reading, told, writing
 from eddi_runtime.transports.dds.messages import OWN, Unreadable, converter, message_classes
+from eddi_runtime.transports.dds.node import MonitorNode
 
 from tests.contract.stages import CONFIG, DdsStage, environment, free_domain
 
@@ -145,6 +146,21 @@ def test_words_of_the_command_line():
 def test_words_that_are_not_understood(words):
     with pytest.raises(StartError):
         arguments(["--ros-args", *words], "rover")
+
+
+def test_a_parameter_that_nothing_reads_is_said(monkeypatch, capsys):
+    class Rover(MonitorNode):
+        NAME, FREQUENCY, STARTUP_GRACE = "rover", 10.0, 10.0
+
+    known = ["use_sim_time:=true", "partition:=a", "robot:=b", "ros_distro:=iron", "queue_size:=2"]
+    for given, names in ((known, []), (["partitoin:=a", *known], ["partitoin"])):
+        words = [word for one in [*given, "frequency:=0"] for word in ("-p", one)]
+        monkeypatch.setattr("sys.argv", ["rover", "--ros-args", *words])
+        assert Rover.main(list, list) == 1  # for the frequency
+        lines = [f"rover: warning: no parameter is called {t}: nothing reads it" for t in names]
+        *warned, refused = capsys.readouterr().err.splitlines()
+        assert warned == lines
+        assert refused.startswith("rover: error: parameter ~frequency: ")
 
 
 def test_domains():

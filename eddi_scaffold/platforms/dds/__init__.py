@@ -65,7 +65,7 @@ def _taken_names(_root: Path | None) -> Mapping[str, str]:
 
 
 def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
-    return [f"pip install {quote(str(place / monitors[0]))}", monitors[0]]
+    return [f"pip install {' '.join(quote(str(place / one)) for one in monitors)}", *monitors]
 
 
 def _steps_of_robot(

@@ -26,6 +26,8 @@ from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter, diagnostics_of
 
 DISTROS = {"ros_distro": ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")}
+_OWN = {*Settings._fields, *DISTROS, "use_sim_time", "partition", "model"} - {"words"}
+"""Parameters that are read; that of a former release is refused."""
 _DEPTH = 5
 
 
@@ -160,6 +162,10 @@ class MonitorNode(Node):
         """
         try:
             given = arguments(sys.argv[1:], cls.NAME)
+            unknown = sorted(given.parameters.keys() - _OWN)
+            if unknown:
+                text = f"warning: no parameter is called {', '.join(unknown)}: nothing reads it"
+                write_to_stderr(cls.NAME, text)
             options, wrong = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
             if wrong:
                 write_to_stderr(cls.NAME, f"error: {'; '.join(wrong)}")
