@@ -7,6 +7,7 @@ model contains today.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -16,6 +17,7 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions import markers
 
+_LINE = re.compile(r"line ([0-9]+)")
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
 
@@ -65,6 +67,7 @@ class TraceRow:
         code: its place in the generated code (``EDDIInput.process_RtE_E0``), or ``""``.
         topics: what it is read from.
         links: hazards, requirements, failure modes, claims and others that refer to it.
+        is_configured: the configuration says it, not the model file.
     """
 
     element: str
@@ -74,6 +77,7 @@ class TraceRow:
     code: str = ""
     topics: tuple[str, ...] = ()
     links: tuple[TraceLink, ...] = ()
+    is_configured: bool = False
 
 
 @dataclass(frozen=True)
@@ -130,7 +134,13 @@ class Trace:
         """Return the values of one row in the order of ``COLUMNS``."""
         topics = " ".join(row.topics)
         links = "; ".join(one.as_text(self.file) for one in row.links)
-        return (row.element, row.id, self.file, row.line, row.path, row.code, topics, links)
+        file = None if row.is_configured else self.file
+        return (row.element, row.id, file, row.line, row.path, row.code, topics, links)
+
+    def _place(self, row: TraceRow) -> str:
+        if row.is_configured:
+            return "(configuration)"
+        return self.file if row.line is None else f"{self.file}:{row.line}"
 
     def as_text(self) -> str:
         """Return the table for people."""
@@ -143,7 +153,7 @@ class Trace:
         head += [f"  {fact}" for fact in self.facts]
         head += [f"  linked with {one.as_text(self.file)}" for one in self.links]
         shown = [
-            (row.element, row.id, f"{self.file}:{row.line or '-'}", row.path, row.code, *row.topics)
+            (row.element, row.id, self._place(row), row.path, row.code, *row.topics)
             for row in self.rows
         ]
         widths = [max((len(line[k]) for line in shown), default=0) for k in range(5)]
@@ -180,13 +190,18 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     document = json.loads(answers["model_json"])
     code = dict(_code(answers))
     inputs = {item["id"]: item for item in document["inputs"]}
-    topics = {
-        item["id"]: item.get("topic", "") for item in _config(answers).get("SimulatorOutputs", ())
-    }
+    config = _config(answers)
+    topics = {item["id"]: item.get("topic", "") for item in config.get("SimulatorOutputs", ())}
+    section = config.get("Model") or {}
+    limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]
+    configured = {one["id"] for one in limits} | inputs.keys()
     links = {path: _linked(one) for path, one in document.get("links", {}).items()}
-    rows = []
+    rows: list[TraceRow] = []
     published: dict[str, str] = {}
-    for element, item in _elements(document["model"]):
+    elements = list(_elements(document["model"], in_eddi=bool(document["source"]["path"])))
+    known = {item["id"] for _, item in elements}
+    elements += [("input", item) for name, item in inputs.items() if name not in known]
+    for element, item in elements:
         given = inputs.get(item["id"], {})
         published[item.get("class_name", item["id"])] = item["id"]
         heard = tuple(topics.get(name) or name for name in given.get("requires", ()))
@@ -199,13 +214,15 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
                 code.get(item["id"], ""),
                 heard,
                 tuple(one for at, of in links.items() if _is_in(at, item) for one in of),
+                item.get("line") is None and item["id"] in configured,
             )
         )
-    known = [row.path for row in rows if row.path]
+    paths = [row.path for row in rows if row.path]
     whole = document["source"]["path"]
     for path, one in document.get("links", {}).items():
-        if path != whole and not any(f"{path}/".startswith(f"{at}/") for at in known):
-            rows.append(TraceRow(one["element"], one["id"], one["line"], path, links=links[path]))
+        if path != whole and not any(f"{path}/".startswith(f"{at}/") for at in paths):
+            row = TraceRow(one["element"], one["id"], one["line"], path, links=links[path])
+            rows = [other for other in rows if other.path or other.id != row.id] + [row]
     return Trace(
         package=answers["package"],
         kind=answers["kind"],
@@ -276,12 +293,23 @@ def _config(answers: Mapping[str, Any]) -> Mapping[str, Any]:
     return found
 
 
-def _elements(model: Mapping[str, Any]) -> Iterable[tuple[str, Mapping[str, Any]]]:
-    """Yield what has an id and a place, list by list in the order of their names."""
+def _elements(
+    model: Mapping[str, Any], *, in_eddi: bool
+) -> Iterable[tuple[str, Mapping[str, Any]]]:
+    """Yield what has an id or a name, list by list in the order of their names."""
     for name, items in sorted(model.items()):
         for item in items if isinstance(items, Sequence) and not isinstance(items, str) else ():
-            if isinstance(item, dict) and isinstance(item.get("id"), str):
-                yield name.removesuffix("s").replace("_", " "), item
+            id_ = item.get("id", item.get("name")) if isinstance(item, dict) else None
+            if isinstance(id_, str):
+                line = _LINE.fullmatch(str(item.get("place")))
+                of = {"line": int(line[1])} if line else {}
+                yield name.removesuffix("s").replace("_", " "), {**of, **item, "id": id_}
+    form = model.get("form") or {"outputs": []}  # of events: where the condition of each is
+    for item in form["outputs"]:
+        line = None if in_eddi else form["nodes"][item["node"]]["at"][0]  # of its own text there
+        yield "event", {"id": item["id"], "line": line}
+    if "reference" in model:  # of SafeML: the sample, a file of its own
+        yield "reference", {"id": model["reference"]["name"]}
 
 
 def _code(answers: Mapping[str, Any]) -> Iterable[tuple[str, str]]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import shutil
 from pathlib import Path
 
-from tests.cli.command import EXAMPLE, run
+from tests.cli.command import EXAMPLE, ROOT, run
 
 GENERATED = EXAMPLE / "expected"
 
@@ -63,3 +64,37 @@ def test_damaged_answers_are_no_traceback(tmp_path: Path) -> None:
     result = run("trace", package, cwd=tmp_path)
     assert result.status == 2, result.err
     assert "the answers of the package are damaged: KeyError('topic_text') [T005]" in result.err
+
+
+def test_monitors_of_every_kind_have_their_elements_with_their_places(tmp_path: Path) -> None:
+    robot = ROOT / "examples" / "warehouse-robot"
+    configs = [word for path in sorted(robot.glob("*_config.yml")) for word in ("-c", path)]
+    run("-q", "generate", "--platform", "plain", "-o", ".", *configs, cwd=tmp_path)
+    tables = json.loads(run("trace", "-w", ".", "--json", cwd=tmp_path).out)["packages"]
+    found = {
+        table["kind"]: [
+            " ".join(map(str, (row["element"], row["id"], row["file"], row["line"], row["topics"])))
+            for row in table["elements"]
+        ]
+        for table in tables
+    }
+    assert found["event"] == [
+        "event PathClear lidar.events 5 ",
+        "input nearest None None /lidar/nearest",
+    ]
+    assert found["safeml"] == [
+        "reference reference_sample.csv detector.yml None ",
+        "input frame None None /camera/features",
+    ]
+    assert found["reliability"] == [
+        *("component battery power.yml 5 ", "component drives power.yml 6 "),
+        *("component power power.yml 7 ", "threshold LastsTheShift power.yml None "),
+        "input battery_level None None /battery/level",
+        "input drives_available None None /drives/available",
+    ]
+    assert "threshold PoseIsGood None None " in found["bayesian_network"]
+    text = run("trace", "localisation", cwd=tmp_path).out
+    assert re.search(r"\n  threshold +PoseIsGood +\(configuration\)\n", text)
+    assert ":-" not in text
+    drone = run("trace", "-w", ROOT / "examples" / "drone" / "expected", cwd=tmp_path).out
+    assert re.search(r"\n  threshold +RtE_continue +\(configuration\)\n", drone)

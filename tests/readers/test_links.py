@@ -86,7 +86,8 @@ def test_a_guarantee_leads_back_to_its_hazard(tmp_path: Path) -> None:
     hazard = "hazards FallsOnPerson (landing.xml:21)"
     assert f"linked with {hazard} through MotorFit" in traces["landing"].as_text()
     rows = {row.id: traces["motor_watch"].cells(row) for row in traces["motor_watch"].rows}
-    assert rows.keys() == {"hot", "MotorFit"}
+    assert rows.keys() == {"hot", "MotorFit", "temp"}
+    assert len(traces["motor_watch"].rows) == 3
     assert (rows["hot"][0], rows["hot"][-1]) == ("event", hazard)
     assert json.loads(json.dumps(traces["landing"].as_json()))["elements"][-1]["links"] == [
         {
