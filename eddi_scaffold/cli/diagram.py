@@ -12,7 +12,11 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Name, for_pictures
 
 def diagram(
     model: Annotated[
-        Path, typer.Argument(help="EDDI XML, a model file of a kind, or deployment.yml.")
+        Path,
+        typer.Argument(
+            help="EDDI XML, a model file of a kind, an eddi_config.yml that names its model, or "
+            "deployment.yml."
+        ),
     ],
     output: Annotated[
         Path | None,
@@ -39,6 +43,7 @@ def diagram(
     from eddi_scaffold.deployments.fleet.drawing import picture_of_fleet
     from eddi_scaffold.monitors.drawing import pictures
     from eddi_scaffold.monitors.loading import checked_models
+    from eddi_scaffold.monitors.model_survey import configured
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.source import read_source
 
@@ -46,8 +51,10 @@ def diagram(
     if is_fleet(source):
         found = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
     else:
-        found, problems = pictures(model, name, default_guarantee or (), single=_is_file(output))
-        console.problems(problems)
+        given = configured(source, ())  # a configuration that names its model
+        place, marks = Path(given.source.name), default_guarantee or ()
+        found, problems = pictures(place, name, marks, single=_is_file(output))
+        console.problems([*given.problems, *problems])
     if output is None:
         console.data("\n".join(svg.rstrip("\n") for svg in found.values()))
         return

@@ -11,7 +11,12 @@ from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Name, in_a
 
 
 def export(
-    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
+    model: Annotated[
+        Path,
+        typer.Argument(
+            help="EDDI XML, a model file of a kind, or an eddi_config.yml that names its model."
+        ),
+    ],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files."),
@@ -47,7 +52,7 @@ def export(
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.choosing import select
     from eddi_scaffold.monitors.in_eddi import written_into
-    from eddi_scaffold.monitors.loading import checked_models
+    from eddi_scaffold.monitors.loading import checked_models, is_config
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.problems import EddiError, did_you_mean, error, in_order
@@ -59,8 +64,11 @@ def export(
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
         raise EddiError(error("G009", f"there is no kind {kind!r}", hint=hint))
     wanted = kinds()[kind] if kind else None
-    if config:
-        monitors, found = monitors_of(model, config, name, default_guarantee or ())
+    alone = is_config(read_source(model))
+    configs = [model, *(config or ())] if alone else config
+    if configs:
+        models = None if alone else model
+        monitors, found = monitors_of(models, configs, name, default_guarantee or ())
         chosen = select([monitor.model for monitor in monitors], None, wanted)
     else:
         reading = checked_models(model, default_guarantee or ())

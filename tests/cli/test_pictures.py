@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from tests.cli.command import example, run
+from tests.cli.command import ROOT, example, files_below, run
 
 MODEL = "two_conserts.xml"
 
@@ -50,3 +50,20 @@ def test_a_recording_is_plotted_beside_what_is_printed(folder: Path) -> None:
     svg = (folder / "p.svg").read_text("utf-8")
     assert {"RtE_A_E0", "System_A_G1"} <= words_of(svg)
     assert "ConSert ConSertA" in svg
+
+
+def test_a_configuration_is_as_good_as_the_model_that_it_names(tmp_path: Path) -> None:
+    robot = ROOT / "examples" / "warehouse-robot"
+    for command in ("diagram", "export"):
+        (tmp_path / command).mkdir()
+        of_model, of_config = tmp_path / command / "model", tmp_path / command / "config"
+        run(command, robot / "warehouse.yml", "-o", of_model, cwd=tmp_path)
+        result = run(command, robot / "warehouse_config.yml", "-o", of_config, cwd=tmp_path)
+        assert result.status == 0, result.err
+        assert files_below(of_config) == files_below(of_model) != {}
+    without = tmp_path / "without_config.yml"
+    text = (robot / "warehouse_config.yml").read_text("utf-8")
+    without.write_text(text.replace("parameters: [{model: warehouse.yml}]", "mode: rate"))
+    for command, code in {"diagram": "F008", "export": "G015"}.items():
+        refused = run(command, without, "-o", "out", cwd=tmp_path)
+        assert (refused.status, f"[{code}]" in refused.err) == (2, True), refused.err
