@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from eddi_scaffold import __version__
 from eddi_scaffold.cli import (
@@ -45,6 +46,27 @@ class _Groups(TyperGroup):
             rows = [(name, self.commands[name].get_short_help_str(width)) for name in group]
             with formatter.section(title):
                 formatter.write_dl(rows)
+
+
+class _Command(TyperCommand):
+    """Names the type of one value, not that of the list in which the program gets them."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write arguments and options, `<path>` in place of Typer's `<list[Path]>`."""
+        for title, what in (("Arguments", "argument"), ("Options", "option")):
+            params = [one for one in self.get_params(ctx) if one.param_type_name == what]
+            records = [one.get_help_record(ctx) for one in params]
+            rows = [(_LIST.sub(_one, name), text) for name, text in filter(None, records)]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows)
+
+
+_LIST = re.compile(r"<list\[(.+?)\]>")
+
+
+def _one(found: re.Match[str]) -> str:
+    return f"<{found[1].lower()}>"
 
 
 app = typer.Typer(
@@ -108,4 +130,4 @@ COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
 }
 for _group in COMMANDS.values():
     for _name, _command in _group.items():
-        app.command(_name)(with_global_options(_command))
+        app.command(_name, cls=_Command)(with_global_options(_command))

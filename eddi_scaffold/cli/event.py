@@ -55,7 +55,9 @@ def event(
     config: Annotated[
         Path | None, typer.Option("-c", "--config", help="eddi_config.yml of a ConSert.")
     ] = None,
-    serve: Annotated[bool, typer.Option("--serve", help="Open the page on 127.0.0.1.")] = False,
+    serve: Annotated[
+        bool, typer.Option("--serve", help="Open the page on 127.0.0.1, with the condition.")
+    ] = False,
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page.")] = 8765,
     as_json: Json = False,
 ) -> None:
@@ -76,12 +78,12 @@ def event(
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.targets.names import check_module_name
 
+    path = file or _file_of(text or "")
     if serve:
-        _serve(port)
+        _serve(port, _source(text or "", path)[0], rate)
         return
     if name is not None:
         check_module_name(name)
-    path = file or _file_of(text or "")
     if None not in {text, file} or {text, file, config} == {None}:
         hint = 'eddi-scaffold event "x > 5", or: eddi-scaffold event --file overheat.events'
         raise EddiError(error("E023", "give one expression or one file", hint=hint))
@@ -262,11 +264,16 @@ def _write(
         raise typer.Exit(exit_status.LOOK)
 
 
-def _serve(port: int) -> None:
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.language.page.server import open_server
+def _serve(port: int, text: str, rate: float | None) -> None:
+    from dataclasses import replace
 
-    with open_server(port, _read_signal) as server:
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.language.page.server import START, open_server
+
+    start = replace(
+        START, text=text or START.text, rate=START.rate if rate is None else f"{rate:g}"
+    )
+    with open_server(port, _read_signal, start) as server:
         console.say(f"the Event Creator is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         server.serve_forever()
 

@@ -17,13 +17,14 @@ def example(
     Example: eddi-scaffold example two-conserts demo
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.packages.examples import example_files, names
+    from eddi_scaffold.packages.examples import described, example_files, names
     from eddi_scaffold.packages.transaction import write
     from eddi_scaffold.problems import EddiError, Place, did_you_mean, error
 
     if name == "list":
-        for known in names():
-            console.data(known)
+        width = max(map(len, names()), default=0)
+        for known, heading in described().items():
+            console.data(f"{known.ljust(width)}  {heading}")
         return
     if name not in names():
         hint = did_you_mean(name, names()) or f"examples: {', '.join(names())}"

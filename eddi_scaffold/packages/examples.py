@@ -20,6 +20,12 @@ def names() -> list[str]:
     )
 
 
+def described() -> dict[str, str]:
+    """Return name -> the heading of its README, of every example."""
+    texts = {name: (_folder() / name / "README.md").read_text("utf-8") for name in names()}
+    return {name: text.partition("\n")[0].lstrip("# ") for name, text in texts.items()}
+
+
 def example_files(name: str) -> dict[str, FileState]:
     """Return the files of one example: relative path -> content."""
     folder = _folder() / name

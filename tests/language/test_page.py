@@ -5,12 +5,16 @@ from __future__ import annotations
 import http.client
 import io
 import json
+import re
 import socket
+import subprocess
+import sys
 import threading
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from urllib.parse import urlencode
 
 import pytest
@@ -229,3 +233,19 @@ def test_two_tabs_at_once(port: int) -> None:
     waiting = socket.create_connection(("127.0.0.1", port))  # a tab that says nothing
     assert send(port, "/check", text="x > 5")[0] == 200
     waiting.close()
+
+
+def test_the_page_begins_with_the_file_that_was_given(tmp_path: Path) -> None:
+    (tmp_path / "hot.events").write_text("EVENT Hot := temp > 81.5\n")
+    words = ["event", "hot.events", "--rate", "4", "--serve", "--port", "0"]
+    command = [sys.executable, "-m", "eddi_scaffold", *words]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as page:
+        assert page.stderr is not None
+        found = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
+        try:
+            assert found is not None
+            _, _, text = ask(int(found[1]), "GET", "/")
+        finally:
+            page.terminate()
+    assert "EVENT Hot := temp &gt; 81.5" in text
+    assert 'value="4"' in text

@@ -28,25 +28,31 @@ _POLICY = (
     "default-src 'none'; style-src 'self'; script-src 'self'; img-src data:; "
     "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
 )
-_START = Page(text="AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)")
+START = Page(text="AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)")
 _FILES = {"/style.css": CSS, "/page.js": JAVASCRIPT}
 
 
 def open_server(
-    port: int, read_signal: ReadSignal, *, seconds: float = 20.0, connections: int = 32
+    port: int,
+    read_signal: ReadSignal,
+    start: Page = START,
+    *,
+    seconds: float = 20.0,
+    connections: int = 32,
 ) -> LimitedServer:
     """Return a server of the page on the loopback interface, not serving yet.
 
     Args:
         port: 0 for any that is free.
         read_signal: reads recorded values.
+        start: what the page shows at first.
         seconds: within which a request has come and its answer is taken, or the connection ends.
         connections: at once; a further one is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).
     """
-    parts = {"read_signal": staticmethod(read_signal), "seconds": seconds}
+    parts = {"read_signal": staticmethod(read_signal), "start": start, "seconds": seconds}
     return handler.open_server(port, _Handler, parts, connections=connections)
 
 
@@ -54,12 +60,13 @@ class _Handler(Handler):
     """Answers one connection."""
 
     read_signal: ReadSignal
+    start: Page
     policy = _POLICY
 
     def get(self) -> None:
         """Answer with the page, or one of its two files."""
         if self.path == "/":
-            self.send(HTTPStatus.OK, HTML, render(_START).encode())
+            self.send(HTTPStatus.OK, HTML, render(self.start).encode())
         elif self.path in _FILES:
             data = files(__package__).joinpath(self.path[1:]).read_bytes()
             self.send(HTTPStatus.OK, _FILES[self.path], data)
