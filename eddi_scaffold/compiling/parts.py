@@ -39,7 +39,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "reliability/missed": ("reliability/chain",),
     "reliability/observed": ("reliability/chain", "reliability/missed"),
     "reliability/processor": ("reliability/laws",),
-    "reliability/rotors": ("reliability/chain",),
+    "reliability/rotors": ("reliability",),
     "reliability/series": ("reliability",),
     "reliability/tree": ("reliability/laws",),
     "reliability/units": ("reliability",),

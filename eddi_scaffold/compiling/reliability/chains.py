@@ -14,7 +14,15 @@ from eddi_scaffold.compiling.reliability.markov import (
     rates_of,
 )
 from eddi_scaffold.compiling.reliability.sums import sums
-from eddi_scaffold.compiling.text import Item, assignment, comment, literal, number, tuple_of
+from eddi_scaffold.compiling.text import (
+    Item,
+    Part,
+    assignment,
+    comment,
+    literal,
+    number,
+    tuple_of,
+)
 
 WRITTEN_OUT = 8
 """States up to which the sums are written out."""
@@ -55,25 +63,32 @@ def _arc(chain: Chain, source: int, target: int) -> str:
     return comment(f"{chain.states[source]} to {chain.states[target]}")
 
 
+def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
+    """Return for each state: failed and alive at the horizon, mean life in hours."""
+    fails = [float(state in chain.fail) for state in range(len(chain.states))]
+    works = [1.0 - one for one in fails]
+    moved = propagator(rates_of(chain), hours)
+    ends = [(min(_dot(row, fails), 1.0), _dot(row, works)) for row in moved]
+    return [(*end, life) for end, life in zip(ends, mean_times(chain), strict=True)]
+
+
+def table_ahead(chain: Chain, rows: Sequence[tuple[float, float, float]]) -> Part:
+    """Return these rows as a tuple, each with its state."""
+    pairs = zip(rows, chain.states, strict=True)
+    return tuple_of(Item(literal(row), behind=comment(state)) for row, state in pairs)
+
+
 def written_out(name: str, chain: Chain, time: Time) -> list[str]:
     """Return the class of a chain with its numbers: one quantum, and what lies ahead."""
-    rates, lives = rates_of(chain), mean_times(chain)
+    rates = rates_of(chain)
     states = [comment(one) for one in chain.states]
-    fails = [float(state in chain.fail) for state in range(len(states))]
-    failed: _Numbers = fails
-    alive: _Numbers = [1.0 - one for one in fails]
-    if not time.moving:
-        ahead = propagator(rates, time.horizon)
-        failed = [min(_dot(row, failed), 1.0) for row in ahead]
-        alive = [_dot(row, alive) for row in ahead]
     first = propagator(rates, chain.age)[chain.initial]
     lines = [f"class {name}(chain.Chain):"]
     lines += assignment("fail", literal(chain.fail), 4)
     lines += assignment("first", literal(tuple(first)), 4)
     lines += ["    # Failed and alive at the horizon, mean life in hours."]
-    rows = zip(failed, alive, lives, states, strict=True)
-    table = (Item(literal(tuple(row)), behind=state) for *row, state in rows)
-    lines += assignment("ahead", tuple_of(table), 4)
+    ahead = rows_ahead(chain, 0.0 if time.moving else time.horizon)
+    lines += assignment("ahead", table_ahead(chain, ahead), 4)
     if time.moving:
         grid = propagator(rates, time.horizon / GRID)
         lines += [f"    # Transitions in one of {GRID} parts of the longest horizon."]
@@ -90,6 +105,7 @@ def written_out(name: str, chain: Chain, time: Time) -> list[str]:
     lines += sums(columns)
     if time.moving:
         return lines
+    failed, alive, lives = zip(*ahead, strict=True)
     finite = [0.0 if life == inf else life for life in lives]
     endless = [float(life == inf) for life in lives]
     looks = [

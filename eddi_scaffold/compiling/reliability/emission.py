@@ -40,7 +40,7 @@ from eddi_scaffold.compiling.text import (
     tuple_of,
 )
 
-FORMAT = 1
+FORMAT = 2
 MODULES = (
     "battery",
     "chain",
@@ -64,7 +64,7 @@ def lines_of(
 
     Args:
         model_file: the model.
-        states: of the largest chain whose sums are written out.
+        states: of the largest chain whose sums are written out; 0: no number is of one horizon.
         nodes: of the largest diagram whose sums are written out.
 
     Raises:
@@ -181,12 +181,11 @@ class _Classes:
             chain = self._chain("Chain", component.chain, self._about)
             return call("observed.MarkovChain", [chain], **observe, **_repair(component.repair))
         if isinstance(component, Propulsion):
-            chain = self._chain("Chain", component.chain, self._about)
             sets = tuple_of(
                 Item(literal(failed), behind=str(state))
                 for state, failed in enumerate(component.sets)
             )
-            parts: list[Part] = [chain, sets, literal(component.inputs)]
+            parts: list[Part] = [self._rows(component.chain), sets, literal(component.inputs)]
             return call("rotors.Propulsion", parts, **_repair(component.repair))
         if isinstance(component, Battery):
             return self._battery(component)
@@ -203,6 +202,13 @@ class _Classes:
         if isinstance(component, Series):
             return call("series.Series", map(text_literal, component.parts))
         return self._tree(component)
+
+    def _rows(self, chain: Chain) -> Part:
+        """Return what lies ahead of each state; where the horizon changes, the chain finds it."""
+        if self._time.moving or not self._states:
+            return self._chain("Chain", chain, self._about)
+        rows = chains.rows_ahead(chain, self._time.horizon)
+        return call("rotors.Rows", [chains.table_ahead(chain, rows)])
 
     def _chain(self, name: str, chain: Chain, about: str) -> str:
         """Write the class of a chain; return the call that makes one."""

@@ -142,9 +142,14 @@ def test_very_many_units_are_counted() -> None:
 
 
 def test_only_what_a_model_uses_is_imported() -> None:
-    """Chains of few states need no numpy."""
-    small = compile_model(model_file([quad(0.01), DENSE], ["m0", "m1", "m2", "m3", "new", "ok"]))
+    """Chains of few states need no numpy, nor do rotors of any number whose horizon is fixed."""
+    names = [f"m{i}" for i in range(8)]
+    octo = {**quad(0.01), "configuration": "PPNNPPNN", "rates": [0.01] * 8}
+    octo["inputs"] = [[name, None] for name in names]
+    small = compile_model(model_file([octo, DENSE], [*names, "new", "ok"]))
     assert "from eddi_runtime.reliability import chain, observed, rotors\n" in small
+    alone = compile_model(model_file([octo], names))
+    assert "from eddi_runtime.reliability import rotors\n" in alone
     script = f"import sys; exec({small!r}, {{'__file__': ''}}); print('numpy' in sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True

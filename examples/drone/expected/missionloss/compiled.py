@@ -8,7 +8,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 1})
+eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
 # sha256 of the lines below: 15a04f64e8c91d60aa0b96fcc4b0b1b36f7ed1b2a255a4820f5ce0b00cd3475e
 
 

@@ -10,7 +10,7 @@ from .monitor import Reliability
 from .result import ReliabilityResult
 from .values import Rule
 
-FORMATS = (1,)
+FORMATS = (1, 2)
 
 __all__ = [
     "FORMATS",

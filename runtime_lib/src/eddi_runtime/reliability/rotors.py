@@ -6,46 +6,58 @@ Sources: Aslansefat et al., "SafeDrones: Real-Time Reliability Evaluation of UAV
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
 
-from .chain import Chain, Seen
-from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader, sure
+from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader
 
-Statuses = Tuple[Optional[bool], ...]
-_KEPT = 64
-"""How many different observations are kept."""
+if TYPE_CHECKING:  # only where the mission's end is an input
+    from .chain import Chain
+
+Row = Tuple[float, float, float]
+"""Of a state: failed within the horizon, alive all the time, mean life in hours."""
+
+
+class Rows:
+    """What lies ahead of each state, for a horizon that stays the same.
+
+    Args:
+        rows: one for each state.
+    """
+
+    def __init__(self, rows: Sequence[Row]) -> None:
+        self._rows = rows
+
+    def rows(self, at: int) -> Sequence[Row]:
+        """Return what lies ahead of each state."""
+        del at
+        return self._rows
 
 
 class Propulsion(Component):
-    """While all statuses are known, the state is: what lies ahead of it was found in advance.
+    """The statuses leave one state, or several where one is not known, of which the worst counts.
 
     Args:
-        chain: over sets of failed motors; its last state is the loss of the frame.
+        chain: what lies ahead of sets of failed motors; the last state is the loss of the frame.
         sets: the failed motors in each of the other states, by their place in the configuration.
         inputs: for each place the input of its motor and, for a list, the position in it.
         repair: a failed motor may work again.
     """
 
+    _last: Optional[Tuple[Any, ...]]
+    """Statuses that ask for no further look."""
+
     def __init__(
         self,
-        chain: Chain,
+        chain: Union[Rows, Chain],
         sets: Tuple[Tuple[int, ...], ...],
         inputs: Tuple[Tuple[str, Optional[int]], ...],
         *,
         repair: bool = False,
     ) -> None:
-        self.chain = chain
+        self._rows = chain.rows
         self._sets, self._inputs, self._repair = list(map(frozenset, sets)), inputs, repair
         self._statuses = reader(tuple(dict.fromkeys(name for name, _ in inputs)))
-        self._sure: Dict[int, List[Estimate]] = {}
-        self._seen: Dict[Statuses, Seen] = {}
-        self._forget()
-
-    def _forget(self) -> None:
-        self._failed = [False] * len(self._inputs)
-        self._last: Optional[Tuple[Any, ...]] = None  # statuses that ask for no further look
-        self._state: Optional[int] = None  # the one that is known, as long as it is
-        self._vague = self.chain.everything
+        self.reset()
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Take the status of each motor."""
@@ -53,16 +65,13 @@ class Propulsion(Component):
         statuses = self._statuses(values)
         if statuses != self._last:
             self._take(values, statuses)
-        if self._state is None:
-            vague = self.chain.step(moment, self._vague)
-            if vague.reason and self.chain.states - 1 in self._vague.states:
-                # a set of failures without weight is new: at the start nothing failed
-                return vague._replace(reason="")
-            return vague
-        found = self._sure.get(moment.at)
+        found = self._found.get(moment[4])
         if found is None:
-            found = self._sure[moment.at] = [sure(*row) for row in self.chain.rows(moment.at)]
-        return found[self._state]
+            rows = self._rows(moment.at)
+            failed, alive, lives = zip(*[rows[state] for state in self._states])
+            bounds = min(failed), max(failed), min(alive), min(lives)
+            found = self._found[moment.at] = Estimate(*bounds, self._unknown)
+        return found
 
     def _take(self, values: Values, statuses: Tuple[Any, ...]) -> None:
         """Find the states that are possible."""
@@ -79,23 +88,11 @@ class Propulsion(Component):
             working.append(status)
         # a claim that something works again is counted each time
         self._last = statuses if latched == self.latched else None
-        if not unknown:
-            self._state = self._consistent(tuple(working))[0]
-            return
-        if self._state is not None:
-            self.chain.believe(self.chain.sure_of(self._state))
-        self._state, self._vague = None, self._see(tuple(working), tuple(dict.fromkeys(unknown)))
+        self._unknown = tuple(dict.fromkeys(unknown))
+        self._states = self._consistent(working)
+        self._found.clear()
 
-    def _see(self, working: Statuses, unknown: Tuple[str, ...]) -> Seen:
-        seen = self._seen.get(working)
-        if seen is None:
-            if len(self._seen) >= _KEPT:
-                self._seen.clear()
-            seen = self._seen[working] = Seen(self.chain, self._consistent(working))
-            seen.unknown = unknown
-        return seen
-
-    def _consistent(self, working: Statuses) -> List[int]:
+    def _consistent(self, working: Sequence[Optional[bool]]) -> List[int]:
         """Return the states that these statuses allow (None: unknown)."""
         down = {i for i, works in enumerate(working) if works is False}
         maybe = down.union(i for i, works in enumerate(working) if works is None)
@@ -116,5 +113,6 @@ class Propulsion(Component):
     def reset(self) -> None:
         """All motors work."""
         super().reset()
-        self._forget()
-        self.chain.reset()
+        self._failed = [False] * len(self._inputs)
+        self._last = None
+        self._found: Dict[int, Estimate] = {}  # of the last statuses: position of a horizon
