@@ -21,6 +21,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "clock": (),
     "consert": (),
     "consert/filters": ("consert",),
+    "consert/search": ("consert",),
     "event": ("clock", "expressions"),
     "expressions": (),
     "expressions/expression": ("expressions", "history"),
@@ -55,6 +56,9 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 needs them.
 """
 
+EARLIER = {"consert: 2": "consert/search"}
+"""Format of a part for which monitors were compiled -> what of it is a part of its own by now."""
+
 PEERS = "peers"
 """What a monitor needs that is one of a fleet."""
 
@@ -71,8 +75,9 @@ def needed_by(text: str) -> tuple[str, ...]:
     Args:
         text: of ``compiled.py``.
     """
-    head = text.partition("\neddi_runtime.needs(")[0]  # the rest may be megabytes of numbers
-    wanted: list[str] = []
+    head, _, rest = text.partition("\neddi_runtime.needs(")  # the rest may be megabytes of numbers
+    formats = rest.partition("}")[0]
+    wanted = [part for known, part in EARLIER.items() if known in formats]
     for node in ast.parse(head).body:
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             runtime, _, part = node.module.partition(".")

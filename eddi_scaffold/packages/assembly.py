@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,7 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import read_answers
-from eddi_scaffold.packages.workspace import existing, is_compiled
+from eddi_scaffold.packages.workspace import existing, is_compiled, needed_parts
 from eddi_scaffold.platforms import (
     RUNTIME,
     SINGLE_PROCESS,
@@ -309,6 +309,8 @@ def support(
         hint = "first run `eddi-scaffold upgrade` for the whole workspace; hand edits stay"
         raise EddiError(error("G024", message, Place(str(root)), hint))
     packages = platform.support({**there, **monitors}, config)
+    kept = {part for name in there if name not in monitors for part in needed_parts(root / name)}
+    packages = [with_parts(package, kept) for package in packages]
     _refuse_other_platform(platform, root, present, [package.folder for package in packages])
     shared = {
         package.folder: {**package.answers, **_kept_identity(present.get(package.folder, {}))}
@@ -320,6 +322,19 @@ def support(
         if answers["template"] in platform.templates.support and folder not in shared
     }
     return [PackageAnswers(folder, answers) for folder, answers in {**shared, **leaving}.items()]
+
+
+def with_parts(package: PackageAnswers, kept: Iterable[str]) -> PackageAnswers:
+    """Return a shared package with the parts that monitors need which are not made again.
+
+    Args:
+        package: to which these may belong.
+        kept: parts of the runtime library.
+    """
+    parts: Any = package.answers.get("parts")
+    if parts is None:
+        return package
+    return replace(package, answers={**package.answers, "parts": sorted({*parts, *kept})})
 
 
 def _refuse_other_platform(

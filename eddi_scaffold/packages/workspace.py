@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
+from eddi_scaffold.compiling.parts import needed_by
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
@@ -109,6 +110,18 @@ def is_compiled(package: Path) -> bool:
     """Return whether the package of a monitor has a compiled monitor, as all new ones have."""
     names = (name.rpartition("/")[2] for name in recorded_generated(package))
     return "compiled.py" in names
+
+
+def needed_parts(package: Path) -> Sequence[str]:
+    """Return the parts of the runtime that the compiled monitor of a package needs, as it is.
+
+    None where it was damaged: then it does not start.
+    """
+    names = [name for name in recorded_generated(package) if name.endswith("compiled.py")]
+    try:
+        return [part for name in names for part in needed_by((package / name).read_text("ascii"))]
+    except (OSError, SyntaxError, ValueError):
+        return []
 
 
 def packages_root(platform: Platform, place: Path) -> Path:

@@ -156,6 +156,20 @@ def test_explanations_are_those_of_brute_force(case):
 
 
 @given(cases())
+def test_sets_that_are_written_down_and_those_that_are_searched_are_the_same(case):
+    graph, state = case
+    one = made(graph)
+    searched = monitor(graph[0], gates=graph[1], guarantees=graph[2], edges=graph[3], limit=0)
+    assert one.graph is None
+    assert searched.graph is not None
+    for each in (one, searched):
+        step(each, state)
+    assert one.explain(loss_sets=True) == searched.explain(loss_sets=True)
+    assert one.standings() == searched.standings()
+    assert one.status_message() == searched.status_message()
+
+
+@given(cases())
 def test_blocked_inputs_are_unknown_and_their_outputs_inactive(case):
     graph, state = case
     one = made(graph)

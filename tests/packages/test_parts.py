@@ -68,6 +68,19 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_monitor_of_an_earlier_format_keeps_what_it_needs(place: Path) -> None:
+    packages = place / "src" / "eddi_monitor"
+    search = packages / "eddi_runtime" / "src" / "eddi_runtime" / "consert" / "search.py"
+    assert not search.exists()
+    compiled = packages / "conserta" / "src" / "conserta" / "compiled.py"
+    compiled.write_text(compiled.read_text().replace("consert: 3}", "consert: 2}"))
+    generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")
+    assert search.exists()
+    assert run("upgrade", "-w", place, cwd=place).status == 3  # the file was edited
+    assert not search.exists()
+
+
+@pytest.mark.slow
 def test_a_message_that_is_listened_to_is_there(tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
     config = (EXAMPLES / "two-conserts" / "consert_a_config.yml").read_text("utf-8")

@@ -1,4 +1,4 @@
-"""The class ``Monitor`` of a ConSert: its inputs and its graph as tables, its step as text."""
+"""The class ``Monitor`` of a ConSert: its inputs and path sets as tables, its step as text."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from eddi_scaffold.compiling.consert.model import (
     Leaf,
     Service,
 )
+from eddi_scaffold.compiling.consert.paths import written_paths
 from eddi_scaffold.compiling.consert.program import Compiled, compiled, program_of
 from eddi_scaffold.compiling.document import ModelFile
 from eddi_scaffold.compiling.inputs import attribute_of, head_lines
@@ -35,8 +36,8 @@ from eddi_scaffold.compiling.text import (
 
 __all__ = ["FORMAT", "MODULES", "lines_of", "program_of"]
 
-FORMAT = 2
-MODULES = ("filters",)
+FORMAT = 3
+MODULES = ("filters", "search")
 """Modules of the part that a ConSert imports where it uses them."""
 
 STRAIGHT_LINE_LIMIT = 20_000
@@ -68,29 +69,60 @@ def lines_of(
         model_file: the model.
         allow_unsupported: take guarantees without support and gates without input as the
             constants that they are in SESAME's first tool; for tests of the evaluation only.
-        limit: size above which the step is left to the runtime's loop.
+        limit: size above which step and path sets are left to the runtime.
 
     Raises:
         ModelError: the model is wrong, or has a constant that no author meant.
     """
     consert = compiled(model_file, allow_unsupported=allow_unsupported)
     data, graph = consert.data, consert.graph
+    size = graph.leaves + sum(len(node.inputs) + 1 for node in graph.nodes)
     lines = [
         *head_lines("consert.ConSert", model_file, data.paths),
-        *_tables(data, graph),
+        *_tables(data, graph, written_paths(graph) if size <= limit else None),
     ]
     if data.filter is not None:
         kind, steps = data.filter
         made = call(f"filters.{kind.capitalize()}", [str(steps)])
         lines += ["", "    def __init__(self):", *statement(call("super().__init__", [made]), 8)]
-    size = graph.leaves + sum(len(node.inputs) + 1 for node in graph.nodes)
     if size <= limit:
         lines += ["", *_step(consert, model_file)]
     return lines
 
 
-def _tables(data: ConSertData, graph: Graph) -> list[str]:
-    node = dict(zip((g.id for g in data.guarantees), graph.guarantees, strict=True))
+def _tables(
+    data: ConSertData, graph: Graph, paths: Sequence[Sequence[Sequence[str]]] | None
+) -> list[str]:
+    lines = assignment("leaves", tuple_of(map(_leaf, data.leaves)), 4)
+    sets: list[dict[str, Part]]
+    if paths is None:
+        lines += _graph(graph)
+        sets = [{"node": str(k)} for k in graph.guarantees]
+    else:
+        if data.guarantees:
+            lines += ["    # Paths: the smallest sets of inputs of which each gives the guarantee."]
+        sets = [{"paths": literal(one)} for one in paths]
+    guarantees = (
+        call(
+            "consert.Guarantee",
+            [text_literal(one.id)],
+            **found,
+            **_given(
+                published=None if one.published == one.id else one.published,
+                default=one.default or None,
+                ranking=one.ranking,
+            ),
+        )
+        for one, found in zip(data.guarantees, sets, strict=True)
+    )
+    lines += assignment("guarantees", tuple_of(guarantees), 4)
+    if data.services:
+        lines += assignment("services", tuple_of(map(_service, data.services)), 4)
+    return lines
+
+
+def _graph(graph: Graph) -> list[str]:
+    """Return what path sets are searched in, where they are too many to be written down."""
     nodes = (
         Item(
             tuple_of(
@@ -104,26 +136,8 @@ def _tables(data: ConSertData, graph: Graph) -> list[str]:
         )
         for k, one in enumerate(graph.nodes, graph.leaves)
     )
-    guarantees = (
-        call(
-            "consert.Guarantee",
-            [text_literal(one.id), str(node[one.id])],
-            **_given(
-                published=None if one.published == one.id else one.published,
-                default=one.default or None,
-                ranking=one.ranking,
-            ),
-        )
-        for one in data.guarantees
-    )
-    lines = assignment("leaves", tuple_of(map(_leaf, data.leaves)), 4)
-    if graph.nodes:
-        lines += ["    # Name, gate, numbers of what it reads: the inputs first, then these nodes."]
-    lines += assignment("nodes", tuple_of(nodes), 4)
-    lines += assignment("guarantees", tuple_of(guarantees), 4)
-    if data.services:
-        lines += assignment("services", tuple_of(map(_service, data.services)), 4)
-    return lines
+    lines = ["    # Name, gate, numbers of what it reads: the inputs first, then these nodes."]
+    return lines + assignment("graph", call("search.Graph", ["inputs", tuple_of(nodes)]), 4)
 
 
 def _given(**values: Any) -> dict[str, Part]:

@@ -1,31 +1,19 @@
-"""Path sets: the minimal sets of leaves whose being TRUE makes a node TRUE.
-
-ConSerts have no negation, so these sets describe a node completely. They are found from the leaves
-upwards by MOCUS (Fussell and Vesely 1972): union for And, collection for Or, absorption after
-each step. Sets are bit masks over the leaves in file order.
-"""
+"""Path sets of a whole ConSert as bit masks over its leaves in file order."""
 
 from __future__ import annotations
 
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.compiling.consert.paths import Sets, Work, combined
 from eddi_scaffold.graphs import in_order
 from eddi_scaffold.kinds.consert.graph import inputs_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from eddi_scaffold.graphs import Graph
     from eddi_scaffold.kinds.consert.model import ConSert
-
-CAP = 256
-"""Most sets that are kept for one node; beyond it nothing is reported about the node."""
-
-_BUDGET = 3_000_000
-
-Sets = frozenset[int]
-"""Path sets as bit masks; empty: constant FALSE; with 0: constant TRUE."""
 
 
 def leaves_of(consert: ConSert) -> list[str]:
@@ -57,7 +45,7 @@ def constants(consert: ConSert) -> dict[str, bool | None]:
 
 
 def path_sets(consert: ConSert) -> dict[str, Sets | None]:
-    """Return the path sets of every node; ``None`` where there are more than :data:`CAP`.
+    """Return the path sets of every node; ``None`` where there are too many.
 
     A default guarantee holds always; a guarantee or gate without input is what an And or Or
     without input is.
@@ -79,46 +67,6 @@ def path_sets(consert: ConSert) -> dict[str, Sets | None]:
 
 def _defaults(consert: ConSert) -> set[str]:
     return {guarantee.id for guarantee in consert.guarantees if guarantee.default}
-
-
-class Work:
-    """What may still be spent on path sets: they can grow exponentially."""
-
-    def __init__(self) -> None:
-        self.left = _BUDGET
-
-    def spend(self, amount: int) -> bool:
-        """Take an amount of work; ``False`` when there is not enough left."""
-        self.left -= amount
-        return self.left >= 0
-
-
-def combined(given: Sequence[Sets | None], *, is_or: bool, work: Work) -> Sets | None:
-    """Return the path sets of an And or Or over nodes with these path sets."""
-    known = [sets for sets in given if sets is not None]
-    if len(known) != len(given):
-        return None
-    if is_or:
-        return minimal({mask for sets in known for mask in sets}, work)
-    result: Sets | None = frozenset({0})
-    for sets in known:
-        if result is None or len(result) * len(sets) > CAP * CAP:
-            return None
-        result = minimal({first | second for first in result for second in sets}, work)
-    return result
-
-
-def minimal(masks: Iterable[int], work: Work) -> Sets | None:
-    """Return the masks that contain no other one; ``None`` beyond the cap or the budget."""
-    kept: list[int] = []
-    for mask in sorted(masks, key=lambda m: (m.bit_count(), m)):
-        if not work.spend(len(kept) + 1):
-            return None
-        if not any(other & mask == other for other in kept):
-            kept.append(mask)
-            if len(kept) > CAP:
-                return None
-    return frozenset(kept)
 
 
 def implies(first: Sets, second: Sets) -> bool:

@@ -10,12 +10,10 @@ from __future__ import annotations
 from itertools import permutations
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.compiling.consert.paths import CAP, Sets, Work
 from eddi_scaffold.graphs import reached, reversed_graph
 from eddi_scaffold.kinds.consert.graph import inputs_of
 from eddi_scaffold.kinds.consert.paths import (
-    CAP,
-    Sets,
-    Work,
     constants,
     implies,
     leaves_of,

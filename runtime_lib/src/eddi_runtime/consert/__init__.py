@@ -1,10 +1,10 @@
 """ConSerts: conditional safety certificates, evaluated at run time (SESAME D7.2 section 3.1)."""
 
-from .explain import Explanation, Reason
-from .monitor import ConSert, Guarantee
+from .explain import Explanation, Guarantee, Reason
+from .monitor import ConSert
 from .values import Binary, Categorical, Numeric
 
-FORMATS = (2,)
+FORMATS = (2, 3)
 
 __all__ = [
     "FORMATS",

@@ -1,23 +1,21 @@
 """Why a guarantee is inactive and what would activate it; what would end an active one.
 
-The trees have no negation, so these are minimal path and cut sets. They are found by MOCUS, the
-method of fault tree analysis (union for Or, collection for And, absorption after each step), over
-sets that are kept as the bits of whole numbers.
+ConSerts have no negation, so the minimal sets of inputs that together give a guarantee (its path
+sets) describe it completely. They are found when the package is generated, and stand in
+``compiled.py``; what is asked here in a state follows from them.
 """
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from .values import FALSE, TRUE
+from .values import FALSE, TRUE, UNKNOWN
 
 MAX_SETS = 256
-"""Sets kept per node; the smallest are kept, and the result is marked as truncated."""
+"""Sets that are kept; the smallest are kept, and the result is marked as truncated."""
 
-_BUDGET = 2_000_000
-"""Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""
-
-_FEW_SETS = 4
+Group = Tuple[str, ...]
+"""Ids of inputs, sorted."""
 
 
 class Reason(NamedTuple):
@@ -52,9 +50,9 @@ class Explanation(NamedTuple):
     guarantee: str
     active: bool
     verdict: str
-    missing: Tuple[Tuple[str, ...], ...]
-    single_losses: Tuple[str, ...]
-    loss_sets: Tuple[Tuple[str, ...], ...]
+    missing: Tuple[Group, ...]
+    single_losses: Group
+    loss_sets: Tuple[Group, ...]
     reasons: Mapping[str, Reason]
     truncated: bool
     robots: Mapping[str, Tuple[str, ...]] = {}
@@ -81,240 +79,102 @@ class Explanation(NamedTuple):
         return f"{name} by the word of {' and '.join(robots)}" if robots else name
 
 
-class Node(NamedTuple):
-    """An And or Or over other nodes; without inputs an And is TRUE and an Or is FALSE.
+class Guarantee(NamedTuple):
+    """One guarantee.
 
     Attributes:
-        is_and: And, else Or. A guarantee is an And.
-        inputs: numbers of the nodes it reads, in edge order.
+        id: as in the model.
+        node: its number in the graph of ``search``, where its path sets are too many.
+        published: the id in the output, empty where it is the same.
+        default: holds always, without support.
+        ranking: lowest is best, ``None`` when not given.
+        paths: the minimal sets of inputs of which each gives it, by size, then by ids.
     """
 
-    is_and: bool
-    inputs: Tuple[int, ...]
-
-
-class Graph(NamedTuple):
-    """Nodes by number: first the leaves (numbers of the inputs), then gates and guarantees.
-
-    Attributes:
-        names: number -> id.
-        leaves: how many of the nodes are leaves.
-        nodes: gates and guarantees in topological order; node ``k`` has number ``leaves + k``.
-        guarantees: numbers of the guarantees in file order.
-    """
-
-    names: Tuple[str, ...]
-    leaves: int
-    nodes: Tuple[Node, ...]
-    guarantees: Tuple[int, ...]
-
-    def evaluate(self, leaf_values: Sequence[int]) -> List[int]:
-        """Return the truth value of every node by number, from those of the leaves."""
-        values = list(leaf_values)
-        for is_and, inputs in self.nodes:
-            if is_and:
-                values.append(min([values[k] for k in inputs], default=TRUE))
-            else:
-                values.append(max([values[k] for k in inputs], default=FALSE))
-        return values
-
-
-class _Family(NamedTuple):
-    """Minimal sets of leaves: (size, bits) by size, then by ids."""
-
-    sets: Tuple[Tuple[int, int], ...]
-    truncated: bool
-
-
-_IMPOSSIBLE = _Family((), truncated=False)
-_ALREADY = _Family(((0, 0),), truncated=False)
+    id: str
+    node: int = -1
+    published: str = ""
+    default: bool = False
+    ranking: Optional[int] = None
+    paths: Tuple[Group, ...] = ()
 
 
 class Sets:
-    """Path and cut sets of one state of a graph.
-
-    The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
-    larger number is the one whose ids come first.
+    """What follows of the guarantees in one state of the inputs.
 
     Args:
-        graph: the graph.
-        leaf_values: truth values of its leaves.
+        inputs: their ids.
+        leaf_values: their truth values.
     """
 
-    def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
-        self._graph, self.leaf_values = graph, leaf_values
-        self.values = graph.evaluate(leaf_values)
-        self._missing: Dict[int, Tuple[List[Tuple[str, ...]], bool]] = {}
-        by_id = sorted(range(graph.leaves), key=lambda k: graph.names[k])
-        self._by_bit = by_id[::-1]
-        self._position = {k: position for position, k in enumerate(self._by_bit)}
+    def __init__(self, inputs: Sequence[str], leaf_values: Sequence[int]) -> None:
+        self.leaf_values = leaf_values
+        values = [*zip(inputs, leaf_values)]
+        self._true = {name for name, value in values if value == TRUE}
+        self._not_false = {name for name, value in values if value != FALSE}
+        self._missing: Dict[str, Tuple[List[Group], bool]] = {}
 
-    def missing(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
-        """Return the minimal sets of leaves that would make the node TRUE, and "truncated".
+    def value(self, one: Guarantee) -> int:
+        """Return the truth value of a guarantee."""
+        if any(map(self._true.issuperset, one.paths)):
+            return TRUE
+        return UNKNOWN if any(map(self._not_false.issuperset, one.paths)) else FALSE
 
-        None for a node that is TRUE. They cost more than a step, and are found once.
+    def missing(self, one: Guarantee) -> Tuple[List[Group], bool]:
+        """Return the minimal sets of inputs that would make it TRUE, and "truncated".
+
+        None for one that is TRUE. They cost more than a step, and are found once.
         """
-        if self.values[node] == TRUE:
-            return [], False
-        if node not in self._missing:
-            self._missing[node] = self._named(self._mocus(node, paths=True))
-        return self._missing[node]
+        if one.id not in self._missing:
+            self._missing[one.id] = ([], False) if self.value(one) == TRUE else self._lacking(one)
+        return self._missing[one.id]
 
-    def loss_sets(self, node: int) -> Tuple[List[Tuple[str, ...]], bool]:
-        """Return the minimal sets of TRUE leaves whose loss ends the node, and "truncated"."""
-        return self._named(self._mocus(node, paths=False))
+    def _lacking(self, one: Guarantee) -> Tuple[List[Group], bool]:
+        true = self._true
+        left = [tuple([name for name in path if name not in true]) for path in one.paths]
+        return _minimal(left), False
 
-    def single_losses(self, node: int) -> Tuple[str, ...]:
-        """Return the leaves whose single loss makes a TRUE node not TRUE, by id.
+    def single_losses(self, one: Guarantee) -> Group:
+        """Return the inputs whose single loss makes a TRUE guarantee not TRUE, by id."""
+        first, *others = self._true_paths(one)
+        return tuple(sorted(set(first).intersection(*others)))
 
-        Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that
-        all of its TRUE inputs fall with.
+    def loss_sets(self, one: Guarantee) -> Tuple[List[Group], bool]:
+        """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated".
+
+        Each takes an input from every set that gives the guarantee now.
         """
-        critical: Dict[int, int] = {}
-        for k in self._gates_below(node):
-            if self.values[k] != TRUE:
-                continue
-            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
-            bits = -1 if inputs and not is_and else 0
-            for one in inputs:
-                if self.values[one] == TRUE:
-                    found = critical[one] if one in critical else self._bit(one)
-                    bits = bits | found if is_and else bits & found
-            critical[k] = bits
-        return self._ids(critical.get(node, 0))
+        cuts: List[Group] = [()]
+        truncated = False
+        for path in self._true_paths(one):
+            cuts = _minimal([tuple(sorted({*cut, name})) for cut in cuts for name in path])
+            truncated = truncated or len(cuts) > MAX_SETS
+            del cuts[MAX_SETS:]
+        return cuts, truncated
 
-    def unknown_below(self, node: int, unknown: Set[int]) -> List[int]:
-        """Return the given leaves that are reached from the node through nodes not TRUE."""
-        found, seen, stack = [], {node}, [node]
-        while stack:
-            k = stack.pop()
-            if self.values[k] == TRUE:
-                continue
-            if k < self._graph.leaves:
-                if k in unknown:
-                    found.append(k)
-                continue
-            for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                if one not in seen:
-                    seen.add(one)
-                    stack.append(one)
-        return found
+    def granting(self, one: Guarantee) -> Group:
+        """Return the TRUE inputs that a guarantee can rest on."""
+        return tuple(
+            sorted(name for name in self._true if any(name in path for path in one.paths))
+        )
 
-    def leaves_below(self, node: int) -> List[int]:
-        """Return the leaves that a node is made of, in the order of the inputs."""
-        nodes = (self._graph.nodes[k - self._graph.leaves] for k in self._gates_below(node))
-        return sorted({one for _, inputs in nodes for one in inputs if one < self._graph.leaves})
+    def blocking(self, one: Guarantee) -> FrozenSet[str]:
+        """Return the inputs that keep a guarantee from being TRUE."""
+        return frozenset(name for group in self.missing(one)[0] for name in group)
 
-    def _bit(self, leaf: int) -> int:
-        return 1 << self._position[leaf]  # made when needed: with 100,000 leaves each has 12 kB
-
-    def _gates_below(self, node: int) -> List[int]:
-        """Return the node and the gates that it depends on; inputs come before their users."""
-        seen, stack = {node}, [node]
-        while stack:
-            for one in self._graph.nodes[stack.pop() - self._graph.leaves].inputs:
-                if one >= self._graph.leaves and one not in seen:
-                    seen.add(one)
-                    stack.append(one)
-        return sorted(seen)
-
-    def _mocus(self, node: int, *, paths: bool) -> _Family:
-        """Return the minimal sets that reach (paths) or end (cuts) the node.
-
-        Cuts are the paths of the dual graph: And and Or change places, and what is already lost
-        takes the place of what is already there.
-        """
-        gates = self._gates_below(node)
-        users = self._users(gates)
-        work = _Work()
-        families: Dict[int, _Family] = {}
-        for k in gates:
-            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
-            family = _ALREADY if is_and == paths else _IMPOSSIBLE
-            combine = work.both if is_and == paths else work.either
-            if (self.values[k] == TRUE) == paths:
-                family, inputs = _ALREADY, ()
-            for one in inputs:
-                found = families.get(one)
-                if found is None:
-                    there = (self.values[one] == TRUE) == paths
-                    found = _ALREADY if there else _Family(((1, self._bit(one)),), truncated=False)
-                family = combine(family, found)
-            families[k] = family
-            for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                users[one] -= 1
-                if not users[one]:  # a long chain would else hold every set on the way
-                    families.pop(one, None)
-        return families[node]
-
-    def _users(self, gates: List[int]) -> Dict[int, int]:
-        """Return how often each node is an input of one of the gates."""
-        users: Dict[int, int] = {}
-        for k in gates:
-            for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                users[one] = users.get(one, 0) + 1
-        return users
-
-    def _named(self, family: _Family) -> Tuple[List[Tuple[str, ...]], bool]:
-        return [self._ids(bits) for _, bits in family.sets], family.truncated
-
-    def _ids(self, bits: int) -> Tuple[str, ...]:
-        ids = []
-        while bits:
-            top = bits.bit_length() - 1
-            ids.append(self._graph.names[self._by_bit[top]])
-            bits ^= 1 << top
-        return tuple(ids)
+    def _true_paths(self, one: Guarantee) -> List[Group]:
+        return [path for path in one.paths if self._true.issuperset(path)]
 
 
-class _Work:
-    """Combines families of sets and counts the work, so that no model makes it endless."""
-
-    def __init__(self) -> None:
-        self._done = 0
-
-    def either(self, one: _Family, other: _Family) -> _Family:
-        """Return the minimal sets of an Or."""
-        if not one.sets or not other.sets:
-            return other if not one.sets else one
-        return self._minimal([*one.sets, *other.sets], truncated=one.truncated or other.truncated)
-
-    def both(self, one: _Family, other: _Family) -> _Family:
-        """Return the minimal sets of an And."""
-        if one == _ALREADY:
-            return other
-        if other == _ALREADY:
-            return one
-        if not one.sets or not other.sets:
-            return _IMPOSSIBLE
-        truncated = one.truncated or other.truncated
-        self._done += len(one.sets) * len(other.sets)
-        if self._done > _BUDGET:
-            truncated = truncated or max(len(one.sets), len(other.sets)) > _FEW_SETS
-            one = _Family(one.sets[:_FEW_SETS], truncated)
-            other = _Family(other.sets[:_FEW_SETS], truncated)
-        unions = {first | second for _, first in one.sets for _, second in other.sets}
-        return self._minimal([(_size(bits), bits) for bits in unions], truncated=truncated)
-
-    def _minimal(self, sets: List[Tuple[int, int]], *, truncated: bool) -> _Family:
-        """Return the smallest sets without those that contain another one (absorption)."""
-        limit = MAX_SETS if self._done <= _BUDGET else _FEW_SETS
-        kept: List[Tuple[int, int]] = []
-        smaller: List[int] = []  # only a smaller set can be inside; equal ones are equal
-        size_now = 0
-        for size, bits in sorted(sets, key=lambda one: (one[0], -one[1])):
-            if kept and kept[-1][1] == bits:  # cheaper than a set: hashing reads all bits
-                continue
-            if size != size_now:
-                smaller, size_now = [kept_bits for _, kept_bits in kept], size
-            self._done += len(smaller) + 1
-            if any(inside & bits == inside for inside in smaller):
-                continue
-            if len(kept) == limit:
-                return _Family(tuple(kept), truncated=True)
-            kept.append((size, bits))
-        return _Family(tuple(kept), truncated=truncated)
-
-
-def _size(bits: int) -> int:
-    return bin(bits).count("1")
+def _minimal(groups: List[Group]) -> List[Group]:
+    """Return the groups that contain no other one, by size, then by ids."""
+    if len(groups) < 2:
+        return groups
+    kept: List[Group] = []
+    inside: List[FrozenSet[str]] = []
+    for group in sorted(set(groups), key=lambda one: (len(one), one)):
+        names = frozenset(group)
+        if not any(map(names.issuperset, inside)):
+            kept.append(group)
+            inside.append(names)
+    return kept

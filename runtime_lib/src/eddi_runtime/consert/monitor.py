@@ -8,7 +8,6 @@ from typing import (
     Dict,
     Iterable,
     List,
-    NamedTuple,
     Optional,
     Sequence,
     Tuple,
@@ -16,34 +15,19 @@ from typing import (
     overload,
 )
 
-from ..inputs import accepted
+from ..compatibility import ModelError
+from ..inputs import InputSpec, accepted
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
-from .explain import Explanation, Graph, Node, Reason, Sets
+from .explain import Explanation, Guarantee, Reason, Sets
 from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .filters import LeafFilter
+    from .search import Graph
 
 Rows = List[Dict[str, object]]
-
-
-class Guarantee(NamedTuple):
-    """One guarantee.
-
-    Attributes:
-        id: as in the model.
-        node: its number in the graph.
-        published: the id in the output, empty where it is the same.
-        default: holds always, without support.
-        ranking: lowest is best, ``None`` when not given.
-    """
-
-    id: str
-    node: int
-    published: str = ""
-    default: bool = False
-    ranking: Optional[int] = None
+Nodes = Tuple[Tuple[str, str, Tuple[int, ...]], ...]
 
 
 class ConSert(Monitor[Rows]):
@@ -55,9 +39,8 @@ class ConSert(Monitor[Rows]):
 
     Attributes, beside those of ``eddi_runtime.Monitor``:
         leaves: how each of the inputs is judged.
-        nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
-            comes first; the first node has the number after those of the inputs.
         guarantees: in file order.
+        graph: what their sets are searched in, where they are too many to be written down.
         services: (id of a provided service, ids of its guarantees).
         filter: of the truth values of the inputs, None for none.
         raw: values of the inputs in the last step, ``Absent`` where one could not be read.
@@ -66,8 +49,9 @@ class ConSert(Monitor[Rows]):
 
     kind = "consert"
     leaves: Tuple[Leaf, ...]
-    nodes: Tuple[Tuple[str, str, Tuple[int, ...]], ...]
     guarantees: Tuple[Guarantee, ...]
+    graph: Optional[Graph] = None
+    nodes: Nodes = ()  # of format 2
     services: Tuple[Tuple[str, Tuple[str, ...]], ...] = ()
     raw: Sequence[object]
     source: object
@@ -75,16 +59,13 @@ class ConSert(Monitor[Rows]):
 
     def __init__(self, leaf_filter: Optional[LeafFilter] = None) -> None:
         self.filter = leaf_filter
-        self._graph = Graph(
-            names=(*(spec.id for spec in self.inputs), *(name for name, _, _ in self.nodes)),
-            leaves=len(self.inputs),
-            nodes=tuple(Node(gate == "And", inputs) for _, gate, inputs in self.nodes),
-            guarantees=tuple(one.node for one in self.guarantees),
-        )
+        if self.nodes:
+            self.graph = _graph_of(self.inputs, self.nodes)
         self.guarantee_ids = tuple(one.id for one in self.guarantees)
         self.published_ids = tuple(one.published or one.id for one in self.guarantees)
-        self._number = dict(zip(self.published_ids, self._graph.guarantees))
-        self._number.update(zip(self.guarantee_ids, self._graph.guarantees))
+        self._input_ids = tuple(spec.id for spec in self.inputs)
+        self._named = dict(zip(self.published_ids, self.guarantees))
+        self._named.update(zip(self.guarantee_ids, self.guarantees))
         self.reset()
 
     def step(self, source: object) -> Tuple[bool, ...]:
@@ -96,8 +77,8 @@ class ConSert(Monitor[Rows]):
         values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
         if self.filter is not None:
             values = self.filter.apply(values)
-        found = self._graph.evaluate(values)
-        return tuple([found[k] == TRUE for k in self._graph.guarantees])
+        sets = self._sets_of(values)
+        return tuple([sets.value(one) == TRUE for one in self.guarantees])
 
     def read(self, source: object) -> Tuple[object, ...]:
         """Return the value of each input, ``Absent`` where it cannot be read; never raises."""
@@ -122,8 +103,8 @@ class ConSert(Monitor[Rows]):
 
     def verdicts(self) -> Dict[str, str]:
         """Return guarantee id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step."""
-        values = self._sets().values
-        return {one.id: NAMES[values[one.node]] for one in self.guarantees}
+        sets = self._sets()
+        return {one.id: NAMES[sets.value(one)] for one in self.guarantees}
 
     def input_verdicts(self) -> Dict[str, str]:
         """Return input id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step, filtered."""
@@ -135,19 +116,11 @@ class ConSert(Monitor[Rows]):
         The lowest ``ranking`` is best, then guarantees without one, in file order; a default
         guarantee comes last.
         """
-        values = self._sets().values
-        place = {one.id: k for k, one in enumerate(self.guarantees)}
-
-        def rank(name: str) -> Tuple[bool, bool, int, int]:
-            one = self.guarantees[place[name]]
-            return one.default, one.ranking is None, one.ranking or 0, place[name]
-
+        sets = self._sets()
+        active = [one for one in self.guarantees if sets.value(one) == TRUE]
+        active.sort(key=lambda one: (one.default, one.ranking is None, one.ranking or 0))
         return {
-            service: min(
-                (name for name in names if values[self._number[name]] == TRUE),
-                key=rank,
-                default=None,
-            )
+            service: next((one.id for one in active if one.id in names), None)
             for service, names in self.services
         }
 
@@ -174,30 +147,29 @@ class ConSert(Monitor[Rows]):
         sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
             return tuple(
-                self._explain(k, sets, reasons, loss_sets=loss_sets)
-                for k in self._graph.guarantees
+                self._explain(one, sets, reasons, loss_sets=loss_sets) for one in self.guarantees
             )
-        if guarantee_id not in self._number:
+        if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        return self._explain(self._number[guarantee_id], sets, reasons, loss_sets=loss_sets)
+        return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
 
     def _explain(
-        self, node: int, sets: Sets, reasons: Dict[str, Reason], *, loss_sets: bool
+        self, one: Guarantee, sets: Sets, reasons: Dict[str, Reason], *, loss_sets: bool
     ) -> Explanation:
-        active = sets.values[node] == TRUE
-        missing, truncated = sets.missing(node)
-        losses, more = sets.loss_sets(node) if active and loss_sets else ([], False)
+        value, (missing, truncated) = sets.value(one), sets.missing(one)
+        active = value == TRUE
+        losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
         return Explanation(
-            guarantee=self._graph.names[node],
+            guarantee=one.id,
             active=active,
-            verdict=NAMES[sets.values[node]],
+            verdict=NAMES[value],
             missing=tuple(missing),
-            single_losses=sets.single_losses(node) if active else (),
+            single_losses=sets.single_losses(one) if active else (),
             loss_sets=tuple(losses),
-            reasons={one: reasons[one] for group in missing for one in group},
+            reasons={name: reasons[name] for group in missing for name in group},
             truncated=truncated or more,
-            robots=self._robots(self._graph.names[node]),
+            robots=self._robots(one),
         )
 
     def robots(self, guarantee_id: str) -> Tuple[str, ...]:
@@ -209,18 +181,15 @@ class ConSert(Monitor[Rows]):
         Raises:
             LookupError: there is no such guarantee.
         """
-        found = self._robots(guarantee_id).values()
+        found = self._robots(self._named[guarantee_id]).values()
         return tuple(sorted({robot for robots in found for robot in robots}))
 
-    def _robots(self, guarantee_id: str) -> Dict[str, Tuple[str, ...]]:
+    def _robots(self, one: Guarantee) -> Dict[str, Tuple[str, ...]]:
         """Return each input of a guarantee that is TRUE by words of other robots, with these."""
         words = _words(self.source)
         if not words:  # as for most robots: nothing is to be found out
             return {}
-        sets = self._sets()
-        below = sets.leaves_below(self._number[guarantee_id])
-        true = (self.inputs[leaf].id for leaf in below if sets.leaf_values[leaf] == TRUE)
-        return {name: words[name] for name in true if name in words}
+        return {name: words[name] for name in self._sets().granting(one) if name in words}
 
     def reasons(self) -> Dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
@@ -240,7 +209,7 @@ class ConSert(Monitor[Rows]):
         false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
         found = []
         for one in self.guarantees:
-            active, (groups, _) = sets.values[one.node] == TRUE, sets.missing(one.node)
+            active, (groups, _) = sets.value(one) == TRUE, sets.missing(one)
             group = next((some for some in groups if false.isdisjoint(some)), (*groups, ())[0])
             lacks = tuple((name, reasons[name].text) for name in group)
             reason = "" if active or groups else "nothing can activate it"
@@ -267,18 +236,15 @@ class ConSert(Monitor[Rows]):
                 still has its default because no message has come.
         """
         named = set(not_known)
-        unknown = {
-            k
-            for k, (value, _) in enumerate(self._judgements())
-            if value == UNKNOWN or self.inputs[k].id in named
-        }
+        unknown = [
+            name
+            for name, (value, _) in zip(self._input_ids, self._judgements())
+            if value == UNKNOWN or name in named
+        ]
         sets = self._sets()
-        found: Dict[int, List[str]] = {k: [] for k in sorted(unknown)}
-        for one in self.guarantees:
-            if unknown and sets.values[one.node] != TRUE:
-                for k in sets.unknown_below(one.node, unknown):
-                    found[k].append(one.id)
-        return {self.inputs[k].id: tuple(names) for k, names in found.items() if names}
+        blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
+        found = {name: tuple(id_ for id_, by in blocking if name in by) for name in unknown}
+        return {name: ids for name, ids in found.items() if ids}
 
     def faults(self) -> Dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
@@ -310,7 +276,7 @@ class ConSert(Monitor[Rows]):
         sets = self._sets()
         rows: List[Tree] = []
         for one in self.guarantees:
-            verdict, (groups, _) = sets.values[one.node], sets.missing(one.node)
+            verdict, (groups, _) = sets.value(one), sets.missing(one)
             missing = list(groups[0]) if groups else []
             rows.append(
                 ("GuaranteeStatus", {"id": one.id, "verdict": verdict, "missing": missing})
@@ -343,8 +309,13 @@ class ConSert(Monitor[Rows]):
         """Return the sets of the present state: those of the last one until a value changes."""
         leaf_values = tuple(self._leaf_values())
         if self._found is None or self._found.leaf_values != leaf_values:
-            self._found = Sets(self._graph, leaf_values)
+            self._found = self._sets_of(leaf_values)
         return self._found
+
+    def _sets_of(self, leaf_values: Sequence[int]) -> Sets:
+        if self.graph is None:
+            return Sets(self._input_ids, leaf_values)
+        return self.graph.sets(leaf_values)
 
     def _reason(self, leaf: int, value: int, why: str) -> Reason:
         raw = self.raw[leaf]
@@ -355,6 +326,16 @@ class ConSert(Monitor[Rows]):
             if state is not None:
                 return state
         return Reason(why, describe(self.leaves[leaf], raw, why))
+
+
+def _graph_of(inputs: Sequence[InputSpec], nodes: Nodes) -> Graph:
+    """Return the graph of a monitor that was compiled for format 2."""
+    try:
+        from .search import Graph  # noqa: PLC0415 - travels where it is used
+    except ImportError:
+        reason = "compiled.py is of an earlier format: run `eddi-scaffold upgrade`"
+        raise ModelError("", reason) from None
+    return Graph(inputs, nodes)
 
 
 def _state(source: object, input_id: str) -> Optional[Reason]:

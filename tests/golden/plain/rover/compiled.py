@@ -7,8 +7,8 @@ Model: rover.yml
 from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
-# sha256 of the lines below: f9da6d62f4fbdd8f033956d3fe87aabf7061da18c14d6fc35de8d8ab808a40eb
+eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
+# sha256 of the lines below: f791676effc3ff010177fa5806d0fe48f6ae9800547e313e761d06e0cb9478b2
 INF = float("inf")
 
 
@@ -29,18 +29,19 @@ class Monitor(consert.ConSert):
         consert.Binary(),
         consert.Categorical("crawl", "no"),
     )
-    # Name, gate, numbers of what it reads: the inputs first, then these nodes.
-    nodes = (
-        ("All", "And", (1, 2, 0)),  # 5
-        ("StandStill", "And", ()),  # 6
-        ("Any", "Or", (3, 4, 5)),  # 7
-        ("FastDrive", "And", (5,)),  # 8
-        ("SlowDrive", "And", (7,)),  # 9
-    )
+    # Paths: the smallest sets of inputs of which each gives the guarantee.
     guarantees = (
-        consert.Guarantee("FastDrive", 8, ranking=2),
-        consert.Guarantee("SlowDrive", 9, ranking=1),
-        consert.Guarantee("StandStill", 6, default=True),
+        consert.Guarantee(
+            "FastDrive",
+            paths=(("2nd sensor-ok", "Distance", "MapKnown"),),
+            ranking=2,
+        ),
+        consert.Guarantee(
+            "SlowDrive",
+            paths=(("Mode",), ("class",), ("2nd sensor-ok", "Distance", "MapKnown")),
+            ranking=1,
+        ),
+        consert.Guarantee("StandStill", paths=((),), default=True),
     )
     services = (("Driving", ("FastDrive", "SlowDrive", "StandStill")),)
 

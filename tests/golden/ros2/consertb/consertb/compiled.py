@@ -7,8 +7,8 @@ Model: two_conserts.xml //@odeProductPackages.0/@conSerts.1
 import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
-# sha256 of the lines below: 4de1bd28c05acbee769faab875a0b9ee752f7ef9111c809ae1ba34972634c1e0
+eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
+# sha256 of the lines below: 8a582d4dd7286566cfc0e2d1ba21ed7c0bd6467d3cb18656770770643ccac076
 
 
 class Monitor(consert.ConSert):
@@ -19,11 +19,8 @@ class Monitor(consert.ConSert):
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
     )
     leaves = (consert.Binary(),)
-    # Name, gate, numbers of what it reads: the inputs first, then these nodes.
-    nodes = (
-        ("System_A_G0_c2", "And", (0,)),  # 1
-    )
-    guarantees = (consert.Guarantee("System_A_G0_c2", 1),)
+    # Paths: the smallest sets of inputs of which each gives the guarantee.
+    guarantees = (consert.Guarantee("System_A_G0_c2", paths=(("RtE_A_E0",),)),)
     services = (("ServiceB", ("System_A_G0_c2",)),)
 
     def step(self, source):

@@ -7,8 +7,8 @@ Model: two_conserts.xml //@odeProductPackages.0/@conSerts.0
 import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
-# sha256 of the lines below: 09efe0eea2c62c7b5c654bd98471a0497008eda770dd86a46eaf0010188ccb40
+eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
+# sha256 of the lines below: fbe1311216c7e6189e4b1b241ae5b5e8cca97b5ae1ba41be0a5c9b9167fa6be1
 
 
 class Monitor(consert.ConSert):
@@ -21,13 +21,11 @@ class Monitor(consert.ConSert):
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
     )
     leaves = (consert.Binary(), consert.Binary())
-    # Name, gate, numbers of what it reads: the inputs first, then these nodes.
-    nodes = (
-        ("System_A_AND", "And", (1, 0)),  # 2
-        ("System_A_G0", "And", (1,)),  # 3
-        ("System_A_G1", "And", (2,)),  # 4
+    # Paths: the smallest sets of inputs of which each gives the guarantee.
+    guarantees = (
+        consert.Guarantee("System_A_G0", paths=(("RtE_A_E0",),)),
+        consert.Guarantee("System_A_G1", paths=(("RtE_A_D0", "RtE_A_E0"),)),
     )
-    guarantees = (consert.Guarantee("System_A_G0", 3), consert.Guarantee("System_A_G1", 4))
     services = (("ServiceA", ("System_A_G0", "System_A_G1")),)
 
     def step(self, source):

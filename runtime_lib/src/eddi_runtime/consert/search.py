@@ -1,0 +1,266 @@
+"""The sets of a ConSert that has too many of them for ``compiled.py``: searched on the robot.
+
+The trees have no negation, so these are minimal path and cut sets. They are found by MOCUS, the
+method of fault tree analysis (union for Or, collection for And, absorption after each step), over
+sets that are kept as the bits of whole numbers, of each gate the smallest.
+"""
+
+from __future__ import annotations
+
+from typing import Dict, FrozenSet, List, NamedTuple, Sequence, Tuple
+
+from ..inputs import InputSpec
+from .explain import MAX_SETS, Group, Guarantee, Sets
+from .values import FALSE, TRUE
+
+_BUDGET = 2_000_000
+"""Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""
+
+_FEW_SETS = 4
+
+
+class Node(NamedTuple):
+    """An And or Or over other nodes; without inputs an And is TRUE and an Or is FALSE.
+
+    Attributes:
+        is_and: And, else Or. A guarantee is an And.
+        inputs: numbers of the nodes it reads, in edge order.
+    """
+
+    is_and: bool
+    inputs: Tuple[int, ...]
+
+
+class Graph:
+    """The gates of a ConSert. Nodes have numbers: first the inputs, then gates and guarantees.
+
+    The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
+    larger number is the one whose ids come first.
+
+    Args:
+        inputs: of the monitor.
+        nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
+            comes first.
+
+    Attributes:
+        names: ids of the leaves.
+        leaves: how many of the nodes are leaves.
+        nodes: gates and guarantees in topological order; node ``k`` has number ``leaves + k``.
+        by_bit: leaves by the number of their bit.
+        position: leaf -> number of its bit.
+    """
+
+    def __init__(
+        self, inputs: Sequence[InputSpec], nodes: Sequence[Tuple[str, str, Tuple[int, ...]]]
+    ) -> None:
+        self.names = tuple(spec.id for spec in inputs)
+        self.leaves = len(inputs)
+        self.nodes = tuple(Node(gate == "And", read) for _, gate, read in nodes)
+        self.by_bit = sorted(range(self.leaves), key=lambda k: self.names[k])[::-1]
+        self.position = {k: position for position, k in enumerate(self.by_bit)}
+
+    def evaluate(self, leaf_values: Sequence[int]) -> List[int]:
+        """Return the truth value of every node by number, from those of the leaves."""
+        values = list(leaf_values)
+        for is_and, inputs in self.nodes:
+            if is_and:
+                values.append(min([values[k] for k in inputs], default=TRUE))
+            else:
+                values.append(max([values[k] for k in inputs], default=FALSE))
+        return values
+
+    def sets(self, leaf_values: Sequence[int]) -> Sets:
+        """Return what follows of the guarantees in a state of the inputs."""
+        return Search(self, leaf_values)
+
+
+class _Family(NamedTuple):
+    """Minimal sets of leaves: (size, bits) by size, then by ids."""
+
+    sets: Tuple[Tuple[int, int], ...]
+    truncated: bool
+
+
+_IMPOSSIBLE = _Family((), truncated=False)
+_ALREADY = _Family(((0, 0),), truncated=False)
+
+
+class Search(Sets):
+    """Path and cut sets of one state of a graph.
+
+    Args:
+        graph: the graph.
+        leaf_values: truth values of its leaves.
+    """
+
+    def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
+        super().__init__(graph.names, leaf_values)
+        self._graph = graph
+        self._values = graph.evaluate(leaf_values)
+
+    def value(self, one: Guarantee) -> int:
+        """Return the truth value of a guarantee."""
+        return self._values[one.node]
+
+    def _lacking(self, one: Guarantee) -> Tuple[List[Group], bool]:
+        return self._named(self._mocus(one.node, paths=True))
+
+    def loss_sets(self, one: Guarantee) -> Tuple[List[Group], bool]:
+        """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated"."""
+        return self._named(self._mocus(one.node, paths=False))
+
+    def single_losses(self, one: Guarantee) -> Group:
+        """Return the inputs whose single loss makes a TRUE guarantee not TRUE, by id.
+
+        Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that
+        all of its TRUE inputs fall with.
+        """
+        critical: Dict[int, int] = {}
+        for k in self._gates_below(one.node):
+            if self._values[k] != TRUE:
+                continue
+            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
+            bits = -1 if inputs and not is_and else 0
+            for read in inputs:
+                if self._values[read] == TRUE:
+                    found = critical[read] if read in critical else self._bit(read)
+                    bits = bits | found if is_and else bits & found
+            critical[k] = bits
+        return self._ids(critical.get(one.node, 0))
+
+    def blocking(self, one: Guarantee) -> FrozenSet[str]:
+        """Return the inputs that are reached from the guarantee through nodes not TRUE."""
+        found, seen, stack = [], {one.node}, [one.node]
+        while stack:
+            k = stack.pop()
+            if self._values[k] == TRUE:
+                continue
+            if k < self._graph.leaves:
+                found.append(self._graph.names[k])
+                continue
+            for read in self._graph.nodes[k - self._graph.leaves].inputs:
+                if read not in seen:
+                    seen.add(read)
+                    stack.append(read)
+        return frozenset(found)
+
+    def granting(self, one: Guarantee) -> Group:
+        """Return the TRUE inputs that a guarantee can rest on."""
+        nodes = (self._graph.nodes[k - self._graph.leaves] for k in self._gates_below(one.node))
+        below = sorted({k for _, inputs in nodes for k in inputs if k < self._graph.leaves})
+        return tuple(self._graph.names[k] for k in below if self._values[k] == TRUE)
+
+    def _bit(self, leaf: int) -> int:
+        # made when needed: with 100,000 leaves each has 12 kB
+        return 1 << self._graph.position[leaf]
+
+    def _gates_below(self, node: int) -> List[int]:
+        """Return the node and the gates that it depends on; inputs come before their users."""
+        seen, stack = {node}, [node]
+        while stack:
+            for one in self._graph.nodes[stack.pop() - self._graph.leaves].inputs:
+                if one >= self._graph.leaves and one not in seen:
+                    seen.add(one)
+                    stack.append(one)
+        return sorted(seen)
+
+    def _mocus(self, node: int, *, paths: bool) -> _Family:
+        """Return the minimal sets that reach (paths) or end (cuts) the node.
+
+        Cuts are the paths of the dual graph: And and Or change places, and what is already lost
+        takes the place of what is already there.
+        """
+        gates = self._gates_below(node)
+        users = self._users(gates)
+        work = _Work()
+        families: Dict[int, _Family] = {}
+        for k in gates:
+            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
+            family = _ALREADY if is_and == paths else _IMPOSSIBLE
+            combine = work.both if is_and == paths else work.either
+            if (self._values[k] == TRUE) == paths:
+                family, inputs = _ALREADY, ()
+            for one in inputs:
+                found = families.get(one)
+                if found is None:
+                    there = (self._values[one] == TRUE) == paths
+                    found = _ALREADY if there else _Family(((1, self._bit(one)),), truncated=False)
+                family = combine(family, found)
+            families[k] = family
+            for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                users[one] -= 1
+                if not users[one]:  # a long chain would else hold every set on the way
+                    families.pop(one, None)
+        return families[node]
+
+    def _users(self, gates: List[int]) -> Dict[int, int]:
+        """Return how often each node is an input of one of the gates."""
+        users: Dict[int, int] = {}
+        for k in gates:
+            for one in self._graph.nodes[k - self._graph.leaves].inputs:
+                users[one] = users.get(one, 0) + 1
+        return users
+
+    def _named(self, family: _Family) -> Tuple[List[Group], bool]:
+        return [self._ids(bits) for _, bits in family.sets], family.truncated
+
+    def _ids(self, bits: int) -> Group:
+        ids = []
+        while bits:
+            top = bits.bit_length() - 1
+            ids.append(self._graph.names[self._graph.by_bit[top]])
+            bits ^= 1 << top
+        return tuple(ids)
+
+
+class _Work:
+    """Combines families of sets and counts the work, so that no model makes it endless."""
+
+    def __init__(self) -> None:
+        self._done = 0
+
+    def either(self, one: _Family, other: _Family) -> _Family:
+        """Return the minimal sets of an Or."""
+        if not one.sets or not other.sets:
+            return other if not one.sets else one
+        return self._minimal([*one.sets, *other.sets], truncated=one.truncated or other.truncated)
+
+    def both(self, one: _Family, other: _Family) -> _Family:
+        """Return the minimal sets of an And."""
+        if one == _ALREADY:
+            return other
+        if other == _ALREADY:
+            return one
+        if not one.sets or not other.sets:
+            return _IMPOSSIBLE
+        truncated = one.truncated or other.truncated
+        self._done += len(one.sets) * len(other.sets)
+        if self._done > _BUDGET:
+            truncated = truncated or max(len(one.sets), len(other.sets)) > _FEW_SETS
+            one = _Family(one.sets[:_FEW_SETS], truncated)
+            other = _Family(other.sets[:_FEW_SETS], truncated)
+        unions = {first | second for _, first in one.sets for _, second in other.sets}
+        return self._minimal([(_size(bits), bits) for bits in unions], truncated=truncated)
+
+    def _minimal(self, sets: List[Tuple[int, int]], *, truncated: bool) -> _Family:
+        """Return the smallest sets without those that contain another one (absorption)."""
+        limit = MAX_SETS if self._done <= _BUDGET else _FEW_SETS
+        kept: List[Tuple[int, int]] = []
+        smaller: List[int] = []  # only a smaller set can be inside; equal ones are equal
+        size_now = 0
+        for size, bits in sorted(sets, key=lambda one: (one[0], -one[1])):
+            if kept and kept[-1][1] == bits:  # cheaper than a set: hashing reads all bits
+                continue
+            if size != size_now:
+                smaller, size_now = [kept_bits for _, kept_bits in kept], size
+            self._done += len(smaller) + 1
+            if any(inside & bits == inside for inside in smaller):
+                continue
+            if len(kept) == limit:
+                return _Family(tuple(kept), truncated=True)
+            kept.append((size, bits))
+        return _Family(tuple(kept), truncated=truncated)
+
+
+def _size(bits: int) -> int:
+    return bin(bits).count("1")
