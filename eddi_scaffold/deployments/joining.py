@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.monitors.connections import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.problems import EddiError, Problem, error
+from eddi_scaffold.problems import EddiError, Problem, error, warning
 
 _Joined = tuple[BoundMonitor | None, list[Problem]]
 """What comes of a model and its configuration."""
@@ -102,7 +102,16 @@ def packages_of(
         package, found = platform.monitor(monitor)
         packages.append(package)
         problems += found
+        if monitor.config is not None and "lifecycle" not in package.answers:
+            problems += _check_life_cycle(monitor.config, platform)
     return packages, problems
+
+
+def _check_life_cycle(config: ConfigFile, platform: Platform) -> Iterable[Problem]:
+    if config.config.Model.lifecycle:
+        message = f"the platform {platform.name} has no life cycle: the monitor is always active"
+        hint = "leave `lifecycle` out, or use `--platform ros2`"
+        yield warning("K084", message, config.place("Model", "lifecycle"), hint)
 
 
 def _of(model: Model, config: ConfigFile | None, marks: Sequence[str]) -> _Joined:
