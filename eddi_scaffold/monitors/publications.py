@@ -12,7 +12,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.schema import OutputEntry
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 MESSAGE_PACKAGE = "eddi_messages"
 STATUS = "status"
@@ -44,13 +44,20 @@ class Publication:
 def publications(
     monitor: BoundMonitor, config: ConfigFile
 ) -> tuple[list[Publication], list[Problem]]:
-    """Return what the node publishes, and what is wrong with the paths (K034)."""
+    """Return what the node publishes, and what is wrong with it (K034, K045, K085)."""
     messages = _messages(monitor)
     found: list[Publication] = []
     problems: list[Problem] = []
     parts = list(monitor.kind.functions.parts(monitor.model))
     for index, output in enumerate(config.config.EDDIOutputs):
         places = partial(config.place, "EDDIOutputs", index)
+        deadline, rate = output.qos.deadline, config.config.Model.frequency
+        if deadline is not None and deadline * rate < 1:
+            message = (
+                f"a message each {deadline:g} s is promised, but there are {rate:g} steps a second"
+            )
+            hint = f"a deadline above {1 / rate:g} s, or more steps"
+            problems.append(warning("K085", message, places("qos", "deadline"), hint))
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
             message = f"the monitor publishes no separate message for {output.event!r}"
