@@ -59,18 +59,19 @@ def read_system(
             known = tuple(base.components) if base else ()
             components.update(_component(name, entry, library, components.get(name), known))
     values.only((*KEYS, "file", "parameters"))
-    if values.failed:
-        return None, values.problems
-    top = values.text("top") or (base.top if base else _top(components, values))
     horizon, moving = _horizon(values, base)
     worst = values.choice("on_unknown", ("inactive", "worst_case"))
     gap = values.quantity("max_gap", quantities.duration, needs_unit=True, positive=True)
+    own = _thresholds(values) if values.has("thresholds") else None
+    if values.failed:  # components that cannot be read would be missed by what uses them
+        return None, values.problems
+    top = values.text("top") or (base.top if base else _top(components, values))
     system = ReliabilitySystem(
         components,
         top,
         horizon,
         moving,
-        _thresholds(values) if values.has("thresholds") else base.thresholds if base else (),
+        own if own is not None else base.thresholds if base else (),
         worst == "worst_case" if worst else bool(base and base.worst_case),
         gap * 3600.0 if gap is not None else base.max_gap if base else None,
         place=base.place if base else values.place(),
