@@ -110,7 +110,9 @@ def _with_offers(
     if decision.state == "taken" or not found:
         return decision
     every = sorted((*decision.candidates, *found), key=lambda one: -one.score)
-    return Decision(need, "listed", tuple(every[:_MOST]))
+    # a claim may have quite another name, so that all are listed where none is like the input
+    like = [one for one in every if one.score > 0] or every
+    return Decision(need, "listed", tuple(like[:_MOST]))
 
 
 def _likeness(need: Need, offer: Offer) -> int:

@@ -115,3 +115,15 @@ def test_a_demand_takes_the_only_guarantee_that_fulfils_it() -> None:
     offer = Offer(TOPICS[-2], "guarantees[G].active", "G fulfils it")
     assert decided(demand, [offer]).state == "taken"
     assert decided(demand, [offer, Offer(TOPICS[-2], "guarantees[H].active", "")]).state == "listed"
+
+
+def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() -> None:
+    offers = [
+        Offer(TOPICS[-2], f"evidence[{key}].active", "", key, is_sure=False)
+        for key in ("PoseIsGood", "LastsTheShift")
+    ]
+    for name, keys in {"PoseKnown": ["PoseIsGood"], "Zzz": ["PoseIsGood", "LastsTheShift"]}.items():
+        found = decided(Need(name, "bool"), offers)
+        assert [one.access.text for one in found.candidates] == [
+            f"evidence[{k}].active" for k in keys
+        ]
