@@ -31,8 +31,8 @@ def show(
 ) -> None:
     """Show the models of a file as a tree, or as JSON.
 
-    With configurations also what they accept in place of known values, and the claims that rest
-    on it.
+    With configurations also what they add, such as thresholds and bins, what they accept in place
+    of known values, and the claims that rest on it.
 
     Example: eddi-scaffold show example.xml -c consert_a_config.yml
     """
@@ -57,12 +57,13 @@ def show(
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
     chosen = select(reading.models, name) if name is not None else reading.models
     survey = survey if name is None else only(survey, chosen)
-    accepted, wrong = accepted_of(reading.models, given.configs, default_guarantee or ())
+    accepted, models, wrong = accepted_of(reading.models, given.configs, default_guarantee or ())
     if as_json:
         rows = [one.as_json() for one in accepted]
         console.json(survey if not given.configs else {**survey, "accepted": rows})
     else:
-        _print(survey, reading.models, chosen)
+        pairs = zip(reading.models, models, strict=True)
+        _print(survey, reading.models, [now for one, now in pairs if one in chosen])
         if accepted:
             console.data("\n".join(["", "accepted:", *(f"  {one.as_text()}" for one in accepted)]))
     shown = [*reading.problems, *reading.unread, *unfit(chosen)]

@@ -1,4 +1,4 @@
-"""What configurations accept of silence, for ``show``."""
+"""What configurations add to models, and what they accept of silence, for ``show``."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from eddi_scaffold.problems import Problem
 
 def accepted_of(
     models: Sequence[Model], configs: Sequence[ConfigFile], marks: Sequence[str] = ()
-) -> tuple[list[Accepted], list[Problem]]:
+) -> tuple[list[Accepted], list[Model], list[Problem]]:
     """Return what configurations accept, with the claims that rest on it, or the errors.
+
+    Between them are the models as they are configured; those that no configuration is about stay.
 
     Args:
         models: those of the file that is shown; a configuration may name another one.
@@ -25,9 +27,15 @@ def accepted_of(
         marks: the default guarantees that are marked.
     """
     if not configs:
-        return [], []
+        return [], list(models), []
     monitors, problems = join(models, configs, partial(checked_models, default_guarantees=marks))
     wrong = [problem for problem in problems if problem.level == "error"]
     if wrong:
-        return [], wrong
-    return acceptances([member.participant for member in members_of(monitors)]), []
+        return [], list(models), wrong
+    accepted = acceptances([member.participant for member in members_of(monitors)])
+    made = {_identity(one.model): one.model for one in monitors}
+    return accepted, [made.get(_identity(one), one) for one in models], []
+
+
+def _identity(model: Model) -> tuple[str, str, str]:
+    return model.kind, model.source.name, model.place.path or model.name  # may be named anew

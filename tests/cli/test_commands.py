@@ -575,3 +575,16 @@ def test_upgrade_finds_the_model_that_a_newer_configuration_names(tmp_path: Path
     assert run("upgrade", "-w", "pl", "-c", config.name, cwd=tmp_path).status == 0
     assert '"max_age": 7.5' in (tmp_path / "pl/camera_scope/model.json").read_text("utf-8")
     assert run(*generate, cwd=tmp_path).err.startswith("nothing to change below pl\n")
+
+
+def test_show_has_what_a_configuration_adds() -> None:
+    """Bins and thresholds; and a time as one would write it."""
+    robot = ROOT / "examples" / "warehouse-robot"
+    lines = run("show", "localisation_config.yml", cwd=robot).out.splitlines()
+    assert "    from matched: Poor | 0.7 | Good" in lines
+    assert "  evidence PoseIsGood: P(Lost = Yes) <= 0.1 for 1 s, gone above 0.15" in lines
+    examples = robot.parent
+    words = ("show", "pedestrian/pedestrian.xml", "-c", "pedestrian/eddi_config.yml")
+    assert "  from vehicleSpeed: NotDriving | 0.05 | " in run(*words, cwd=examples).out
+    words = ("show", "drone/drone.xml", "-c", "drone/reliability_config.yml")
+    assert "\n  horizon 30 min\n" in run(*words, "--name", "MissionLoss", cwd=examples).out

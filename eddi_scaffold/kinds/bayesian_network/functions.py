@@ -111,13 +111,19 @@ def counts(model: NetworkModel) -> Mapping[str, int]:
 def outline(model: NetworkModel) -> Sequence[str]:
     """Return the nodes with states and parents, then what inference costs."""
     network = model.data
+    settings = settings_of(model)
+    bins = {one.node: one for one in settings.declarations if "bins" in one.data}
     lines = []
     for node in network.nodes:
         title = f" ({node.title})" if node.title != node.id else ""
         lines.append(f"{node.id}{title}: {', '.join(node.states)}")
         if node.parents:
             lines.append(f"  given {', '.join(node.parents)}")
-    settings = settings_of(model)
+        if node.id in bins:
+            one = bins[node.id]
+            edges = [*(f" | {edge:g} | " for edge in one.data["bins"]), ""]
+            pairs = zip(one.data.get("order", node.states), edges, strict=True)
+            lines.append(f"  from {one.input}: {''.join(map(''.join, pairs))}")
     lines.append(f"outputs: {', '.join(settings.outputs)}")
     width = settings.width
     lines.append(

@@ -45,7 +45,7 @@ def counts(system: ReliabilitySystem) -> Mapping[str, int]:
 def outline(system: ReliabilitySystem) -> list[str]:
     """Return lines with two blanks per level."""
     until = "mission_end, at most " if system.mission_end else ""
-    lines = [f"horizon {until}{system.horizon:g} h"]
+    lines = [f"horizon {until}{_time(system.horizon)}"]
     for component in system.components.values():
         mark = " (top)" if component.name == system.top else ""
         lines.append(f"{component.type} {component.name}{mark}")
@@ -58,11 +58,19 @@ def outline(system: ReliabilitySystem) -> list[str]:
     return lines
 
 
+def _time(hours: float) -> str:
+    """Return a time in the largest unit in which it is a whole number, as one would write it."""
+    for factor, unit in ((1, "h"), (60, "min"), (3600, "s")):
+        if math.isclose(hours * factor, max(1, round(hours * factor)), rel_tol=1e-12):
+            return f"{round(hours * factor)} {unit}"
+    return f"{hours:g} h"
+
+
 def _content(component: ComponentModel) -> Iterator[str]:
     content = component.content
     if isinstance(content, Chain):
         if content.age:
-            yield f"age {content.age:g} h"
+            yield f"age {_time(content.age)}"
         for state in content.states:
             marks = [
                 m for m, of in (("initial", content.initial), ("fail", content.fail)) if state in of

@@ -79,7 +79,7 @@ def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
 
 def test_the_numbers_of_ready_made_models_are_shown_with_units() -> None:
     shown = run("show", "airframe.yml", cwd=EXAMPLE).out.splitlines()
-    assert shown[1] == "  horizon 0.5 h"
+    assert shown[1] == "  horizon 30 min"
     expected = [
         "rates: 1e-05 1/h for each of 6",
         "failure_rate: 0.0001 1/h",
