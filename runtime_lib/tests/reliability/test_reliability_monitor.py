@@ -1,13 +1,12 @@
 """The monitor: time, observations, latches, intervals, evidence, and damaged models."""
 
+import json
 import math
 from types import SimpleNamespace
 
 import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
-
-from eddi_runtime.reliability.result import as_json  # noqa: E402 - numpy comes first
 
 from eddi_scaffold.compiling.document import ModelError  # noqa: E402 - numpy comes first
 from eddi_scaffold.kinds.reliability.trial import look_ahead  # noqa: E402 - as above
@@ -310,7 +309,14 @@ def test_messages_and_json():
     assert fields["evidence"] == [("ReliabilityEvidence", {"id": "go", "active": True})]
     assert fields["horizon_seconds"] == 3600.0
     assert one.message("nonsense")[1]["p_fail"] == 1.0
-    assert one.as_json(result) == as_json(result)
+    shown = one.as_json(result._replace(mttf=math.inf))
+    assert list(shown) == list(result._fields)
+    assert (shown["mttf"], shown["p_fail"], shown["evidence"]) == (
+        None,
+        result.p_fail,
+        {"go": True},
+    )
+    assert json.loads(json.dumps(shown)) == shown
     assert one.series(result)["go"] is True
     assert one.status_message() is None
     assert one.blocked(["m0"]) == {"m0": ("valid",)}

@@ -11,9 +11,9 @@ from itertools import accumulate, repeat
 from operator import mul
 from typing import List, Optional, Sequence, Tuple
 
-from .chain import Matrix, dot, factors
 from .component import Component, Estimate, Known, Moment, Values, sure
 from .laws import Arrhenius
+from .powers import Matrix, dot, factors
 
 _BANDS = {4: 0, 3: 2, 2: 4}
 _EMPTY = 6

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from operator import mul
-from typing import Collection, Dict, Iterator, List, Sequence, Tuple
+from typing import Collection, Dict, List, Sequence, Tuple
 
 from .component import Estimate, Moment, sure
+from .powers import Matrix, dot, factors
 
 INCONSISTENT = "inconsistent"
 _LEAST = 1e-8
 """Weight of the belief below which it is brought back to one."""
 
 Belief = Sequence[float]
-Matrix = Sequence[Belief]
 Row = Tuple[float, float, float]
 """Of a state: failed within the horizon, alive all the time, mean life in hours."""
 _LOST: Row = (1.0, 0.0, 0.0)
@@ -152,8 +152,6 @@ class Chain:
         if weight < _LEAST:
             reason = "" if self._restored(seen.worst) else INCONSISTENT
             failed, alive, mean, endless, weight = self.look(self.weights(), at)
-        if seen.unknown:
-            return self.bounded(seen, at, reason)
         p = failed / weight if failed < weight else 1.0
         return sure(p, alive / weight, math.inf if endless else mean / weight, reason)
 
@@ -184,27 +182,3 @@ def _divided(look: Look) -> Row:
     failed, alive, mean, endless, weight = look
     life = math.inf if endless > 0.0 else mean / weight
     return min(failed / weight, 1.0), alive / weight, life
-
-
-def factors(powers: List[Matrix], quanta: int) -> Iterator[Matrix]:
-    """Yield the powers that make up one of ``quanta``: as many as binary ones in it.
-
-    Args:
-        powers: by 1, 2, 4, ...; those that are missing are added.
-        quanta: at least 0.
-    """
-    for bit in range(quanta.bit_length()):
-        if bit == len(powers):
-            columns = list(zip(*powers[-1]))
-            square = [[dot(row, column) for column in columns] for row in powers[-1]]
-            powers.append(
-                [[one / whole for one in row] for row, whole in zip(square, map(sum, square))]
-            )
-        if quanta >> bit & 1:
-            yield powers[bit]
-
-
-def dot(one: Sequence[float], other: Sequence[float]) -> float:
-    """Return the sum of products."""
-    total: float = sum(map(mul, one, other))
-    return total

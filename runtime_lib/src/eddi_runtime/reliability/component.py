@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from operator import itemgetter
 from types import MappingProxyType
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 Values = Mapping[str, Any]
 """Input id -> bool, float, list of them with None, or None where nothing is known."""
@@ -108,6 +108,17 @@ class Component:
         """Say what is wrong with the value of an input."""
         said: Dict[str, str] = {**self.said, name: text}
         self.said = said
+
+    def has_failed(
+        self, name: str, now: Optional[bool], *, before: bool, repair: bool
+    ) -> Optional[bool]:
+        """Return what an input says now, of which a failure stays one unless there is repair."""
+        if not before or now or repair:
+            return now
+        if now is False:
+            self.latched += 1
+            self.report_fault(name, AGAIN)
+        return True
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Let time pass, take the observations, look ahead."""

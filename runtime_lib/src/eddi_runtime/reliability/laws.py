@@ -1,4 +1,4 @@
-"""How things age: the law of Weibull, heat by Arrhenius, and inputs whose limit is declared."""
+"""How heat ages things, by Arrhenius, and inputs whose limit is declared."""
 
 from __future__ import annotations
 
@@ -11,29 +11,6 @@ BOLTZMANN = 8.617333262e-5
 """eV/K."""
 _KELVIN = 273.15
 _HOTTEST = 700.0
-_LARGEST = 709.0
-_NEW = 1e-9
-
-
-def hazard(age: float, ahead: float, scale: float, shape: float) -> float:
-    """Return ((age + ahead) / scale) ** shape - (age / scale) ** shape without cancellation.
-
-    Args:
-        age: as ``scale``, at least 0.
-        ahead: the time that counts.
-        scale: above 0.
-        shape: above 0.
-
-    Returns:
-        The hazard; ``inf`` when it is larger than any number.
-    """
-    try:
-        if age <= _NEW * ahead:
-            return float(((age + ahead) / scale) ** shape - (age / scale) ** shape)
-        return float((age / scale) ** shape * math.expm1(shape * math.log1p(ahead / age)))
-    except OverflowError:  # what lies behind is nothing beside it, or both are beyond all numbers
-        exponent = shape * math.log((age + ahead) / scale)
-        return math.inf if exponent > _LARGEST else math.exp(exponent)
 
 
 class Arrhenius(NamedTuple):

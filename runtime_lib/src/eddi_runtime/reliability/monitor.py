@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from ..clock import NO_TIME, step_time
-from ..monitor import Json, Monitor, Standing, Tree
+from ..monitor import Json, Monitor, Standing, Tree, Value
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
-from . import result as out
 from .component import NAN, NOTHING, Component, Estimate, Importance, Moment
 from .explain import Explanation
 from .result import ReliabilityResult
@@ -20,6 +19,7 @@ GRID = 256
 MISSION_END = "mission_end"
 _HOUR_NS = 3.6e12
 _UNKNOWN_INPUTS = "unknown inputs"
+_NUMBERS = ("p_fail", "p_fail_low", "p_fail_high", "reliability", "mttf")
 _ROUNDED = 1.0 + 1e-9
 _new = tuple.__new__  # twice as fast as the classes of named tuples
 
@@ -214,20 +214,43 @@ class Reliability(Monitor[ReliabilityResult]):
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
         """Return a result with its names; what is not finite becomes None."""
-        return out.as_json(output)
+        return {
+            **{name: _finite(value) for name, value in output._asdict().items()},
+            "evidence": dict(output.evidence),
+            "unknown": list(output.unknown),
+            "contributions": {name: _finite(p) for name, p in output.contributions.items()},
+        }
 
-    def series(self, output: ReliabilityResult) -> Dict[str, out.Value]:
+    def series(self, output: ReliabilityResult) -> Dict[str, Value]:
         """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
-        return out.series(output)
+        numbers = {name: _finite(getattr(output, name)) for name in _NUMBERS}
+        return {**numbers, **self.decided(output)}
 
-    def decided(self, output: ReliabilityResult) -> Dict[str, out.Value]:
+    def decided(self, output: ReliabilityResult) -> Dict[str, Value]:
         """Return valid and each evidence."""
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
-        return out.output_message(self.model_id, given, self.accepted())
+        evidence: List[Tree] = [
+            ("ReliabilityEvidence", {"id": name, "active": active})
+            for name, active in given.evidence.items()
+        ]
+        return "ReliabilityOutput", {
+            "model": self.model_id,
+            "valid": given.valid,
+            "p_fail": given.p_fail,
+            "p_fail_low": given.p_fail_low,
+            "p_fail_high": given.p_fail_high,
+            "reliability": given.reliability,
+            "mttf_hours": given.mttf,
+            "horizon_seconds": given.horizon * 3600.0,
+            "unknown_inputs": list(given.unknown),
+            "reason": given.reason,
+            "evidence": evidence,
+            "accepted": list(self.accepted()),
+        }
 
     def _refused(self) -> ReliabilityResult:
         """Return the worst case, for what a person's code has put in place of a result."""
@@ -272,3 +295,7 @@ class Reliability(Monitor[ReliabilityResult]):
 def _trouble(result: ReliabilityResult) -> str:
     """Return why a result is not valid, apart from unknown inputs."""
     return "" if result.reason == _UNKNOWN_INPUTS else result.reason
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

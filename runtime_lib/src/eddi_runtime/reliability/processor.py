@@ -6,7 +6,8 @@ import math
 from typing import List, Optional, Tuple
 
 from .component import NAN, Component, Estimate, Known, Moment, Values
-from .laws import Arrhenius, Limit, hazard
+from .laws import Arrhenius, Limit
+from .weibull import hazard
 
 _LARGEST_STRESS = 1e300
 

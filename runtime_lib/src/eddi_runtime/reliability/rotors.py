@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
 
-from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader
+from .component import Component, Estimate, Known, Moment, Values, reader
 
 if TYPE_CHECKING:  # only where the mission's end is an input
     from .chain import Chain
@@ -76,39 +76,32 @@ class Propulsion(Component):
     def _take(self, values: Values, statuses: Tuple[Any, ...]) -> None:
         """Find the states that are possible."""
         latched = self.latched
-        working: List[Optional[bool]] = []
+        failed: List[Optional[bool]] = []
         unknown: List[str] = []
         for motor, (name, position) in enumerate(self._inputs):
             value = values[name]
             if position is not None and value is not None:
                 value = value[position] if len(value) == len(self._inputs) else None
-            status = self._status(motor, value)
-            if status is None:
+            now = None if value is None else not value
+            now = self.has_failed(name, now, before=self._failed[motor], repair=self._repair)
+            self._failed[motor] = now is True
+            if now is None:
                 unknown.append(name)
-            working.append(status)
+            failed.append(now)
         # a claim that something works again is counted each time
         self._last = statuses if latched == self.latched else None
         self._unknown = tuple(dict.fromkeys(unknown))
-        self._states = self._consistent(working)
+        self._states = self._consistent(failed)
         self._found.clear()
 
-    def _consistent(self, working: Sequence[Optional[bool]]) -> List[int]:
-        """Return the states that these statuses allow (None: unknown)."""
-        down = {i for i, works in enumerate(working) if works is False}
-        maybe = down.union(i for i, works in enumerate(working) if works is None)
-        found = [state for state, failed in enumerate(self._sets) if down <= failed <= maybe]
+    def _consistent(self, failed: Sequence[Optional[bool]]) -> List[int]:
+        """Return the states that are possible when these motors have failed (None: unknown)."""
+        down = {motor for motor, one in enumerate(failed) if one}
+        maybe = {motor for motor, one in enumerate(failed) if one is not False}
+        found = [state for state, those in enumerate(self._sets) if down <= those <= maybe]
         if len(found) < 2 ** (len(maybe) - len(down)):  # some completion does not fly
             found.append(len(self._sets))
         return found
-
-    def _status(self, motor: int, value: Optional[bool]) -> Optional[bool]:
-        if self._failed[motor] and value is not False and not self._repair:
-            if value is True:
-                self.latched += 1
-                self.report_fault(self._inputs[motor][0], AGAIN)
-            return False
-        self._failed[motor] = value is False
-        return value
 
     def reset(self) -> None:
         """All motors work."""

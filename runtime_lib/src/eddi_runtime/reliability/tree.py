@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple, Type
+from typing import TYPE_CHECKING, List, Sequence, Tuple, Type
 
-from .component import AGAIN, NAN, Component, Estimate, Importance, Known, Moment, Values, sure
-from .laws import hazard
+from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, sure
+from .weibull import hazard
 
 if TYPE_CHECKING:  # a tree without dynamic gates has no chain
     from .chain import Chain
@@ -117,7 +117,8 @@ class FaultTree(Component):
         for i, name in self.observed:
             value = values[name]
             if value is not False or happened[i]:
-                value = self._status(i, name, value)
+                value = self.has_failed(name, value, before=happened[i], repair=self.repair)
+                happened[i] = value is True
             if value is None:
                 unknown.append(name)
                 high = list(low) if high is low else high
@@ -145,15 +146,6 @@ class FaultTree(Component):
         best, worst = self.interval(low, high)
         worst = min(worst, 1.0)
         return min(best, 1.0), worst, 1.0 - worst
-
-    def _status(self, i: int, name: str, value: Optional[bool]) -> Optional[bool]:
-        if self._happened[i] and value is not True and not self.repair:
-            if value is False:
-                self.latched += 1
-                self.report_fault(name, AGAIN)
-            return True
-        self._happened[i] = value is True
-        return value
 
     def reset(self) -> None:
         """Forget what has happened."""

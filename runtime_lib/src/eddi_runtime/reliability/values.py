@@ -29,12 +29,7 @@ class Rule(NamedTuple):
     length: int = 0
 
 
-BOOL = Rule("bool")
-LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
 FINITE = sys.float_info.max
-TEMPERATURE = Rule("float", -200.0, FINITE)
-LOAD = Rule("float", 0.0, FINITE)
-SECONDS = Rule("float", -1e12, 1e12)
 
 
 def take(rule: Rule, raw: object) -> Tuple[Taken, str]:
