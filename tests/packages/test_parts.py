@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import jinja2
 import pytest
@@ -92,9 +93,20 @@ def test_a_message_that_is_listened_to_is_there(tmp_path: Path) -> None:
     assert messages(tmp_path / "src" / "eddi_monitor") == {*OWN, "SafeMLStatus"}
 
 
+def template() -> Any:
+    return jinja2.Template((ROOT / "copier_templates" / "parts.jinja").read_text("utf-8")).module
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_answers_of_an_older_release_get_what_their_parts_import_now(part: str) -> None:
+    left_out = template().others([part], "/eddi_runtime").split()
+    others = [f"/eddi_runtime/{one}" for one in PARTS if one not in with_needed([part])]
+    assert left_out == [path + ending for path in others for ending in ("", ".py")]
+
+
 def test_the_templates_know_the_same_parts() -> None:
-    text = (ROOT / "copier_templates" / "parts.jinja").read_text("utf-8")
-    assert set(jinja2.Template(text).module.ALL) == set(PARTS)
+    known = template().ALL
+    assert {part: tuple(needs) for part, needs in known.items()} == dict(PARTS)
     assert {path.stem for path in RUNTIME.iterdir()} - CORE == {p for p in PARTS if "/" not in p}
     assert all((RUNTIME / f"{part}.py").is_file() for part in PARTS if "/" in part)
 
