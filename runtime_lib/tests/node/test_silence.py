@@ -4,11 +4,13 @@ import difflib
 import time
 
 import pytest
+from eddi_runtime.node.publications import fault
 from eddi_runtime.node.receipts import Input, Receipts
 from eddi_runtime.node.silence import Silence, Topic
 
 BOOL, TEXT = "std_msgs/Bool", "std_msgs/String"
-THERE = Topic("/rte/e0b", BOOL, [BOOL], age=3.0)
+SILENT = "its publisher is there, and silent"
+THERE = Topic("/rte/e0b", BOOL, [BOOL], 3.0, SILENT)
 ABSENT = THERE._replace(types=(), age=None)
 
 
@@ -68,11 +70,14 @@ def test_a_publisher_that_was_there_is_gone_although_it_never_sent():
             {"unreadable": True, "alive": False},
             "what is sent there is not std_msgs/Bool, although it is called so",
         ),
-        ({"types": [TEXT, BOOL]}, "its publisher is there, and silent"),
     ],
 )
 def test_the_reason_is_what_is_known_best(known, words):
-    assert reason(THERE._replace(**known)) == words
+    assert fault(BOOL, **{"age": 3.0, **known}) == words
+
+
+def test_the_reason_is_that_of_a_publication_of_the_right_type():
+    assert reason(THERE._replace(types=[TEXT, BOOL])) == SILENT
 
 
 def test_another_type_is_named_with_the_expected_one():

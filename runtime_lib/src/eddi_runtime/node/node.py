@@ -27,7 +27,7 @@ from .conversion import Converter, MessageError
 from .ending import Ending
 from .health import Diagnostics, Health, Status
 from .logs import LOG
-from .outputs import Channel, Output, Publications, Publish, beside, check_outputs
+from .outputs import Output, Publications, Publish, beside, check_outputs
 from .receipts import Input, Receipt, Receipts
 from .report import GraphFact
 from .schedule import Schedule, Waker
@@ -121,7 +121,7 @@ class Node:
         """Return the time of a simulation, ``None`` where there is none."""
         return None
 
-    def advertise(self, channel: Channel) -> Publish:
+    def advertise(self, channel: Output) -> Publish:
         """Return what sends to a topic."""
         raise NotImplementedError
 
@@ -163,7 +163,7 @@ class Node:
         """Advertise every output topic."""
         self._publications = Publications(self.OUTPUTS, self.advertise)
         if self.FLEET is not None:
-            self._tell = self.advertise(Channel("", self.FLEET.topic, self.FLEET.type))
+            self._tell = self.advertise(Output("", self.FLEET.topic, self.FLEET.type))
 
     def init_subscriber(self) -> None:
         """Subscribe to every input topic."""

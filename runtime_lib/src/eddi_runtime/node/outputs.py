@@ -46,17 +46,6 @@ class Output(NamedTuple):
     qos: Mapping[str, Union[str, float]] = {}
 
 
-class Channel(NamedTuple):
-    """One topic; the attributes are those of ``Output``."""
-
-    of: str
-    topic: str
-    type: Any
-    field: Tuple[Step, ...] = ()
-    only: Optional[str] = None
-    qos: Mapping[str, Union[str, float]] = {}
-
-
 Publish = Callable[[object], None]
 """Sends one message to one topic."""
 
@@ -69,8 +58,8 @@ class Publications:
         advertise: returns what sends to a topic.
     """
 
-    def __init__(self, outputs: Iterable[Output], advertise: Callable[[Channel], Publish]) -> None:
-        self._topics: Dict[str, List[Tuple[Channel, Publish]]] = {}
+    def __init__(self, outputs: Iterable[Output], advertise: Callable[[Output], Publish]) -> None:
+        self._topics: Dict[str, List[Tuple[Output, Publish]]] = {}
         for channel in channels(outputs):
             self._topics.setdefault(channel.of, []).append((channel, advertise(channel)))
 
@@ -92,16 +81,15 @@ class Publications:
                     publish(picked(one, channel))
 
 
-def channels(outputs: Iterable[Output]) -> Iterator[Channel]:
-    """Yield the topics of outputs: each its own, and that of the facts behind it."""
-    for output in outputs:
-        qos = output.qos
-        yield Channel(output.of, output.topic, output.type, output.field, output.only, qos)
-        if output.status_topic is not None:
-            yield Channel("status", output.status_topic, output.status_type, qos=qos)
+def channels(outputs: Iterable[Output]) -> Iterator[Output]:
+    """Yield one output for each topic: its own, and that of the facts behind it."""
+    for one in outputs:
+        yield one
+        if one.status_topic is not None:
+            yield Output(one.id, one.status_topic, one.status_type, of="status", qos=one.qos)
 
 
-def picked(message: object, channel: Channel) -> object:
+def picked(message: object, channel: Output) -> object:
     """Return what goes to a topic: the message, or the one value of it that is asked for.
 
     Raises:

@@ -29,22 +29,14 @@ class Topic(NamedTuple):
         expected: type that this node reads, as ROS 1 writes it.
         types: type of each publication, written so; empty where nobody publishes it.
         age: of the last message in seconds, ``None`` before the first.
-        unreadable: what came last has the name of the type, and another content.
-        refused: what of a publication does not fit how this node reads, empty when all does.
-        connected: this node listens to one of them.
-        alive: one of them still gives a sign of life; ``None`` where that cannot be known.
-        deadline: seconds between two messages that a publication promises, if it does.
+        fault: why nothing comes from a publication of that type.
     """
 
     name: str
     expected: str
     types: Collection[str]
-    age: Optional[float] = None
-    unreadable: bool = False
-    refused: str = ""
-    connected: bool = True
-    alive: Optional[bool] = True
-    deadline: Optional[float] = None
+    age: Optional[float]
+    fault: str
 
 
 class Silence:
@@ -93,7 +85,7 @@ class Silence:
 
     def _reason(self, topic: Topic) -> str:
         if topic.types:
-            return _fault(topic)
+            return topic.fault
         if topic.age is not None or topic.name in self._were_published:
             return "its publisher is gone"
         if time.monotonic() < self._settled_at:
@@ -101,21 +93,6 @@ class Silence:
         if topic.name not in self._absent:
             self._absent[topic.name] = _absent(topic.name, self._published)
         return self._absent[topic.name]
-
-
-def _fault(topic: Topic) -> str:
-    """Return why nothing comes although the topic is published with the right type."""
-    if topic.unreadable:
-        return f"what is sent there is not {topic.expected}, although it is called so"
-    if not topic.connected and topic.refused:
-        return f"{topic.refused} that its publisher has does not fit"
-    if not topic.connected:
-        return "its publisher is there, and not connected"
-    if topic.alive is False:
-        return "its publisher gives no sign of life"
-    if topic.deadline is not None and topic.age is not None and topic.age > topic.deadline:
-        return f"its publisher has missed its deadline of {topic.deadline:g} s"
-    return f"its publisher is {'registered' if topic.alive is None else 'there'}, and silent"
 
 
 def _absent(topic: str, published: Collection[str]) -> str:

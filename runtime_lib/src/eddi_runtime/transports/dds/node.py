@@ -15,7 +15,8 @@ from ...node.conversion import MessageError
 from ...node.health import Status
 from ...node.logs import LOG
 from ...node.node import Node
-from ...node.outputs import Channel, Publish
+from ...node.outputs import Output, Publish
+from ...node.publications import fault
 from ...node.receipts import MAX_QUEUED, Input
 from ...node.report import GraphFact
 from ...node.settings import Settings, settings
@@ -65,7 +66,7 @@ class MonitorNode(Node):
         """Return input id -> full name of its topic."""
         return {one.id: self._given.topic(one.topic) for one in self._sources}
 
-    def advertise(self, channel: Channel) -> Publish:
+    def advertise(self, channel: Output) -> Publish:
         """Return what publishes to a topic."""
         qos = writing(channel.qos, self.options.queue_size)
         return self._graph.writer(self._given.topic(channel.topic), channel.type, qos)
@@ -107,17 +108,17 @@ class MonitorNode(Node):
         name = self._given.topic(source.topic)
         found = [one for one in known if one.topic == name]
         unreadable = time.monotonic() - self._unreadable.get(source.id, -math.inf)
-        return Topic(
-            name=name,
-            expected=str(source.type.TYPE),
-            types={ros_type(one.type) for one in found},
-            age=age,
+        expected = str(source.type.TYPE)
+        why = fault(
+            expected,
+            age,
             unreadable=unreadable < (math.inf if age is None else age),
             refused=self._graph.refused(name),
             connected=self._graph.matched(name) > 0,
             alive=self._graph.alive(name),
             deadline=min((one.deadline for one in found if one.deadline), default=None),
         )
+        return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
 
     def run(self) -> int:
         """Join the graph and step until the process is to end; return the exit status.

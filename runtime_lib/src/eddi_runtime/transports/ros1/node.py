@@ -14,7 +14,7 @@ from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.conversion import MessageError
 from ...node.node import Node
-from ...node.outputs import Channel, Publish
+from ...node.outputs import Output, Publish
 from ...node.receipts import Input
 from ...node.report import GraphFact
 from ...node.settings import Settings
@@ -23,6 +23,8 @@ from ...node.start import StartError
 from .messages import check_serialises, converter, diagnostics_publisher, start_log, subscribe
 from .process import RosEnding, node_name, options_of
 from .watchdog import LOST, TypeRefusals, Watchdog, watch
+
+_REGISTERED = "its publisher is registered, and silent"  # a master does not know if it lives
 
 
 class MonitorNode(Node):
@@ -47,7 +49,7 @@ class MonitorNode(Node):
         """Subscribe to an input topic; blocks while the ROS master does not answer."""
         self._subscribers[source.id] = subscribe(source, self._receipts)
 
-    def advertise(self, channel: Channel) -> Publish:
+    def advertise(self, channel: Output) -> Publish:
         """Return a publisher: latched, with a queue, so that no subscriber can block."""
         size = self.options.queue_size
         made: Any = rospy.Publisher(channel.topic, channel.type, queue_size=size, latch=True)
@@ -86,7 +88,7 @@ class MonitorNode(Node):
         known = None if watchdog is None or lost else watchdog.published
         ages = {source.id: age for source, age in self._silence.quiet(receipts)}
         silent = [
-            Topic(topic, kind, (kind,) if topic in known else (), ages[name], alive=None)
+            Topic(topic, kind, (kind,) if topic in known else (), ages[name], _REGISTERED)
             for topic, (name, kind) in expected.items()
             if known is not None and name in ages
         ]

@@ -18,7 +18,8 @@ from ...monitor import Steps
 from ...node.conversion import MessageError
 from ...node.health import Status
 from ...node.node import Node
-from ...node.outputs import Channel, Publish
+from ...node.outputs import Output, Publish
+from ...node.publications import fault
 from ...node.receipts import MAX_QUEUED, Input
 from ...node.report import GraphFact
 from ...node.settings import Settings
@@ -62,7 +63,7 @@ class MonitorNode(Node):
         """Return input id -> full name of its topic."""
         return {name: topic for name, (topic, _) in dict(self._read).items()}
 
-    def advertise(self, channel: Channel) -> Publish:
+    def advertise(self, channel: Output) -> Publish:
         """Return what publishes to a topic."""
         qos = writing(channel.qos, self.options.queue_size)
         return self._process.publisher(channel.topic, channel.type, qos)
@@ -113,16 +114,15 @@ class MonitorNode(Node):
         expected = ros_type(source.type)
         fitting = [one.qos for one in known if one.type == expected]
         lacking = refused(qos, fitting)
-        return Topic(
-            name=name,
-            expected=expected,
-            types={one.type for one in known},
-            age=age,
+        why = fault(
+            expected,
+            age,
             refused=lacking,
             connected=not lacking,
             alive=self._process.alive(source.topic),
             deadline=deadline(fitting),
         )
+        return Topic(name, expected, {one.type for one in known}, age, why)
 
     def run(self, begun: Callable[[], None]) -> None:
         """Step until its end.
