@@ -18,9 +18,8 @@ from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
-from eddi_runtime.node.conversion import Converter, MessageClasses
 from eddi_runtime.node.node import Node
-from eddi_runtime.node.outputs import Output
+from eddi_runtime.node.outputs import Converter, MessageClasses, Output
 from eddi_runtime.node.receipts import Input
 from eddi_runtime.node.settings import Settings
 from eddi_runtime.peers import Fleet, Source

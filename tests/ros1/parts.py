@@ -11,7 +11,7 @@ import eddi_messages.msg
 import rospy
 import std_msgs.msg
 from eddi_runtime.inputs import UNKNOWN_AGE
-from eddi_runtime.node.conversion import MessageError
+from eddi_runtime.node.outputs import MessageError
 from eddi_runtime.node.receipts import Receipts
 from eddi_runtime.ros1 import Input
 from eddi_runtime.transports.ros1.messages import Callback, converter

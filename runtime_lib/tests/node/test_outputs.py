@@ -1,8 +1,15 @@
 """Which message, or which value of it, goes to which topic, checked before a node starts."""
 
 import pytest
-from eddi_runtime.node.conversion import MessageError
-from eddi_runtime.node.outputs import Output, beside, channels, check_outputs, each, picked
+from eddi_runtime.node.outputs import (
+    MessageError,
+    Output,
+    beside,
+    channels,
+    check_outputs,
+    each,
+    picked,
+)
 
 from runtime_lib.tests.node.message_package import EDDI_MESSAGES, STD_MSGS, converter
 

@@ -23,11 +23,10 @@ from ..compatibility import __version__
 from ..inputs import EDDIInputBase, Word
 from ..monitor import Monitor, Steps
 from ..plain_values import one_line
-from .conversion import Converter, MessageError
 from .ending import Ending
 from .health import Diagnostics, Health, Status
 from .logs import LOG
-from .outputs import Output, Publications, Publish, beside, check_outputs
+from .outputs import Converter, MessageError, Output, Publications, Publish, beside, check_outputs
 from .receipts import Input, Receipt, Receipts
 from .report import GraphFact
 from .schedule import Schedule, Waker

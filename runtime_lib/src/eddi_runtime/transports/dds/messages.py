@@ -10,8 +10,8 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Tuple
 
 from cyclonedds.idl import make_idl_struct, types
 
-from ...node.conversion import Converter, MessageClasses
 from ...node.health import Status
+from ...node.outputs import Converter, MessageClasses
 
 _PRIMITIVES: Mapping[str, Tuple[Any, Callable[[], object]]] = {
     "bool": (bool, bool),

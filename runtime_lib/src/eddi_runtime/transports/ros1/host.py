@@ -18,9 +18,9 @@ import rospy.names
 from ... import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
-from ...node.conversion import MessageError
 from ...node.health import Diagnostics, Status
 from ...node.logs import LOG
+from ...node.outputs import MessageError
 from ...node.report import ERROR, Report
 from ...node.schedule import Waker
 from ...node.start import StartError

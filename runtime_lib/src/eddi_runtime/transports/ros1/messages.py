@@ -11,9 +11,9 @@ import rospy.impl.paramserver
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from ...inputs import UNKNOWN_AGE
-from ...node.conversion import Converter, MessageClasses
 from ...node.health import Status
 from ...node.logs import LOG
+from ...node.outputs import Converter, MessageClasses
 from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Receipts
 
 _ROSOUT_SWITCH = "/rosout_disable_topics_generation"

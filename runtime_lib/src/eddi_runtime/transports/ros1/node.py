@@ -12,9 +12,8 @@ import rospy
 from ...compatibility import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
-from ...node.conversion import MessageError
 from ...node.node import Node
-from ...node.outputs import Output, Publish
+from ...node.outputs import MessageError, Output, Publish
 from ...node.receipts import Input
 from ...node.report import GraphFact
 from ...node.settings import Settings

@@ -6,8 +6,8 @@ from typing import Any, Callable, Iterable, List, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from ...node.conversion import Converter, MessageClasses
 from ...node.health import Status
+from ...node.outputs import Converter, MessageClasses
 
 _SPELT = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
 _SEQUENCE = re.compile(r"sequence<(.*?)(?:, (\d+))?>")

@@ -15,10 +15,9 @@ from rclpy.time import Time
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.conversion import MessageError
 from ...node.health import Status
 from ...node.node import Node
-from ...node.outputs import Output, Publish
+from ...node.outputs import MessageError, Output, Publish
 from ...node.publications import fault
 from ...node.receipts import MAX_QUEUED, Input
 from ...node.report import GraphFact
