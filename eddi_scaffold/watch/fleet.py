@@ -155,11 +155,13 @@ class _Monitor:
     model: str = ""
     digest: str = ""
     streams: dict[str, _Stream] = field(default_factory=dict)
+    is_alone: bool = True  # the only one of its node: else the node has no name of it
 
     @property
     def name(self) -> str:
         of_topic = self.topic.strip("/").split("/")[-2:][0]  # cart of /robot1/cart/guarantees
-        return self.model or self.node.rpartition("/")[2] or of_topic
+        of_node = self.node.rpartition("/")[2] if self.is_alone else ""
+        return self.model or of_node or of_topic
 
     def again(self, message: Message) -> bool:
         """Take a message that is the same as the last one: the same object; else return False."""
@@ -189,7 +191,8 @@ class FleetState:
         self._robots = robots or {}
         self._patience = patience
         self._monitors: dict[tuple[str, str], _Monitor] = {}
-        self._reports: dict[str, NodeReport] = {}
+        self._reports: dict[str, dict[str, NodeReport]] = {}  # by node and model
+        self._reporting = 0
         self._changes: deque[Change] = deque(maxlen=_CHANGES)
         self._notes: dict[str, None] = {}
         self._changed = self._count = 0
@@ -251,8 +254,11 @@ class FleetState:
 
     def _take_reports(self, message: Message) -> None:
         for report in reports_of(message.content, message.t):
-            if report.node in self._reports or len(self._reports) < MAX_MONITORS:
-                self._reports[report.node] = report
+            if report.model not in self._reports.get(report.node, {}):
+                if self._reporting >= MAX_MONITORS:
+                    continue
+                self._reporting += 1
+            self._reports.setdefault(report.node, {})[report.model] = report
 
     def _monitor(self, message: Message, title: str) -> _Monitor | None:
         """Return the monitor of a message; ``None``: of a robot that nobody asked for."""
@@ -267,6 +273,9 @@ class FleetState:
             self._note(f"only the first {MAX_MONITORS} monitors are shown")
             return None
         made = _Monitor(plain(robot), title, plain(topic), plain(message.node))
+        for other in self._monitors.values() if made.node else ():
+            if other.node == made.node:
+                made.is_alone = other.is_alone = False
         self._monitors[key] = made
         return made
 
@@ -361,12 +370,15 @@ class FleetState:
 
     def _report_of(self, one: _Monitor) -> NodeReport | None:
         """Return the report of a monitor's node: by its name, else by its model on that robot."""
-        if one.node in self._reports:
-            return self._reports[one.node]
+        of_node = self._reports.get(one.node)
+        if of_node is not None:  # one process may run several
+            is_only = one.is_alone and len(of_node) == 1
+            return of_node.get(one.name, *of_node.values()) if is_only else of_node.get(one.name)
         spaces = {space for space, name in self._robots.items() if name == one.robot} or {one.robot}
         fitting = [
             report
-            for report in self._reports.values()
+            for of_node in self._reports.values()
+            for report in of_node.values()
             if report.model in (one.model, one.node.rpartition("/")[2] or one.model)
             and any(is_below(report.node, space) for space in spaces)
         ]

@@ -209,3 +209,29 @@ def test_every_kind_says_what_it_publishes() -> None:
         "ConSert": {"FullSpeed": "active", "WalkingPace": "active", "StandStill": "active"},
     }
     assert {one.type for one in warehouse()} >= heard().keys()
+
+
+def test_monitors_of_one_process_have_names_and_reports_of_their_own() -> None:
+    """Messages of events and of SafeML do not say of which model they are."""
+    state = FleetState()
+    event = SimpleNamespace(id="Clear", active=True, verdict=TRUE, accepted=[])
+    scope = SimpleNamespace(in_scope=True, omission=False, statistic=0.5, acceptances=[])
+    for topic, name, content in (
+        ("/lidar/events", "eddi_messages/EventOutput", event),
+        ("/people/scope/status", "eddi_messages/SafeMLStatus", scope),
+    ):
+        state.take(Message(topic, name, content, 1.0, node="/eddi_monitors"))
+    reports = [
+        SimpleNamespace(
+            name=f"/eddi_monitors: {model}",
+            hardware_id="/eddi_monitors",
+            message=f"of {model}",
+            values=[SimpleNamespace(key="runtime_version", value="1")],
+        )
+        for model in ("lidar", "people", "other")
+    ]
+    content = SimpleNamespace(status=reports)
+    state.take(Message("/diagnostics", "diagnostic_msgs/DiagnosticArray", content, 1.1))
+    (robot,) = state.snapshot(1.2).robots
+    found = {one.name: one.report and one.report.message for one in robot.monitors}
+    assert found == {"lidar": "of lidar", "people": "of people"}
