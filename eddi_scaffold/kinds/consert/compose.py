@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.graphs import cycles
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
 from eddi_scaffold.kinds.consert.paths import constants
-from eddi_scaffold.problems import Problem, error
+from eddi_scaffold.problems import NearNames, Problem, error
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from eddi_scaffold.kinds.consert.model import ConSert, Demand, Guarantee
 
@@ -98,6 +98,7 @@ class _Need:
     met_by: dict[str, list[str]] = field(default_factory=dict)
     reason: str = ""
     is_demand: bool = True
+    types: tuple[str, ...] = ()
 
 
 def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
@@ -133,8 +134,20 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
         bindings=_bindings(needs, rounds),
         unmatched_demands=_ids(needs, unmet, is_demand=True),
         unmatched_services=_ids(needs, unmet, is_demand=False),
-        reasons=(*(need.reason for need in unmet), *_waiting(instances, needs, rounds)),
+        reasons=(*_with_near_names(unmet, offers, provided), *_waiting(instances, needs, rounds)),
     )
+
+
+def _with_near_names(
+    unmet: Sequence[_Need], offers: Sequence[_Offer], provided: Collection[tuple[str, str]]
+) -> Iterator[str]:
+    """Yield why needs are not met; a type that nobody has may be a slip."""
+    known = {type_ for type_, _ in provided}
+    known |= {one.type for offer in offers for one in offer.guarantee.dimensions}
+    near = NearNames(known)
+    for need in unmet:
+        hints = [near.hint(type_) for type_ in need.types if type_ not in known]
+        yield "; ".join(filter(None, (need.reason, *hints)))
 
 
 def _repeated_names(names: Sequence[str]) -> Iterator[Problem]:
@@ -165,6 +178,7 @@ def _needs(instance: str, consert: ConSert, offers: Sequence[_Offer]) -> Iterato
             if demand.id in service.demands
         ]
         need = _Need(instance, demand.id)
+        need.types = (*types, *(one.type for one in demand.dimensions))
         others = [offer for offer in offers if offer.instance != instance]
         candidates = [
             offer for offer in others if not types or not offer.services.isdisjoint(types)
@@ -197,6 +211,7 @@ def _services(instance: str, consert: ConSert, provided: set[tuple[str, str]]) -
     for service in consert.required_services:
         type_ = service.functional_service_type
         need = _Need(instance, service.id, is_demand=False)
+        need.types = (type_,)
         need.met_by = {
             other: []
             for service_type, other in sorted(provided)

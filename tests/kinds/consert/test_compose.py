@@ -123,6 +123,16 @@ def test_nobody_there():
     )
 
 
+def test_a_type_that_is_spelt_otherwise_is_named():
+    parts = [
+        ("p", provider(BinaryDimension("SensorHealthy"), service="Localization")),
+        ("u", user(BinaryDimension("SensorHelthy"), service="Localisation")),
+    ]
+    demand, service = compose(parts).reasons
+    assert demand.endswith("did you mean 'Localization'?; did you mean 'SensorHealthy'?")
+    assert service.endswith("a service of type Localisation; did you mean 'Localization'?")
+
+
 def test_order_and_bindings_do_not_depend_on_the_order_of_files():
     parts = [("u", user(BinaryDimension("X"))), ("p", provider(BinaryDimension("X")))]
     for instances in (parts, parts[::-1]):
