@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from functools import cache
 
-from eddi_runtime.expressions import lists, stacks, windows
+from eddi_runtime.expressions import hold, lists, stacks, windows
 from eddi_runtime.expressions.conditions import Conditions, Unknown, reduced
 
 from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS, Read
@@ -18,6 +18,7 @@ from eddi_scaffold.targets.kept_bodies import HEADER, region
 from eddi_scaffold.targets.monitor_model import HostArgument, MonitorModel
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
+_MODULES = {"hold": hold, "stacks": stacks, "windows": windows}
 _KIND = {"number": "NumVal", "bool": "BoolVal", "enum": "str", "text": "str"}
 
 
@@ -95,7 +96,7 @@ def _functions(model: MonitorModel) -> list[str]:
     for node in model.program.operations:
         if node.op in WINDOWS:
             module, _, name = CLASSES[node.op].partition(".")
-            found = getattr(stacks if module == "stacks" else windows, name)
+            found = getattr(_MODULES[module], name)
             used.update(dict.fromkeys(reversed(found.__mro__[:-1])))
         if node.op in BUFFERED and node.coverage is not None:
             used[windows.Covered] = None

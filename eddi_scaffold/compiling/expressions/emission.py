@@ -20,8 +20,8 @@ from eddi_scaffold.compiling.text import (
     variables,
 )
 
-FORMAT = 2
-MODULES = ("expression", "lists", "stacks", "windows")
+FORMAT = 3
+MODULES = ("expression", "hold", "lists", "stacks", "windows")
 """Modules of the part that a monitor imports where it uses them."""
 TYPES = ("bool", "float", "int", "state")
 

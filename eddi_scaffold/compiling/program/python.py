@@ -48,8 +48,8 @@ CLASSES = {
     "stddev": "stacks.Deviation",
     "rate": "windows.Rate",
     "count": "windows.Count",
-    "time": "windows.Hold",
-    "once": "windows.Hold",
+    "time": "hold.Hold",
+    "once": "hold.Hold",
 }
 """Operation -> class of the runtime."""
 _ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}

@@ -6,10 +6,10 @@ Model: motor_watch.events
 
 from . import eddi_runtime
 from .eddi_runtime import InputSpec, event, expressions
-from .eddi_runtime.expressions import stacks, windows
+from .eddi_runtime.expressions import hold, stacks
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 2})
-# sha256 of the lines below: 920d77fb28507a263186746ca5c0fdcac52a72967b6c9a47732da44d9d242854
+eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
+# sha256 of the lines below: e6bec2cf148c65c08b8d36f6fbf3f2404f44ec9b1661cc9593854a5ce8bd865a
 NAN = float("nan")
 
 
@@ -26,8 +26,8 @@ class Monitor(event.EventMonitor):
     def __init__(self):
         self.windows = (
             stacks.Average(2000000000, 1900000000, 64),  # 7:5 AVERAGE(temp, 2 s)
-            windows.Hold(2000000000, 1900000000, 2),  # 8:13 ONCE(temp > 80, 2 s)
-            windows.Hold(1000000000, 900000000, 0),  # 9:9 TIME(current < 12, 1 s)
+            hold.Hold(2000000000, 1900000000, 2),  # 8:13 ONCE(temp > 80, 2 s)
+            hold.Hold(1000000000, 900000000, 0),  # 9:9 TIME(current < 12, 1 s)
         )
         self.w1 = self.windows[0].push
         self.w6 = self.windows[1].push

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..clock import step_time
-from ..expressions.conditions import Conditions, Value, known_value, reduced, scaled, stamp
+from ..expressions.conditions import Conditions, Value, reduced, scaled, stamp
 from ..inputs import accepted
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import Absent, plain, read, show
@@ -215,7 +215,7 @@ def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
     """Return what is wrong with a raw value of a type, empty when it is fine or simply missing."""
     if raw is None or kind == "":
         return ""
-    value = known_value(raw)
+    value = plain(raw)
     if kind == "list":
         fine = hasattr(type(raw), "__len__") and not issubclass(type(raw), str)
     elif isinstance(value, bool):
@@ -231,7 +231,7 @@ def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
 
 
 def _is_unknown(raw: object) -> bool:
-    value = known_value(raw)
+    value = plain(raw)
     return raw is None or (type(value) is float and value != value)  # noqa: PLR0124 - NaN
 
 

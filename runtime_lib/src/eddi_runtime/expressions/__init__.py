@@ -6,6 +6,6 @@ them.
 
 from .conditions import Conditions, literal, number, reduced, scaled, stamp, truth
 
-FORMATS = (2,)
+FORMATS = (2, 3)
 
 __all__ = ["FORMATS", "Conditions", "literal", "number", "reduced", "scaled", "stamp", "truth"]

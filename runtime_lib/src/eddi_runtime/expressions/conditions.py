@@ -42,17 +42,9 @@ class Conditions:
             window.reset()
 
 
-def known_value(raw: object) -> Union[bool, float, str, None]:
-    """Return a raw value as a plain one, None for what is none; never raises."""
-    try:
-        return plain(raw)
-    except Exception:  # noqa: BLE001 - a hostile object
-        return None
-
-
 def number(raw: object) -> float:
     """Return a raw value as a number, NaN for UNKNOWN; never raises."""
-    value = known_value(raw)
+    value = plain(raw)
     try:
         return float(value) if type(value) is float or type(value) is int else math.nan
     except OverflowError:  # a whole number beyond any double
@@ -63,19 +55,19 @@ def truth(raw: object) -> int:
     """Return a raw value as 0, 1 or 2; never raises."""
     if raw is True:
         return 2
-    value = known_value(raw)
+    value = plain(raw)
     return (2 if value else 0) if isinstance(value, bool) else 1
 
 
 def literal(raw: object, literals: Sequence[str]) -> int:
     """Return the number of a literal, -1 for UNKNOWN; never raises."""
-    value = known_value(raw)
+    value = plain(raw)
     return literals.index(value) if isinstance(value, str) and value in literals else -1
 
 
 def scaled(raw: object, num: int, den: int) -> object:
     """Return a number in another unit, None where no double holds it; what is none as it is."""
-    value = known_value(raw)
+    value = plain(raw)
     if type(value) is not float and type(value) is not int:
         return raw
     try:

@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 from typing import List, Tuple
 
-from .windows import NAN, NEVER, Window
+from .hold import NEVER
+from .windows import NAN, Window
 
 
 class Stacks(Window):

@@ -14,8 +14,7 @@ from bisect import bisect_left, insort
 from collections import deque
 from typing import Deque, List, Tuple
 
-NEVER = -(1 << 64)
-"""Before any time that fits into 64 bits."""
+from .hold import NEVER, Hold  # noqa: F401 - packages of format 2 find it here
 
 NAN = math.nan
 """A number that is UNKNOWN."""
@@ -245,36 +244,3 @@ class Median(Queue):
             return high
         value = 0.5 * low + 0.5 * high
         return value if value - value == 0.0 else NAN
-
-
-class Hold:
-    """TIME and ONCE: AND and OR over a window, by the last times of two of the three values."""
-
-    __slots__ = ("_dominant", "_last", "_unknown", "length", "need")
-
-    capacity = 0
-    overflows = 0
-
-    def __init__(self, length: int, need: int, dominant: int) -> None:
-        self.length = length
-        self.need = need
-        self._dominant = dominant
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all samples."""
-        self._last = self._unknown = NEVER
-
-    def push(self, t: int, age: int, x: int) -> int:
-        """Take a truth value (0, 1, 2) and return that of the window."""
-        start = t - self.length
-        dominant = self._dominant
-        if x == dominant:
-            self._last = t
-        elif x == 1:
-            self._unknown = t
-        if self._last > start:
-            return dominant
-        if age < self.need or self._unknown > start:
-            return 1
-        return 2 - dominant
