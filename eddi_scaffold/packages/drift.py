@@ -9,8 +9,8 @@ from pathlib import Path
 
 from eddi_scaffold.packages.assembly import without_limits
 from eddi_scaffold.packages.generation import write_packages
+from eddi_scaffold.packages.handwritten import doubts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
-from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
 from eddi_scaffold.regions.check import list_regions
@@ -83,7 +83,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             and not path.endswith(f"/{ANSWERS_FILE}")
         )
         edited = [str(path) for path in changed_generated(root)]
-        regions = list_regions(root, doubtful_names)
+        regions = list_regions(root, doubts_of(root))
         states = Counter(str(region.state) for region in regions)
         findings = [
             line for line in left if line.startswith((f"{folder} ", f"{folder}/", f"{folder}: "))

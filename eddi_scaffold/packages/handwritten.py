@@ -6,17 +6,21 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.deployments.wiring.lifetimes import limit_of
 from eddi_scaffold.deployments.wiring.support import remembered
-from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
+from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten, known_types
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, error
-from eddi_scaffold.regions.check import RegionStatus, accept, list_regions, regions_of
+from eddi_scaffold.regions.check import Doubts, RegionStatus, accept, list_regions, regions_of
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.store import EDDI
 
@@ -197,12 +201,30 @@ def packages_below(folder: Path) -> list[Path]:
     return found
 
 
+def doubts_of(package: Path) -> Doubts:
+    """Return what tells doubts in the hand-written bodies of a package.
+
+    Fields of messages are told where the configuration that the package remembers names known ones.
+    """
+    text = (read_answers(package) or {}).get("config_json")
+    try:
+        config = from_json(text, package.name) if text else None
+    except EddiError:  # told where the package is written
+        config = None
+    known = known_types(config, known_messages())
+    sources = config.config.SimulatorOutputs if config is not None else ()
+    messages = {
+        attribute(one.id): (one.type, known[one.type]) for one in sources if one.type in known
+    }
+    return partial(doubtful_names, messages=messages)
+
+
 def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     """List the regions of all packages below a folder."""
     return [
         HandwrittenRegion(str(package / status.file), status)
         for package in packages_below(folder)
-        for status in list_regions(package, doubtful_names)
+        for status in list_regions(package, doubts_of(package))
     ]
 
 

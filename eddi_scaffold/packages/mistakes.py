@@ -5,9 +5,13 @@ from __future__ import annotations
 import ast
 import builtins
 import symtable
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
+from eddi_scaffold.problems import did_you_mean, listed
+
+Messages = Mapping[str, tuple[str, Collection[str]]]
+"""Name of a parameter -> type of its messages, and the fields of these."""
 _KNOWN = {*dir(builtins), "__file__", "__class__"}
 _INDIRECT = {"exec", "eval", "globals", "setattr", "vars", "__dict__"}
 _PREFIX = "process_"
@@ -31,12 +35,13 @@ class Inputs:
                         self._owners[f"{owner.name}.{one.name}"] = owner
         self._inputs = {one.name.removeprefix(_PREFIX) for one in self._methods.values()}
 
-    def mistakes(self, function: str, lines: range) -> Iterator[str]:
+    def mistakes(self, function: str, lines: range, messages: Messages) -> Iterator[str]:
         """Yield what is wrong with the body of an input.
 
         Args:
             function: the qualified name of its method.
             lines: of the body.
+            messages: parameter -> type of the message and its fields, where they are known.
         """
         method = self._methods.get(function)
         if method is None:
@@ -51,6 +56,7 @@ class Inputs:
                 yield f"'{self._line(node)}' only compares; `=` assigns"
             if isinstance(node, ast.Assign) and _is_decimal_comma(node.value):
                 yield f"'{self._line(node)}' makes a tuple; a decimal number has a point"
+        yield from dict.fromkeys(_no_fields(method, nodes, messages))
         for name in dict.fromkeys(_assigned(nodes)):
             if name != own and name in self._inputs:
                 yield f"'self.{name}' is another input, and assigned here; meant 'self.{own}'?"
@@ -109,6 +115,29 @@ class Inputs:
             for one in table.get_symbols()
             if one.is_referenced() and one.is_global() and one.get_name() not in bound
         }
+
+
+def _no_fields(
+    method: ast.FunctionDef, nodes: Sequence[ast.AST], messages: Messages
+) -> Iterator[str]:
+    """Yield what is read of a message as if it were a field, and is none."""
+    bound = {one.id for one in nodes if isinstance(one, ast.Name) and _is_stored(one)}
+    known = {one.arg for one in method.args.args} & messages.keys() - bound
+    called = {id(one.func) for one in nodes if isinstance(one, ast.Call)}
+    for one in nodes:
+        if not (isinstance(one, ast.Attribute) and isinstance(one.value, ast.Name)):
+            continue
+        if one.value.id not in known or one.attr.startswith("_"):
+            continue
+        message, fields = messages[one.value.id]
+        is_field = one.attr.lower() in map(str.lower, fields)  # of CameraInfo, ROS 2 has `k`
+        if not is_field and not one.attr.isupper() and id(one) not in called:  # constant, method
+            hint = did_you_mean(one.attr, fields) or f"its fields: {listed(fields)}"
+            yield f"'{one.value.id}.{one.attr}': {message} has no such field; {hint}"
+
+
+def _is_stored(name: ast.Name) -> bool:
+    return not isinstance(name.ctx, ast.Load)
 
 
 def _nodes(method: ast.FunctionDef, lines: range) -> list[ast.AST]:

@@ -6,10 +6,11 @@ import ast
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 
-from eddi_scaffold.packages.mistakes import Inputs
+from eddi_scaffold.packages.mistakes import Inputs, Messages
 from eddi_scaffold.regions.marked_file import Region
 from eddi_scaffold.regions.python_text import parse_python
 
+NO_MESSAGES: Messages = {}
 _BASE = "EDDIInputBase"
 _INHERITED = (
     *("bind", "begin_step", "end_step", "expression", "processing", "states"),
@@ -19,7 +20,9 @@ _INHERITED = (
 _SETTERS = {"__dict__", "setattr", "vars"}
 
 
-def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str, ...]]:
+def doubtful_names(
+    text: str, regions: Iterable[Region], messages: Messages = NO_MESSAGES
+) -> dict[str, tuple[str, ...]]:
     """Return for each region what its body assigns in vain, or reads though nothing sets it.
 
     ``self.x`` that neither the class outside of this region assigns nor anything in it reads,
@@ -30,6 +33,7 @@ def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str,
     Args:
         text: the file.
         regions: its hand-written regions.
+        messages: what is known of the messages that the methods of inputs are given.
     """
     text = text.removeprefix("\ufeff")
     try:
@@ -50,7 +54,7 @@ def doubtful_names(text: str, regions: Iterable[Region]) -> dict[str, tuple[str,
             *(_locals(function, lines) if function else ()),
         ]
         if region.id.startswith("input:") and region.function is not None:
-            notes += inputs.mistakes(region.function, lines)
+            notes += inputs.mistakes(region.function, lines, messages)
             notes += () if notes else inputs.sets_nothing(region.function, lines)
         if notes:
             found[region.id] = tuple(dict.fromkeys(notes))

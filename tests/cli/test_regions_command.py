@@ -117,3 +117,18 @@ def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None
     file.write_text(text.replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = bool(RtE_E0)"))
     for command, said in calls:
         assert said not in run(*command, cwd=tmp_path).err
+
+
+def test_a_field_that_a_known_message_does_not_have_is_looked_at(package: Path) -> None:
+    """It would raise in every step; methods and constants of the class are no fields."""
+    edit(package, BODY, "        self.RtE_A_E0 = RtE_E0.date and bool(RtE_E0.MAX, RtE_E0.get())\n")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    line = "'RtE_E0.date': std_msgs/Bool has no such field; did you mean 'data'?"
+    assert [one.strip() for one in shown.out.splitlines() if "RtE_E0." in one] == [line]
+    edit(package, "RtE_E0.date", "RtE_E0.data")
+    assert run("regions", "--check", cwd=package).status == 0
+    edit(
+        package, "        self.RtE_A_E0 = RtE_E0.data", "        RtE_E0 = self\n        RtE_E0.date"
+    )
+    assert "no such field" not in run("regions", "--check", cwd=package).out
