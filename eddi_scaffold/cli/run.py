@@ -251,12 +251,13 @@ def _from_csv(
     monitors: Sequence[BoundMonitor], path: Path | None, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
     from eddi_scaffold.problems import warning
-    from eddi_scaffold.replay.parts import columns
+    from eddi_scaffold.replay.parts import beyond_whole, columns
     from eddi_scaffold.replay.recordings import read_tape
     from eddi_scaffold.source import read_source
 
     assert path is not None
     tape, found = read_tape(read_source(path), columns(monitors))
+    found += beyond_whole(monitors, tape, str(path))
     if any(monitor.config is None for monitor in monitors):
         message = "without a configuration no `max_age` is checked, and each row is one step"
         hint = "give it with -c" if package is None else "generate the package with -c"

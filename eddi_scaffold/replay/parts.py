@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
-from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
 from eddi_scaffold.replay.node import SECOND, GivenInput, ReplayedNode
 from eddi_scaffold.replay.playing import Part
 from eddi_scaffold.replay.publishing import Publications
+from eddi_scaffold.replay.recordings import Tape
 from eddi_scaffold.replay.steps import ROWS, Rhythm, rhythm_of
 
 if TYPE_CHECKING:
@@ -69,6 +71,26 @@ def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
                 raise EddiError(error("G020", message, hint=hint))
             found[id_] = one.model.type
     return found
+
+
+_WHOLE = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
+"""Unit -> what all of something is in it; a ratio without a name may be more."""
+
+
+def beyond_whole(monitors: Sequence[BoundMonitor], tape: Tape, file: str) -> Iterator[Problem]:
+    """Warn of inputs that are more than all of what they are a part of (I024)."""
+    units = {one.model.id: one.unit for monitor in monitors for one in monitor.inputs}
+    told = set()
+    for sample in tape.samples:
+        unit = units.get(sample.topic)
+        most = _WHOLE.get(unit or "", math.inf)
+        if sample.topic in told or not isinstance(sample.message, int | float):
+            continue
+        if sample.message > most:
+            told.add(sample.topic)
+            message = f"{sample.topic!r} is {sample.message:g} {unit} at {sample.t / SECOND:.3f} s"
+            hint = f"all is {most:g} {unit}: is the recording in another unit?"
+            yield warning("I024", f"{message}, which is more than all", Place(file), hint)
 
 
 def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collection[str]) -> bool:
