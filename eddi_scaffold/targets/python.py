@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from functools import cache
 
-from eddi_runtime.expressions import hold, lists, stacks, windows
+from eddi_runtime.expressions import hold, lists, stacks, window, windows
 from eddi_runtime.expressions.conditions import Conditions, Unknown, reduced
 
 from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS, Read
@@ -99,9 +99,10 @@ def _functions(model: MonitorModel) -> list[str]:
             found = getattr(_MODULES[module], name)
             used.update(dict.fromkeys(reversed(found.__mro__[:-1])))
         if node.op in BUFFERED and node.coverage is not None:
-            used[windows.Covered] = None
+            used[window.Covered] = None
     # In the order of the library: a base class comes first.
-    order = sorted(used, key=lambda cls: (cls.__module__ == stacks.__name__, _line(cls)))
+    places = [module.__name__ for module in (hold, window, windows, stacks)]
+    order = sorted(used, key=lambda cls: (places.index(cls.__module__), _line(cls)))
     lines = _title(2, "Functions")
     if _needs_lists(model):
         lines += [*_lists(), "", ""]

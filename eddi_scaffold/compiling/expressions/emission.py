@@ -21,7 +21,7 @@ from eddi_scaffold.compiling.text import (
 )
 
 FORMAT = 3
-MODULES = ("expression", "hold", "lists", "stacks", "windows")
+MODULES = ("expression", "hold", "lists", "stacks", "window", "windows")
 """Modules of the part that a monitor imports where it uses them."""
 TYPES = ("bool", "float", "int", "state")
 

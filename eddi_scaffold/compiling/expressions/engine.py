@@ -20,7 +20,7 @@ Values = tuple[float | int, ...]
 """One value per output: 0, 1, 2 for a truth value, NaN for an UNKNOWN number."""
 _HEAD = [
     "from eddi_runtime import expressions",
-    "from eddi_runtime.expressions import hold, lists, stacks, windows",
+    "from eddi_runtime.expressions import hold, lists, stacks, window, windows",
     "",
     'INF = float("inf")',
     'NAN = float("nan")',

@@ -192,7 +192,7 @@ class Printer:
         made = call(self._called(CLASSES[one.op]), map(str, numbers))
         if one.coverage is None:
             return made
-        return call(self._called("windows.Covered"), [made, number(one.coverage)])
+        return call(self._called("window.Covered"), [made, number(one.coverage)])
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""

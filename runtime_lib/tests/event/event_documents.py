@@ -97,5 +97,7 @@ def monitor(*outputs, **options):
 def expression(document):
     """Return the compiled expression of an input."""
     head = ["from eddi_runtime import expressions", 'NAN = float("nan")']
-    head += ["from eddi_runtime.expressions import expression, hold, lists, stacks, windows"]
+    head += [
+        "from eddi_runtime.expressions import expression, hold, lists, stacks, window, windows"
+    ]
     return module_of("\n".join([*head, *class_of("One", document)]), "expression").One()

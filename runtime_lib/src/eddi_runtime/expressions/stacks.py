@@ -13,7 +13,7 @@ import math
 from typing import List, Tuple
 
 from .hold import NEVER
-from .windows import NAN, Window
+from .window import NAN, Window
 
 
 class Stacks(Window):
