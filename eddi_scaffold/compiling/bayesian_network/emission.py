@@ -31,7 +31,7 @@ from eddi_scaffold.compiling.bayesian_network.text import (
     sum_lines,
     total_lines,
 )
-from eddi_scaffold.compiling.bayesian_network.width import TooWideError
+from eddi_scaffold.compiling.bayesian_network.width import WIDE, Plan, TooWideError
 from eddi_scaffold.compiling.document import ModelError, ModelFile
 from eddi_scaffold.compiling.inputs import attribute_of, head_lines
 from eddi_scaffold.compiling.text import (
@@ -52,12 +52,13 @@ from eddi_scaffold.compiling.text import (
     Part as Text,
 )
 
-FORMAT = 2
+FORMAT = 3
 MODULES = (
     "claims",
     "direct",
     "explain",
     "memory",
+    "patterns",
     "readers",
     "schedule",
     "tables",
@@ -296,6 +297,8 @@ class _Module:
         component = part.plan.part
         if part.tables is None:
             made = self._schedule(part, name, positions, loop=loop)
+            if part.adapted is not None:
+                made = self._adapted(part.adapted, made, f"{name}_adapted", positions)
         else:
             made = self._tables(part, part.tables, name, positions, few=few or loop)
         inputs = tuple(positions[node] for node in component.inputs)
@@ -370,8 +373,7 @@ class _Module:
         given = f"# P({comment(what)}, evidence)"
         return [given, *assignment(name, tuple_of(rows), 0)]
 
-    def _schedule(self, part: Part, name: str, positions: Mapping[int, int], *, loop: bool) -> Text:
-        plan, cards = part.plan, self._network.shape.cards
+    def _messages(self, plan: Plan, name: str) -> None:
         for node in plan.part.nodes:
             self._used.update((node, *self._network.shape.parents[node]))
         rows = message_rows(plan)
@@ -388,16 +390,29 @@ class _Module:
                 *assignment(f"{name}_messages", tuple_of(messages), 0),
             ]
         )
+
+    def _schedule(self, part: Part, name: str, positions: Mapping[int, int], *, loop: bool) -> Text:
+        plan, cards = part.plan, self._network.shape.cards
+        self._messages(plan, name)
         hard: Text = "None"
-        if not loop:
+        if not loop and part.adapted is None:
             steps = steps_of(plan.program, cards, positions, look_up=True)
             hard = self._steps(steps, f"{name}_hard")
         full: Text = "None"
         if not plan.part.given:
-            steps = steps_of(plan.program, cards, positions, look_up=False)
+            steps = steps_of(plan.program, cards, positions)
             full = self._loop(steps, f"{name}_full") if loop else self._steps(steps, f"{name}_full")
         fields = [literal(answers_of(plan)), hard, full]
         return call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
+
+    def _adapted(
+        self, plan: Plan, otherwise: Text, name: str, positions: Mapping[int, int]
+    ) -> Text:
+        self._messages(plan, name)
+        steps = steps_of(plan.program, self._network.shape.cards, positions, adapting=True)
+        inputs = tuple(node for node in plan.part.inputs if node not in plan.part.outputs)
+        fields = [f"{name}_messages", self._loop(steps, name), literal(inputs), str(WIDE)]
+        return call("patterns.Adapted", [otherwise, *fields])
 
     def _slots(self, steps: Steps, name: str) -> None:
         rows = (

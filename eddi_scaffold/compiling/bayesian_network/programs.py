@@ -13,8 +13,10 @@ from eddi_scaffold.compiling.bayesian_network.width import (
     LARGE,
     Plan,
     TooWideError,
+    adapted_plan,
     make_plans,
     plans_when_observed,
+    untabulated,
     width,
 )
 
@@ -33,11 +35,13 @@ class Part(NamedTuple):
         plan: how it is inferred.
         tables: of its outputs; None: it is too large for tables.
         least: lower bound of the exponent of any product of its non-zero probabilities.
+        adapted: for steps in which most inputs are observed, where the part is wide.
     """
 
     plan: Plan
     tables: tuple[JointTable, ...] | None
     least: int
+    adapted: Plan | None = None
 
 
 class Program(NamedTuple):
@@ -89,6 +93,7 @@ def foreseen(
         faster: Sequence[Plan] = ()
         if own and own[0].tables is None:
             faster = plans_when_observed(shape, plan, trials)
+            own = [own[0]._replace(adapted=adapted_plan(shape, plan, trials))]
         parts += own
         when_observed += _parts(network, faster, tables=tables) if faster else own
     return Program(wanted, seen, tuple(parts), tuple(when_observed))
@@ -102,7 +107,7 @@ def everything(network: Network, instead_of: Program) -> Program | None:
     plans = make_plans(network.shape, nodes, nodes, trials=2)
     if width(network.shape, plans).largest > LARGE:
         return None
-    plans = tuple(plan._replace(program=plan.program._replace(tabulated=set())) for plan in plans)
+    plans = tuple(plan._replace(program=untabulated(plan.program)) for plan in plans)
     parts = tuple(_parts(network, plans, tables=True))
     return Program(nodes, nodes, parts, parts)
 

@@ -83,7 +83,8 @@ def message_rows(plan: Plan) -> tuple[MessageRow, ...]:
             elif leaf.kind == EVIDENCE and leaf.node not in in_tables:
                 kind = "prior"
         known = not message.inputs or edge in plan.program.tabulated or not message.parts
-        inputs = tuple(bits(message.inputs)) if known else ()
+        seen = message.inputs & ~message.mask if kind == TABLE else message.inputs
+        inputs = tuple(bits(seen)) if known else ()
         rows.append(MessageRow(kind, parts, tuple(bits(message.mask)), inputs, known))
     return tuple(rows)
 
@@ -96,7 +97,12 @@ def answers_of(plan: Plan) -> tuple[int, ...]:
 
 
 def steps_of(
-    program: Program, cards: Sequence[int], positions: Mapping[int, int], *, look_up: bool
+    program: Program,
+    cards: Sequence[int],
+    positions: Mapping[int, int],
+    *,
+    look_up: bool = False,
+    adapting: bool = False,
 ) -> Steps:
     """Return the operations of a program.
 
@@ -105,8 +111,9 @@ def steps_of(
         cards: number of states of each node.
         positions: node -> its place in the states.
         look_up: tabulated messages are looked up; else each input has a vector.
+        adapting: shapes are told as nodes, because an observed node will have no axis.
     """
-    return _Making(program, cards, positions, look_up=look_up).steps
+    return _Making(program, cards, positions, look_up=look_up, adapting=adapting).steps
 
 
 class _Making:
@@ -117,9 +124,11 @@ class _Making:
         positions: Mapping[int, int],
         *,
         look_up: bool,
+        adapting: bool,
     ) -> None:
         self._program, self._messages = program, program.messages
         self._cards, self._positions, self._look_up = cards, positions, look_up
+        self._adapting = adapting
         self._numbers = {edge: k for k, edge in enumerate(program.messages)}
         self._resolve = self._aliases()
         operations = self._needed()
@@ -163,11 +172,11 @@ class _Making:
 
     def _operation(self, message: Message) -> None:
         edge, axes = message.edge, self._order[message.edge]
-        shape = tuple(self._cards[node] for node in axes)
+        single = _single(axes)
         parts = [self._resolve[part] for part in message.parts]
         settled = {part: self._order[part] for part in parts if part in self._results}
         batch, left, right, summed = groups_of(message, self._messages, parts, axes, settled)
-        self._results[edge] = result = self._slot("r", "result", shape)
+        self._results[edge] = result = self._slot("r", "result", self._shape(single))
         if not summed:
             forms = [self._form(part, self._spread(part, axes)) for part in parts]
             self._emit(edge, "multiply", forms, result, axes)
@@ -180,11 +189,11 @@ class _Making:
                 self._form(part, tuple(group for group in groups if group))
                 for part, groups in zip(parts, (first, second), strict=True)
             ]
-            sizes = tuple(self._size(group) for group in (first[0], second[1]) if group)
+            merged = tuple(group for group in (first[0], second[1]) if group)
             work = self._size(summed) * self._size(second[1])
             chunk = (_GEMM if second[1] else _GEMV) // work
-            flat = self._reshaped(result, shape, sizes)
-            self._emit_sliced(edge, "dot", forms, flat, sizes, 0, chunk, axes)
+            flat = self._reshaped(result, single, merged)
+            self._emit_sliced(edge, "dot", forms, flat, merged, 0, chunk, axes)
         else:
             forms = [
                 self._form(parts[0], (batch, left, summed)),
@@ -194,9 +203,8 @@ class _Making:
             view = self._view(result, axes, groups)
             assert view is not None, "its axes lie as the product wants them"
             work = self._size(summed) * self._size(right)
-            sizes = tuple(map(self._size, groups))
             chunk = (_GEMM if right else _GEMV) // work
-            self._emit_sliced(edge, "matmul", forms, view, sizes, 1, chunk, axes)
+            self._emit_sliced(edge, "matmul", forms, view, groups, 1, chunk, axes)
 
     def _emit_sliced(
         self,
@@ -204,7 +212,7 @@ class _Making:
         function: str,
         forms: Sequence[str],
         result: str,
-        shape: Sequence[int],
+        groups: Sequence[Axes],
         axis: int,
         chunk: int,
         nodes: Axes,
@@ -213,8 +221,8 @@ class _Making:
 
         A thread that is not scheduled at once costs milliseconds, now and then.
         """
-        count = shape[axis] if len(shape) > axis else 1
-        if not 0 < chunk < count:
+        count = self._size(groups[axis]) if len(groups) > axis else 1
+        if self._adapting or not 0 < chunk < count:
             self._emit(edge, function, forms, result, nodes)
             return
         for start in range(0, count, chunk):
@@ -244,9 +252,8 @@ class _Making:
 
     def _new_form(self, edge: Edge, groups: tuple[Axes, ...]) -> str:
         message, number = self._messages[edge], self._numbers[edge]
-        nodes = tuple(bits(message.mask))
-        shape = tuple(map(self._size, groups))
-        if not message.inputs:
+        nodes, shape = tuple(bits(message.mask)), self._shape(groups)
+        if not message.inputs or (self._adapting and message.kind == TABLE):
             return self._slot("k", "constant", number, _turned(nodes, groups), shape)
         if self._looked_up(edge):
             inputs = tuple(-1 - node for node in bits(message.inputs))
@@ -259,12 +266,16 @@ class _Making:
         view = self._view(result, order, groups)
         if view is not None:
             return view
-        axes = tuple(node for group in groups for node in group)
-        sizes = tuple(self._cards[node] for node in axes)
+        single = _single(axes := tuple(node for group in groups for node in group))
+        sizes = self._shape(single)
         copy = self._slot("c", "result", sizes)
         turned = self._slot("v", "view", self._number(result), _turned(order, groups), sizes)
-        self.steps.operations.append(Operation(number, "copyto", (copy, turned), axes))
-        return self._reshaped(copy, sizes, shape)
+        if self._adapting:  # without the axes of observed nodes it is mostly no copy
+            operands = turned, self._slot("o", "ones", 1), copy
+            self.steps.operations.append(Operation(number, "multiply", operands, axes))
+        else:
+            self.steps.operations.append(Operation(number, "copyto", (copy, turned), axes))
+        return self._reshaped(copy, single, groups)
 
     def _view(self, result: str, order: Axes, groups: tuple[Axes, ...]) -> str | None:
         """Return a result with merged axes; None if the numbers lie otherwise in memory."""
@@ -272,16 +283,19 @@ class _Making:
         for group in groups:
             if any(place[b] != place[a] + 1 for a, b in itertools.pairwise(group)):
                 return None
-        shape = tuple(map(self._size, groups))
-        turned = _turned(order, groups)
-        if turned == tuple(range(len(order))) and shape == tuple(self._cards[n] for n in order):
+        if groups == _single(order):
             return result
-        return self._slot("v", "view", self._number(result), turned, shape)
+        turned = _turned(order, groups)
+        return self._slot("v", "view", self._number(result), turned, self._shape(groups))
 
-    def _reshaped(self, name: str, old: Sequence[int], new: Sequence[int]) -> str:
-        if tuple(old) == tuple(new):
+    def _reshaped(self, name: str, old: tuple[Axes, ...], new: tuple[Axes, ...]) -> str:
+        if old == new:
             return name
-        return self._slot("v", "view", self._number(name), tuple(range(len(old))), tuple(new))
+        turned = tuple(range(len(old)))
+        return self._slot("v", "view", self._number(name), turned, self._shape(new))
+
+    def _shape(self, groups: tuple[Axes, ...]) -> tuple[object, ...]:
+        return groups if self._adapting else tuple(map(self._size, groups))
 
     def _case(self, message: Message) -> str:
         """Return the variable with the number of the case of some inputs."""
@@ -315,6 +329,10 @@ class _Making:
 
     def _number(self, name: str) -> int:
         return int(name[1:])
+
+
+def _single(axes: Axes) -> tuple[Axes, ...]:
+    return tuple((node,) for node in axes)
 
 
 def _turned(axes: Axes, groups: Sequence[Axes]) -> tuple[int, ...]:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import heapq
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from itertools import islice
 from typing import NamedTuple
 
@@ -72,9 +72,10 @@ class Tree(NamedTuple):
     top: tuple[int, int]
 
 
-def make_leaves(shape: Shape, part: Component) -> tuple[Leaf, ...]:
+def make_leaves(shape: Shape, part: Component, narrow: int = 0) -> tuple[Leaf, ...]:
     """Return the leaves of a part.
 
+    Tables with narrow nodes depend on their states, too, although they have an axis for them.
     The prior of an observable root goes with its evidence, so that it cancels exactly when the
     node is observed.
     """
@@ -83,13 +84,19 @@ def make_leaves(shape: Shape, part: Component) -> tuple[Leaf, ...]:
     for node in part.nodes:
         if node in outputs or node not in inputs or shape.parents[node]:
             family = mask_of((*shape.parents[node], node))
-            leaves.append(Leaf(TABLE, node, family & ~given, family & given))
+            leaves.append(Leaf(TABLE, node, family & ~given, family & (given | narrow)))
     leaves += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
     leaves += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in inputs]
     return tuple(leaves)
 
 
-def find_tree(shape: Shape, part: Component, cost: Callable[[Tree], int], trials: int = 8) -> Tree:
+def find_tree(
+    shape: Shape,
+    part: Component,
+    cost: Callable[[Tree], int],
+    trials: int = 8,
+    narrow: Collection[int] = (),
+) -> Tree:
     """Return the cheapest tree of a fixed number of trials.
 
     Args:
@@ -98,17 +105,19 @@ def find_tree(shape: Shape, part: Component, cost: Callable[[Tree], int], trials
         cost: of a tree; smaller is better.
         trials: 50 trials find trees with 20 % fewer operations than 8, in six times the time;
             large parts get fewer.
+        narrow: inputs that mostly have no axis.
     """
-    leaves = make_leaves(shape, part)
+    leaves = make_leaves(shape, part, mask_of(narrow))
+    cards = tuple(1 if node in narrow else card for node, card in enumerate(shape.cards))
     trees = []
     for trial in range(max(1, min(trials, _TRIALS // len(leaves)))):
         weight = random.Random(trial).random if trial else None  # noqa: S311 - no secret
-        search = _Search(leaves, shape.cards, weight, gain=_GAINS[trial % 2])
+        search = _Search(leaves, cards, weight, gain=_GAINS[trial % 2])
         trees.append(_greedy(search))
     masks = [leaf.mask for leaf in leaves]
     for rule in (fewest_edges, smallest_table):
-        order = elimination_order(masks, shape.cards, rule)
-        search = _Search(leaves, shape.cards, None, gain=_GAINS[0])
+        order = elimination_order(masks, cards, rule)
+        search = _Search(leaves, cards, None, gain=_GAINS[0])
         trees.append(_by_elimination(search, order))
     return min(trees, key=cost)  # the first of equals
 

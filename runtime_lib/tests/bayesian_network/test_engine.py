@@ -11,9 +11,10 @@ from pathlib import Path
 
 import eddi_runtime
 import pytest
+from eddi_runtime.bayesian_network import patterns
 from eddi_runtime.bayesian_network.tables import JointTables
 
-from eddi_scaffold.compiling.bayesian_network import programs
+from eddi_scaffold.compiling.bayesian_network import programs, width
 from eddi_scaffold.compiling.bayesian_network.graph import components
 from eddi_scaffold.compiling.bayesian_network.joint import fits
 from runtime_lib.tests.bayesian_network.networks import (
@@ -95,6 +96,46 @@ def test_steps_in_which_every_input_is_observed(tables, seed):
         want, rows = exactly(net, outputs, observable, states, {}), made.infer(states)
         assert (rows is None) == (want is None)
         assert rows is None or furthest(rows, want) < 1e-12
+
+
+@pytest.mark.slow
+@given(seed=st.integers(0, 10**9))
+def test_wide_parts_are_inferred_by_patterns_of_what_is_observed(seed):
+    """The first step of a pattern goes the usual way, the second one makes its arrays."""
+    pytest.importorskip("numpy")
+    rng = random.Random(seed)
+    count = rng.randint(4, 7)
+    net = random_network(rng, count, most_states=3, zeros=rng.choice([0.0, 0.3]))
+    outputs = sorted(rng.sample(range(count), rng.randint(1, 2)))
+    observable = sorted(rng.sample(range(count), rng.randint(2, count)))
+    cases = [random_evidence(rng, net, observable) for _ in range(3)]
+    wanted = [exactly(net, outputs, observable, *case) for case in cases]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(width, "WIDE", 0)
+        patch.setattr(patterns, "_GEMV", rng.choice([1, 9_000]))
+        made = engine(net, outputs, observable, tables=False)
+        for case, want in zip(cases * 3, wanted * 3):
+            rows = made.infer(*case)
+            assert (rows is None) == (want is None)
+            assert rows is None or furthest(rows, want) < 1e-12
+
+
+def test_arrays_are_made_for_patterns_that_come_again_and_are_not_too_many(monkeypatch):
+    pytest.importorskip("numpy")
+    monkeypatch.setattr(width, "WIDE", 0)
+    monkeypatch.setattr(programs, "plans_when_observed", lambda *_: ())
+    monkeypatch.setattr(patterns, "_REMEMBERED", 3)
+    rng = random.Random(5)
+    net = random_network(rng, 12, zeros=0.0, most_states=3)
+    made = engine(net, [11], [1, 4, 7], tables=False)
+    (running,) = (one.running for one in made._parts if hasattr(one.running, "_steps"))
+    every = list(itertools.product(*[range(net.shape.cards[one] + 1) for one in (1, 4, 7)]))
+    for states in every:
+        assert furthest(made.infer(states), exactly(net, [11], [1, 4, 7], states, {})) < 1e-12
+        assert len(running._steps) <= 3
+    for states in every[:2] * 2:
+        made.infer(states)
+    assert running._steps
 
 
 def test_an_observed_node_may_have_very_many_states():

@@ -15,9 +15,11 @@ from eddi_runtime.bayesian_network.engine import Engine
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.compiling.bayesian_network import programs, width
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.compiling.parts import needed_by
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     compiled,
@@ -79,6 +81,15 @@ DOCUMENTS = [document(bins=BINS), several(), large(), large(5, 9), document(outp
 @pytest.mark.parametrize("made", DOCUMENTS)
 def test_formatter_and_linter_agree(made):
     assert objections(compile_model(check_document(made))) == ""
+
+
+def test_only_a_wide_network_has_patterns(monkeypatch):
+    assert "bayesian_network/patterns" not in needed_by(compile_model(check_document(large(4))))
+    monkeypatch.setattr(width, "WIDE", 0)
+    monkeypatch.setattr(programs, "fits", lambda *_: False)
+    text = compile_model(check_document(large(6)))  # the text of another one is remembered
+    assert "bayesian_network/patterns" in needed_by(text)
+    assert objections(text) == ""
 
 
 def test_the_text_is_for_python_3_8():

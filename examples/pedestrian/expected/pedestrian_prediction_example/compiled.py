@@ -8,7 +8,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
-eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 2})
+eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
 # sha256 of the lines below: b66eaa2dc278c393d986bcd7a8f9497a7b383d94bf6eb513ebc679e384bc27ed
 
 

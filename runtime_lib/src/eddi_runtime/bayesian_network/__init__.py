@@ -5,7 +5,7 @@ from .knowledge import Source
 from .monitor import BayesianNetworkMonitor
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
 
-FORMATS = (2,)
+FORMATS = (2, 3)
 
 __all__ = [
     "FORMATS",

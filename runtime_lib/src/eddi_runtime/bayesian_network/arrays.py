@@ -6,11 +6,11 @@ of the message, over its states and, where that may be, "not observed".
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set, Tuple
 
 import numpy as np
 
-from .engine import Posteriors, States, Weights
+from .engine import Posteriors, Rows, States, Weights
 from .schedule import Message, Schedule
 
 if TYPE_CHECKING:
@@ -21,79 +21,37 @@ if TYPE_CHECKING:
 _EVIDENCE = ("evidence", "prior")
 
 
-class Running:
-    """The operations of one part with their arrays. Not thread-safe: results stay in place.
+class Numbers:
+    """What is known of messages before the first step, and how a product of them is made.
 
     Args:
-        made: what was compiled.
-        positions: node -> its place in the states.
-        wanted: which of the outputs are asked for; none: the probability of the evidence.
+        nodes: number -> (numbers of the parents, table of its probabilities), of the whole file.
+        messages: fields of ``Message``, each behind its parts.
 
     Attributes:
-        hard: state of each observable node by position (the number of its states: not observed)
-            -> unnormalised rows.
+        messages: by number.
+        known: number of a message -> its numbers for every case of its inputs.
+        rows: node -> its evidence vector for each state; behind them that for "not observed".
     """
 
     def __init__(
-        self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]
+        self,
+        nodes: Mapping[int, Tuple[Tuple[int, ...], Rows]],
+        messages: Sequence[Tuple[Any, ...]],
     ) -> None:
-        self._nodes, self._positions, self._wanted = made.nodes, positions, wanted
-        self._messages = [Message(*one) for one in made.messages]
-        self._answers = [made.answers[k] for k in wanted] or made.answers
-        self._known: Dict[int, Array] = {}
-        self._rows: Dict[int, List[List[float]]] = {}
-        for number, message in enumerate(self._messages):
+        self._nodes = nodes
+        self.messages = [Message(*one) for one in messages]
+        self.known: Dict[int, Array] = {}
+        self.rows: Dict[int, List[List[float]]] = {}
+        for number, message in enumerate(self.messages):
             if message.known:
-                self._known[number] = self._numbers(message)
+                self.known[number] = self._numbers(message)
             if message.kind in _EVIDENCE:
-                self._rows[message.nodes[0]] = self._known[number].tolist()
-        sizes = [len(rows[0]) for rows in self._rows.values()]
-        self._flat = np.zeros(sum(sizes))
-        self._vectors = dict(zip(self._rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
-        self._full = self._step(made.full or made.hard)
-        self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
-        if made.hard is not None:
-            self.hard = self._step(made.hard) if made.full else self._full
+                self.rows[message.nodes[0]] = self.known[number].tolist()
 
-    def soft(self, states: States, weights: Weights) -> Posteriors:
-        """Return unnormalised rows when some inputs have virtual evidence (by position).
-
-        Not where nodes are observed in each step.
-        """
-        values: List[float] = []
-        for node in self._rows:
-            values += self._vector(node, states, weights)
-        self._flat[:] = values
-        return self._full(states)
-
-    def scaled(self, states: States, weights: Weights) -> Posteriors:
-        """Return rows of which none is zero by underflow; slow, for very unlikely evidence.
-
-        Each message has the maximum 1, and the widest type of the machine is used: 80 bits on a
-        PC, with exponents down to -4950.
-        """
-        found: Dict[int, Any] = {}
-        for number, message in enumerate(self._messages):
-            if message.kind in _EVIDENCE:
-                array: Any = np.array(self._vector(message.nodes[0], states, weights))
-            elif message.kind == "product":
-                array = self._product(message, found, cases=False)
-            else:
-                case = tuple(states[self._positions[node]] for node in message.inputs)
-                array = self._known[number][case]
-            largest = array.max()
-            wide = array.astype(np.longdouble)
-            found[number] = wide / largest if largest > 0.0 else wide
-        if self._wanted:
-            return [[float(value) for value in found[one]] for one in self._answers]
-        total = found[self._answers[0]]
-        for one in self._answers[1:]:
-            total = total * found[one]
-        return [[float(total.sum() > 0.0)]]
-
-    def _vector(self, node: int, states: States, weights: Weights) -> List[float]:
-        position = self._positions[node]
-        rows = self._rows[node]
+    def vector(self, node: int, position: int, states: States, weights: Weights) -> List[float]:
+        """Return the evidence vector of a node in a step."""
+        rows = self.rows[node]
         if position not in weights:
             return rows[states[position]]
         return [one * other for one, other in zip(weights[position], rows[-1])]
@@ -101,7 +59,7 @@ class Running:
     def _numbers(self, message: Message) -> Any:
         """Return the known numbers of a message for every case of its inputs."""
         if message.kind == "product":
-            return self._product(message, self._known, cases=True)
+            return self._product(message, self.known, cases=True)
         if message.kind == "table":
             (node,) = message.parts
             parents, rows = self._nodes[node]
@@ -117,7 +75,7 @@ class Running:
 
     def _product(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
         """Multiply two messages and sum over the nodes that the product has no axis for."""
-        first, second = (self._messages[part] for part in message.parts)
+        first, second = (self.messages[part] for part in message.parts)
         axes = [*sorted({*first.nodes, *second.nodes}), *(-1 - one for one in message.inputs)]
         # einsum knows 52 axes only, so they are counted anew for each pair.
         number = {axis: k for k, axis in enumerate(axes)}
@@ -128,6 +86,71 @@ class Running:
 
         one, other = (of[part] for part in message.parts)
         return np.einsum(one, numbers(first), other, numbers(second), numbers(message))
+
+
+class Running(Numbers):
+    """The operations of one part with their arrays. Not thread-safe: results stay in place.
+
+    Args:
+        made: what was compiled.
+        positions: node -> its place in the states.
+        wanted: which of the outputs are asked for; none: the probability of the evidence.
+
+    Attributes:
+        hard: state of each observable node by position (the number of its states: not observed)
+            -> unnormalised rows.
+    """
+
+    def __init__(
+        self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]
+    ) -> None:
+        super().__init__(made.nodes, made.messages)
+        self._positions, self._wanted = positions, wanted
+        self._answers = [made.answers[k] for k in wanted] or made.answers
+        sizes = [len(rows[0]) for rows in self.rows.values()]
+        self._flat = np.zeros(sum(sizes))
+        self._vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
+        self._full = self._step(made.full or made.hard)
+        self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
+        if made.hard is not None:
+            self.hard = self._step(made.hard) if made.full else self._full
+
+    def soft(self, states: States, weights: Weights) -> Posteriors:
+        """Return unnormalised rows when some inputs have virtual evidence (by position).
+
+        Not where nodes are observed in each step.
+        """
+        values: List[float] = []
+        for node in self.rows:
+            values += self.vector(node, self._positions[node], states, weights)
+        self._flat[:] = values
+        return self._full(states)
+
+    def scaled(self, states: States, weights: Weights) -> Posteriors:
+        """Return rows of which none is zero by underflow; slow, for very unlikely evidence.
+
+        Each message has the maximum 1, and the widest type of the machine is used: 80 bits on a
+        PC, with exponents down to -4950.
+        """
+        found: Dict[int, Any] = {}
+        for number, message in enumerate(self.messages):
+            if message.kind in _EVIDENCE:
+                (node,) = message.nodes
+                array: Any = np.array(self.vector(node, self._positions[node], states, weights))
+            elif message.kind == "product":
+                array = self._product(message, found, cases=False)
+            else:
+                case = tuple(states[self._positions[node]] for node in message.inputs)
+                array = self.known[number][case]
+            largest = array.max()
+            wide = array.astype(np.longdouble)
+            found[number] = wide / largest if largest > 0.0 else wide
+        if self._wanted:
+            return [[float(value) for value in found[one]] for one in self._answers]
+        total = found[self._answers[0]]
+        for one in self._answers[1:]:
+            total = total * found[one]
+        return [[float(total.sum() > 0.0)]]
 
     def _step(self, steps: Any) -> Callable[[States], Posteriors]:
         slots: List[Any] = []
@@ -157,9 +180,9 @@ class Running:
         waiting = list(self._answers)
         while waiting:
             number = waiting.pop()
-            if number not in found and self._messages[number].kind == "product":
+            if number not in found and self.messages[number].kind == "product":
                 found.add(number)
-                waiting += self._messages[number].parts
+                waiting += self.messages[number].parts
         return found
 
     def _slot(self, row: Sequence[Any], slots: Sequence[Any]) -> Any:
@@ -179,7 +202,7 @@ class Running:
             view = slots[source].transpose(rest[0]).reshape(rest[1])
             assert np.shares_memory(view, slots[source])
             return view
-        known = self._known[source]
+        known = self.known[source]
         if kind == "row":
             return known.tolist()
         if kind == "rows":
