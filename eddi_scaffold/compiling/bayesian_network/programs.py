@@ -168,7 +168,7 @@ def _parts(network: Network, plans: Sequence[Plan], *, tables: bool) -> list[Par
 
 
 def _least_exponent(network: Network, plan: Plan) -> float:
-    return sum(
+    return math.fsum(
         math.log2(min((one for one in network.tables[node] if one > 0.0), default=1.0))
         for node in plan.part.nodes
     )
