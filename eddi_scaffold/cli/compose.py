@@ -29,7 +29,7 @@ def compose(
     from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
     from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.monitors.loading import read_models, whole
-    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.problems import EddiError, Place, error
     from eddi_scaffold.source import read_source
 
     marks = default_guarantee or ()
@@ -45,6 +45,10 @@ def compose(
     for label, source, reading, found in zip(labels, sources, readings, found_in, strict=True):
         problems = tuple(one for one in reading.problems if one.message not in elsewhere)
         whole(source, replace(reading, problems=problems))
+        if not found:
+            message = "there is no ConSert in this file"
+            hint = "leave it out: only ConSerts are composed"
+            raise EddiError(error("F004", message, Place(source.name), hint))
         if label and len(found) != 1:
             message = f"{source.name} contains {len(found)} ConSerts, `NAME=` can name only one"
             raise EddiError(error("G010", message, hint="leave the name out"))
