@@ -209,7 +209,7 @@ def doubts_of(package: Path) -> Doubts:
     text = (read_answers(package) or {}).get("config_json")
     try:
         config = from_json(text, package.name) if text else None
-    except EddiError:  # told where the package is written
+    except (TypeError, ValueError, RecursionError):  # told where the package is written (T005)
         config = None
     known = known_types(config, known_messages())
     sources = config.config.SimulatorOutputs if config is not None else ()

@@ -113,7 +113,8 @@ def _horizon(values: Values, base: ReliabilitySystem | None) -> tuple[float, boo
 
 
 def _thresholds(values: Values) -> tuple[Threshold, ...]:
-    found: list[Threshold] = []
+    found: dict[str, Threshold] = {}
+    owners: dict[str, str] = {}  # of topics
     for entry in values.maps("thresholds"):
         entry.only(("id", "activate", "release", "hold", "topic"))
         name = entry.text("id", required=True)
@@ -127,10 +128,10 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         if name is None or activate is None:
             continue
         _check_id(entry, name)
-        if any(one.id == name for one in found):
+        if name in found:
             entry.error("R015", f"two thresholds are called {name!r}", "id")
-        other = next((one.id for one in found if topic and one.topic == topic), None)
-        if other is not None:
+        other = owners.setdefault(topic, name) if topic else name
+        if other != name:
             message = f"thresholds {other!r} and {name!r} have the same topic {topic}"
             entry.error("R015", message, "topic")
         if release is not None and release < activate:
@@ -138,8 +139,8 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
             entry.error("R015", message, "release")
         release = activate if release is None else release
         seconds = 3600.0 * (hold or 0.0)
-        found.append(Threshold(name, activate, release, seconds, topic, entry.place()))
-    return tuple(found)
+        found[name] = Threshold(name, activate, release, seconds, topic, entry.place())
+    return tuple(found.values())
 
 
 def _check_id(entry: Values, name: str) -> None:
