@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 
 import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages.generation import Outcome
+from eddi_scaffold.regions.bases import BASES, bases_of
 
 _SHOWN = 12
 _RECORDS = "/.eddi/"
-_BASE = f"{_RECORDS}base/"
-"""After the folder of a package: what an editable file was last merged with."""
+_BASES = f"{_RECORDS}{BASES}"
 _SIGNS = {"new": "+", "changed": "~", "removed": "-"}
 
 
@@ -74,13 +73,8 @@ def _list_changes(outcome: Outcome) -> None:
     records = {path for path in outcome.changes if _RECORDS in path}
     number = len(outcome.changes) - len(records)
     console.success(f"{outcome.root}: {_files(number) if number else 'records of hand edits'}")
-    bases = [record.partition(_BASE) for record in records if _BASE in record]
-    editable = {f"{package}/{file}": package for package, _, file in bases}
-    yours = [
-        path
-        for path in outcome.changes
-        if path in editable and _has_code(outcome.root / editable[path])
-    ]
+    editable = dict(_editable(outcome))
+    yours = [path for path in outcome.changes if editable.get(path)]
     if yours:
         console.say("  yours to edit:")
         for path in sorted(yours, key=lambda path: (not path.endswith(".py"), path))[:_SHOWN]:
@@ -96,9 +90,17 @@ def _list_changes(outcome: Outcome) -> None:
         console.say(f"  generated: {what}, in {', '.join(folders[:_SHOWN])}{more}")
 
 
-def _has_code(package: Path) -> bool:
-    """Return whether a package has hand-written code: it is a monitor."""
-    return any(Path(f"{package}{_BASE}").rglob("*.py"))
+def _editable(outcome: Outcome) -> Iterator[tuple[str, bool]]:
+    """Yield the files with a new base, and whether the package has code of people: a monitor."""
+    for path, state in outcome.changes.items():
+        if path.endswith(_BASES) and state is not None:
+            old, new = (
+                bases_of(one.text or "") for one in (outcome.before.get(path, state), state)
+            )
+            has_code = any(name.endswith(".py") for name in new)
+            for name, text in new.items():
+                if path not in outcome.before or old.get(name) != text:
+                    yield f"{path.removesuffix(_BASES)}/{name}", has_code
 
 
 def _change(outcome: Outcome, path: str) -> str:

@@ -9,8 +9,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.marked_file import Region, parse
-from eddi_scaffold.regions.store import EDDI, files_below, read_text
+from eddi_scaffold.regions.store import PRISTINE, files_below, read_text
 
 _MODULE = "EDDIInput.py"
 _WAITS = re.compile(r"self\.\w+ = None")
@@ -22,12 +23,13 @@ def lost_inputs(root: Path) -> Iterator[str]:
     Args:
         root: the package, rendered and not yet merged.
     """
-    for name in files_below(root / EDDI / "pristine"):
+    bases = read_bases(root)
+    for name in files_below(root / PRISTINE):
         if name.rpartition("/")[2] != _MODULE:
             continue
         before, new, mine = (
-            _regions(path)
-            for path in (root / EDDI / "base" / name, root / EDDI / "pristine" / name, root / name)
+            _regions(text)
+            for text in (bases.get(name), read_text(root / PRISTINE / name), read_text(root / name))
         )
         for region in new.values():
             names = [one for one in (region.id, *region.was) if one in before and one in mine]
@@ -49,7 +51,6 @@ def _statement(region: Region) -> str:
     return (region.body.splitlines() or [""])[-1].strip()
 
 
-def _regions(path: Path) -> dict[str, Region]:
-    text = read_text(path)
+def _regions(text: object) -> dict[str, Region]:
     document, faults = parse(text) if isinstance(text, str) else (None, [])
     return document.regions if document is not None and not faults else {}

@@ -8,6 +8,7 @@ from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.rendering import Template, read_answers
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.platforms import PackageAnswers
+from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.check import broken_files, unfit_files
 from eddi_scaffold.regions.generated import is_placed
 from eddi_scaffold.regions.manifest import recorded_rendering, rendering_digest
@@ -15,7 +16,6 @@ from eddi_scaffold.regions.store import PRISTINE
 
 UNCOMMITTED = ".eddi/uncommitted"
 """Says that the templates were not exactly those of the commit in the answers."""
-_BASE = ".eddi/base/"
 
 
 def is_current(target: Path, package: PackageAnswers, template: Template, source: Unpacked) -> bool:
@@ -50,9 +50,8 @@ def _is_whole(target: Path, tree: transaction.FolderContent) -> bool:
     """Return whether all that the last rendering made is there, merged, and as it was made."""
     if not is_placed(target):
         return False
-    merged = {name.removeprefix(_BASE) for name in tree.files if name.startswith(_BASE)}
     return (
-        merged <= tree.files.keys()
+        read_bases(target).keys() <= tree.files.keys()
         and not any(name.startswith((f"{PRISTINE}/", ".eddi/orphans/")) for name in tree.files)
         and all(one.executable for one in tree.files.values() if one.data.startswith(b"#!"))
     )

@@ -29,16 +29,18 @@ from eddi_scaffold.packages.unpacking import unpacked
 from eddi_scaffold.packages.workspace import linked_package, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.bases import BASES, FORMER, bases_of, read_bases, write_bases
 from eddi_scaffold.regions.check import broken_files, needs_a_look, unfit_files
 from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
+from eddi_scaffold.regions.manifest import record_files, recorded_files
 from eddi_scaffold.regions.python_text import parse_python
 from eddi_scaffold.regions.result import Restored
-from eddi_scaffold.regions.store import PRISTINE, SAVED, in_scratch, save_orphan, save_reject
+from eddi_scaffold.regions.store import EDDI, PRISTINE, SAVED, in_scratch, save_orphan, save_reject
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
 
-_UNCHANGED = FileState(b"")
+_BASES = f"/{EDDI}/{BASES}"
 
 
 @dataclass(frozen=True)
@@ -255,12 +257,15 @@ def _merged(
         was: its answers before, maybe under another name.
     """
     staged = rendered.with_name("staged")
+    waiting: Mapping[str, str] = {}
     if before:
         _copy(before, staged)
         _refuse(broken_files(staged), target)
         # outside edits are merged per definition, which text that is not Python does not have
-        editable = {p for p in before if f".eddi/base/{p}" in before}
-        _check_python(before, editable, target)
+        _check_python(before, read_bases(staged), target)
+        waiting = {name: text for name, text in read_bases(staged).items() if name in skipped}
+        if waiting:  # they stay as they are on the disk
+            write_bases(staged, {n: t for n, t in read_bases(staged).items() if n not in waiting})
     _copy_rendering(rendered, staged, skipped)
     for body in package.saved:
         save_orphan(staged, body)
@@ -273,6 +278,9 @@ def _merged(
 
     with in_scratch():
         report = sync_package(staged, earlier)
+        if waiting:
+            write_bases(staged, {**read_bases(staged), **waiting})
+            record_files(staged, recorded_files(staged))  # what all of it was made of
     _refuse(report.refused, target)
     for name in _names(rendered / PRISTINE):
         header = package.headers.get(Path(name).name)
@@ -303,8 +311,10 @@ def _written_anew(
     target: Path, before: Mapping[str, FileState], changes: Mapping[str, FileState | None]
 ) -> Iterator[str]:
     """Yield what is to be said of each editable file that somebody removed."""
+    record = before.get(f"{EDDI}/{BASES}")
+    merged = {f"{FORMER}/{path}" for path in bases_of((record and record.text) or "")}
     for path, state in sorted(changes.items()):
-        if path in before or state is None or f".eddi/base/{path}" not in before:
+        if path in before or state is None or f"{FORMER}/{path}" not in {*merged, *before}:
             continue
         committed = committed_text(target, path)
         if committed != state.text:
@@ -346,21 +356,24 @@ def _write(root: Path, work: _Work, within: Path | None = None) -> transaction.A
     """Write in the order of ``sync``: killed in between, a plain Copier run still merges right."""
     changes = work.changes
     ordered = sorted(changes, key=lambda path: (_turn(path, changes[path]), path))
-    follows = {
-        path: path.replace("/.eddi/base/", "/", 1) for path in ordered if "/.eddi/base/" in path
-    }
-    meanwhile = {
-        base.replace("/.eddi/base/", "/.eddi/next/", 1): FileState(next_base(text.data, new.data))
-        for base, file in follows.items()
-        if (text := changes.get(file, _UNCHANGED)) is not None
-        and (new := changes[base]) is not None
-    }
+    follows: dict[str, list[str]] = {}
+    meanwhile: dict[str, FileState] = {}
+    for path in [path for path in ordered if path.endswith(_BASES)]:
+        state, folder = changes[path], path.removesuffix(_BASES)
+        made = bases_of(state.text or "") if state is not None else {}
+        follows[path] = [f"{folder}/{name}" for name in made if f"{folder}/{name}" in changes]
+        for name in made:
+            text = changes.get(f"{folder}/{name}")
+            if text is not None:
+                guard = f"{folder}/{EDDI}/next/{name}"
+                meanwhile[guard] = FileState(next_base(text.data, made[name].encode()))
+                follows[guard] = [path]
     top, place = _places(root, work.links, within)
     return transaction.write(
         top,
         {place(path): changes[path] for path in ordered},
         {place(path): state for path, state in work.before.items()},
-        {place(path): place(file) for path, file in follows.items()},
+        {place(path): [place(file) for file in files] for path, files in follows.items()},
         {place(path): state for path, state in meanwhile.items()},
     )
 
@@ -387,7 +400,7 @@ def _turn(path: str, state: FileState | None) -> int:
     folder = path.partition("/.eddi/")[2].partition("/")[0]
     if folder in {"orphans", "rejects"}:
         return 2 if state is None else 0
-    return 3 if folder == "base" else 1
+    return 3 if folder in {BASES, Path(FORMER).name} else 1
 
 
 def _copy_rendering(rendered: Path, staged: Path, skipped: Collection[str] = ()) -> None:

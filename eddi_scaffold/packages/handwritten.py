@@ -20,9 +20,9 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.check import Doubts, RegionStatus, accept, list_regions, regions_of
 from eddi_scaffold.regions.markers import Marker, read_marker
-from eddi_scaffold.regions.store import EDDI
 
 
 @dataclass(frozen=True)
@@ -253,4 +253,4 @@ def accept_regions(folder: Path, words: Iterable[str]) -> Sequence[str]:
 def _name_in(package: Path, word: str) -> str:
     """Return a file's name in a package, any other word as it is."""
     place = Path(os.path.relpath(word, package))
-    return place.as_posix() if (package / EDDI / "base" / place).is_file() else word
+    return place.as_posix() if place.as_posix() in read_bases(package) else word

@@ -31,14 +31,14 @@ class JournalEntry:
         staged: name of its new text, ``None`` to remove it.
         new: digest of that text.
         old: digest of the text that is replaced, ``None`` when there was no file.
-        follows: file without whose change this one makes no sense.
+        follows: files without whose changes this one makes no sense.
     """
 
     path: str
     staged: str | None
     new: str | None
     old: str | None
-    follows: str | None
+    follows: Sequence[str] = ()
 
 
 def keep(root: Path, staging: str, steps: Sequence[JournalEntry] | None) -> str | None:

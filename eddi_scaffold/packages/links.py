@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from eddi_scaffold.packages.transaction import FileState, FolderContent
+from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.files import LINK, kind_of, read_regular, resolved
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.paths import is_relative
@@ -65,6 +66,6 @@ def _real(package: Path, link: str, rendered: Collection[str], within: Path | No
 
 def _is_of_this_file(package: Path, link: str) -> bool:
     """Return whether the file behind a link has a region of the file that is in its place."""
-    texts = read_text(package / link), read_text(package / EDDI / "base" / link)
+    texts = read_text(package / link), read_bases(package).get(link)
     mine, base = (parse(text)[0].regions.keys() if isinstance(text, str) else () for text in texts)
     return bool(set(mine) & set(base))

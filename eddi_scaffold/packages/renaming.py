@@ -14,14 +14,16 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.transaction import FileState, FolderContent, survey
 from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.regions.bases import BASES, FORMER, bases_of, read_bases, text_of
 from eddi_scaffold.regions.generated import changed_generated, recorded_generated
 from eddi_scaffold.regions.markers import decode_id, encode_id
 from eddi_scaffold.regions.store import SAVED
 
 _RECORDS = ".eddi/"
-_KEPT = ("base", "pristine", "generated", "next", "accepted", "rejects")
+_KEPT = ("pristine", "generated", "next", "accepted", "rejects")
 _MANIFEST = f"{_RECORDS}manifest.json"
-_BASE, _ORPHANS = f"{_RECORDS}base/", f"{_RECORDS}orphans/"
+_ORPHANS = f"{_RECORDS}orphans/"
+_BASES = f"{_RECORDS}{BASES}"
 _FILE = "# file: "
 
 
@@ -117,8 +119,9 @@ def mentions(
 
 
 def _own_lines(path: str, files: Mapping[str, FileState]) -> Iterator[bytes]:
-    base = files.get(f"{_BASE}{path}")
-    made = set(base.data.splitlines()) if base is not None else set()
+    record = files.get(_BASES)
+    base = bases_of(record.text or "").get(path, "") if record is not None else ""
+    made = set(base.encode().splitlines())
     return (line for line in files[path].data.splitlines() if line not in made)
 
 
@@ -148,11 +151,11 @@ def _check_movable(package: Path) -> None:
 def _is_as_made(package: Path) -> bool:
     """Return whether nothing in a folder was written by hand, as where there is none."""
     files, made = survey(package).files, set(recorded_generated(package))
-    base = {name: state.data for name, state in files.items() if name.startswith(_BASE)}
+    base = {name: text.encode() for name, text in read_bases(package).items()}
     return not changed_generated(package) and all(
         name in made
         or name == ANSWERS_FILE
-        or base.get(f"{_BASE}{name}") == state.data
+        or base.get(name) == state.data
         or (name.startswith(_RECORDS) and not name.startswith(SAVED))
         for name, state in files.items()
     )
@@ -160,8 +163,10 @@ def _is_as_made(package: Path) -> bool:
 
 def _moved(package: Path, new: str, tree: FolderContent) -> FolderContent:
     """Return a package with the paths, and the records of paths, that it has under another name."""
-    moved = _mover(package, new, tree)
-    files = {moved(path): state for path, state in tree.files.items()}
+    moved = _mover(package, new)
+    files = {moved(path): s for path, s in tree.files.items() if not path.startswith(f"{FORMER}/")}
+    if bases := {moved(name): text for name, text in read_bases(package).items()}:
+        files[_BASES] = FileState(text_of(bases).encode())
     for path, state in files.items():
         text = state.data
         if path == _MANIFEST:
@@ -172,13 +177,10 @@ def _moved(package: Path, new: str, tree: FolderContent) -> FolderContent:
     return FolderContent(files, tree.others)
 
 
-def _mover(package: Path, new: str, tree: FolderContent) -> Callable[[str], str]:
+def _mover(package: Path, new: str) -> Callable[[str], str]:
     """Return what a path becomes: folders of generated files that have the package's name."""
     old = package.name
-    made = [
-        *recorded_generated(package),
-        *(n[len(_BASE) :] for n in tree.files if n.startswith(_BASE)),
-    ]
+    made = [*recorded_generated(package), *read_bases(package)]
     folders = {name[: name.index(f"{old}/")] for name in made if f"/{old}/" in f"/{name}"}
     starts = [f"{_RECORDS}{kept}/{folder}" for kept in _KEPT for folder in folders] + [*folders]
 

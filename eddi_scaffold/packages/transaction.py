@@ -109,7 +109,7 @@ def apply(
     root: Path,
     changes: Mapping[str, FileState | None],
     before: Mapping[str, FileState] | None = None,
-    follows: Mapping[str, str] | None = None,
+    follows: Mapping[str, Sequence[str]] | None = None,
     meanwhile: Mapping[str, FileState] | None = None,
 ) -> Applied:
     """Write, replace or (``None``) remove the files below ``root`` as one step.
@@ -119,8 +119,8 @@ def apply(
         changes: path -> new state, in the order in which they are made.
         before: path -> state that the change was made from, of those that existed; without it,
             whatever is there is replaced.
-        follows: path -> path of the file without whose change it makes no sense: when a killed
-            run is finished and that file was changed since, both are left alone.
+        follows: path -> paths of the files without whose changes it makes no sense: when a killed
+            run is finished and one of them was changed since, it is left alone as well.
         meanwhile: new files that are there only from the first change to the last one.
 
     Raises:
@@ -159,7 +159,7 @@ def _staged(
     staging: Path,
     changes: Mapping[str, FileState | None],
     before: Mapping[str, FileState] | None,
-    follows: Mapping[str, str],
+    follows: Mapping[str, Sequence[str]],
     guards: Mapping[str, FileState],
 ) -> Iterator[JournalEntry]:
     """Stage the new texts, and yield what is to be done."""
@@ -177,7 +177,7 @@ def _staged(
             (staging / str(number)).chmod(state.mode)
         staged = None if state is None else str(number)
         new = None if state is None else _sha256(state.data)
-        yield JournalEntry(path, staged, new, old[path], follows.get(path))
+        yield JournalEntry(path, staged, new, old[path], follows.get(path, ()))
         old[path] = new
 
 
@@ -193,7 +193,7 @@ def write(
     root: Path,
     changes: Mapping[str, FileState | None],
     before: Mapping[str, FileState] | None = None,
-    follows: Mapping[str, str] | None = None,
+    follows: Mapping[str, Sequence[str]] | None = None,
     meanwhile: Mapping[str, FileState] | None = None,
 ) -> Applied:
     """Do the same as ``apply`` for a command.
@@ -296,7 +296,9 @@ def _finish(root: Path, staging: Path, steps: Sequence[JournalEntry]) -> Sequenc
             left[step.path] = f"{target} is left alone: a link is in the way"
         elif not os.path.lexists(target if staged is None else staged):
             continue  # done by the run that was killed
-        elif _digest(target) != step.old or step.follows in left:
+        elif any(path in left for path in step.follows):
+            left[step.path] = ""  # that file was told
+        elif _digest(target) != step.old:
             left[step.path] = f"{target} is left alone: it was changed since"
         elif staged is None:
             target.unlink(missing_ok=True)
@@ -308,7 +310,7 @@ def _finish(root: Path, staging: Path, steps: Sequence[JournalEntry]) -> Sequenc
             staged.replace(target)
     shutil.rmtree(staging, ignore_errors=True)
     journal.forget(root, staging.name)
-    return list(left.values())
+    return [told for told in left.values() if told]
 
 
 def _sha256(data: bytes) -> str:

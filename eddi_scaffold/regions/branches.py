@@ -12,6 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from .bases import bases_of, text_of
 from .bodies import reindent, same_body
 from .lines import mark_lines
 from .marked_file import MarkedFile, Region, parse, placeholder_id, split_lines
@@ -58,6 +59,22 @@ def join_renderings(path: str, base: str, ours: str, theirs: str) -> str:
     """Return a rendering for the file of two branches: nobody wrote in it, so ours wins."""
     joined = join_branches(path, base, ours, theirs)
     return ours if joined.conflict else joined.text
+
+
+def join_bases(base: str, ours: str, theirs: str) -> str:
+    """Return the bases of two branches: each that both have anew is merged."""
+    old, own, new = map(bases_of, (base, ours, theirs))
+    joined = {}
+    for name in {*own, *new}:
+        sides = old.get(name), own.get(name), new.get(name)
+        if sides[0] in sides[1:] or None in sides[1:]:
+            text = _chosen(*sides)
+            text = sides[2] if text is None and sides[0] != sides[2] else text
+        else:
+            text = join_renderings(name, sides[0] or "", sides[1] or "", sides[2] or "")
+        if isinstance(text, str):
+            joined[name] = text
+    return text_of(joined)
 
 
 def join_manifests(base: str, ours: str, theirs: str) -> str | None:

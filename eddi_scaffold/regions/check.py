@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal
 
 from . import names
+from .bases import BASES, FORMER, bases_of, editable_files, newest_rendering, read_bases
 from .bodies import same_body
 from .conflicts import CONFLICT, conflict_lines, separator_lines
 from .files import entries, read_regular, stays
@@ -26,12 +27,11 @@ from .paths import is_relative
 from .placements import adopt_ids, way_back
 from .store import (
     EDDI,
+    PRISTINE,
     SAVED,
-    editable_files,
     files_below,
     load_accepted,
     load_orphans,
-    newest_rendering,
     read_text,
     refuse_changed,
     save_accepted,
@@ -120,7 +120,12 @@ def regions_of(root: Path) -> list[RegionStatus]:
 
 
 def _regions(root: Path, doubts: Doubts = _no_doubts) -> list[RegionStatus]:
-    return [status for name in editable_files(root) for status in _of_file(root, name, doubts)]
+    bases = read_bases(root)
+    return [
+        status
+        for name in editable_files(root)
+        for status in _of_file(root, name, bases.get(name), doubts)
+    ]
 
 
 def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
@@ -161,7 +166,7 @@ def unfit_files(
         former: versions of a file in the history, by commit; none where that is not known.
     """
     found = []
-    changed = changed_bases(root)
+    changed, bases, former = changed_bases(root), read_bases(root), cache(former)
     if not changed and not _is_of_one_rendering(root):
         note = "answers and renderings are not of one run, of two branches, or were changed by hand"
         found.append(_unfit(ANSWERS, f"{note}: look at `git diff {EDDI}`, then generate again"))
@@ -173,12 +178,12 @@ def unfit_files(
         if fault is not None:
             note = f"it is not valid {_LANGUAGES[kind_of(name)]}: {fault.reason}"
             found.append(RegionStatus("", name, fault.line, "unfit", (note,), review=True))
-        notes = _misfits(root, name, former)
+        notes = _misfits(root, name, bases.get(name), former)
         if name in changed:
             notes.insert(
                 0,
-                f"{EDDI}/base/{name} is not what was recorded, as after a replacement over many"
-                " files or a merge: your lines and generated ones look alike; `git checkout --"
+                f"its base in {EDDI}/{BASES} is not what was recorded, as after a replacement over"
+                " many files or a merge: your lines and generated ones look alike; `git checkout --"
                 f" {EDDI}` puts back what was changed by hand, else generate again: lines that go"
                 " are kept",
             )
@@ -187,24 +192,33 @@ def unfit_files(
     return found
 
 
-def _misfits(root: Path, name: str, former: Callable[[str], Mapping[str, str]]) -> list[str]:
-    pristine, merged = (read_text(root / EDDI / kind / name) for kind in ("pristine", "base"))
-    if isinstance(pristine, Fault) or isinstance(merged, Fault):
+def _misfits(
+    root: Path, name: str, merged: str | None, former: Callable[[str], Mapping[str, str]]
+) -> list[str]:
+    pristine = read_text(root / PRISTINE / name)
+    if isinstance(pristine, Fault):
         return []
     rendered = merged if pristine is None else without_sentinel(pristine)
     if rendered is None:
         return ["its rendering is not whole (interrupted, or of two branches); generate again"]
     if rendered != merged:
         return ["its newest rendering has not been merged into it; generate again"]
-    return list(_strange_parts(root, name, former).values())
+    return list(_strange_parts(root, name, merged, former).values())
 
 
 def _strange_parts(
-    root: Path, name: str, former: Callable[[str], Mapping[str, str]]
+    root: Path,
+    name: str,
+    merged: str | None,
+    former: Callable[[str], Mapping[str, str]],
+    known: Collection[str] = (),
 ) -> dict[str, str]:
-    """Return in what a file does not fit its base, but for what a person accepted; part -> note."""
-    _, mine, theirs, _ = _documents(root, name)
-    base, place = _base(root, name, theirs), f"{EDDI}/base/{name}"
+    """Return in what a file does not fit its base, but for what a person accepted; part -> note.
+
+    Former renderings among the parts that are ``known`` are passed over.
+    """
+    _, mine, theirs, _ = _documents(root, name, merged)
+    base, place = _base(merged, theirs), f"{EDDI}/{BASES}"
     if mine is None or base is None:
         return {}
     missing = missing_parts(base, mine, python=kind_of(name) == "python")
@@ -212,18 +226,27 @@ def _strange_parts(
     found = {part: note for part, note in missing.items() if part not in accepted}
     if same_lines(base.skeleton, mine.skeleton):
         return found
-    merged = read_text(root / place)
-    texts = {key: text for key, text in former(place).items() if text != merged}
-    olds = {key: parse(one)[0] for key, one in texts.items() if _part_of(one) not in accepted}
+    texts = {key: text for key, text in _former(name, former).items() if text != merged}
+    olds = {
+        key: parse(one)[0] for key, one in texts.items() if _part_of(one) not in {*accepted, *known}
+    }
     commit = made_of(base, mine, olds)
     if commit is not None:
-        cure = f"run 'git checkout {commit} -- {place}', then generate again"
+        kept = place if bases_of(former(place).get(commit, "")) else f"{FORMER}/{name}"
+        cure = f"run 'git checkout {commit} -- {kept}', then generate again"
         note = f"generated lines are of the rendering in {commit}; {cure}"
         found[_part_of(texts[commit])] = f"{note}; if the file is right, accept it"
     elif found:
         cure = f"where you removed nothing: take {place} of the file's branch, then generate again"
         found[[*found][-1]] += f"; {cure}; else accept the file"
     return found
+
+
+def _former(name: str, former: Callable[[str], Mapping[str, str]]) -> dict[str, str]:
+    """Return the bases that a file had in the history, by commit."""
+    whole = {key: bases_of(text) for key, text in former(f"{EDDI}/{BASES}").items()}
+    found = {key: bases[name] for key, bases in whole.items() if name in bases}
+    return {**former(f"{FORMER}/{name}"), **found}
 
 
 def _part_of(rendering: str) -> str:
@@ -250,10 +273,10 @@ def mixed_renderings(root: Path, committed: Callable[[str], str | None]) -> str 
     answers = read_text(root / ANSWERS)
     if not isinstance(answers, str) or answers != committed(ANSWERS):
         return None  # there is a new rendering already
-    records = root / EDDI
-    texts = {name: read_text(records / "pristine" / name) for name in files_below(records / "base")}
+    bases = read_bases(root)
+    texts = {name: read_text(root / PRISTINE / name) for name in bases}
     whole = {n: without_sentinel(text) for n, text in texts.items() if isinstance(text, str)}
-    merged = all(text == read_text(records / "base" / name) for name, text in whole.items())
+    merged = all(text == bases[name] for name, text in whole.items())
     one = _is_of_one_rendering(root) and not changed_bases(root)
     if None not in whole.values() and (not merged or one):
         return None
@@ -289,11 +312,13 @@ def accept(root: Path, words: Iterable[str]) -> tuple[str, ...]:
     wanted, accepted = set(words), []
     if linked_folders(root):
         return ()
+    bases = read_bases(root)
     for name in editable_files(root):
-        if name in wanted and (parts := _all_strange_parts(root, name)):
+        base = bases.get(name)
+        if name in wanted and (parts := _all_strange_parts(root, name, base)):
             save_accepted(root, name, parts)
             accepted.append(name)
-        text, mine, theirs, _ = _documents(root, name)
+        text, mine, theirs, _ = _documents(root, name, base)
         if text is None or mine is None or theirs is None or not stays(root, root / name):
             continue
         lines = text.split("\n")
@@ -309,21 +334,20 @@ def accept(root: Path, words: Iterable[str]) -> tuple[str, ...]:
     return tuple(accepted)
 
 
-def _all_strange_parts(root: Path, name: str) -> set[str]:
+def _all_strange_parts(root: Path, name: str, base: str | None) -> set[str]:
     """Return the same parts, with every former rendering that the file has lines of."""
-    history, found = former_texts(root, f"{EDDI}/base/{name}"), set[str]()
-    while new := _strange_parts(root, name, lambda _, left=history: left).keys() - found:  # type: ignore[misc]
+    former, found = cache(partial(former_texts, root)), set[str]()
+    while new := _strange_parts(root, name, base, former, found).keys() - found:
         found |= new
-        history = {key: text for key, text in history.items() if _part_of(text) not in found}
     return found
 
 
 def _documents(
-    root: Path, name: str
+    root: Path, name: str, base: str | None
 ) -> tuple[str | None, MarkedFile | None, MarkedFile | None, list[Fault]]:
     """Return a file's text, it and its rendering split at the markers, and what is wrong."""
     text = read_text(root / name)
-    rendered = newest_rendering(root, name)
+    rendered = newest_rendering(root, name, base)
     theirs = parse(rendered.replace("\r\n", "\n"))[0] if isinstance(rendered, str) else None
     if isinstance(text, Fault):
         return None, None, theirs, [text]
@@ -335,9 +359,9 @@ def _documents(
     return text, adopt_ids(mine, theirs) if theirs else mine, theirs, []
 
 
-def _of_file(root: Path, name: str, doubts: Doubts) -> list[RegionStatus]:
-    text, mine, theirs, faults = _documents(root, name)
-    base = _base(root, name, theirs)
+def _of_file(root: Path, name: str, merged: str | None, doubts: Doubts) -> list[RegionStatus]:
+    text, mine, theirs, faults = _documents(root, name, merged)
+    base = _base(merged, theirs)
     if mine is not None and base is not None and not (root / EDDI / "next" / name).exists():
         faults = lost_markers(base, dissolve(mine, base, theirs or base))
     broken = [_broken(Refusal(name, fault.line, fault.reason)) for fault in faults]
@@ -361,9 +385,8 @@ def _of_file(root: Path, name: str, doubts: Doubts) -> list[RegionStatus]:
     ]
 
 
-def _base(root: Path, name: str, theirs: MarkedFile | None) -> MarkedFile | None:
-    text = read_text(root / EDDI / "base" / name)
-    if not isinstance(text, str):
+def _base(text: str | None, theirs: MarkedFile | None) -> MarkedFile | None:
+    if text is None:
         return None
     document, faults = parse(text)
     return None if faults else adopt_ids(document, theirs or document)

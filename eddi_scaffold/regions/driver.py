@@ -10,8 +10,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from .bases import BASES
 from .branches import (
     Joined,
+    join_bases,
     join_branches,
     join_manifests,
     join_renderings,
@@ -51,8 +53,8 @@ def _join(path: str, base: str, ours: str, theirs: str) -> Joined:
     folder, _, file = record.partition("/")
     if not inside:
         return join_branches(path, base, ours, theirs)
-    if folder == "base":
-        return Joined(join_renderings(file, base, ours, theirs), conflict=False)
+    if record == BASES:
+        return Joined(join_bases(base, ours, theirs), conflict=False)
     if folder == "pristine":
         return Joined(_rendered(file, base, ours, theirs), conflict=False)
     if record == MANIFEST:

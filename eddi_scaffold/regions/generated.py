@@ -8,10 +8,11 @@ in the place of such a file and was not written here is copied to ``.eddi/reject
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from .bases import read_bases
 from .files import kind_of, read_regular
 from .manifest import (
     ANSWERS,
@@ -43,7 +44,8 @@ _LEFT = "it is left alone, and should be as generated: {}"
 
 def listed_generated(root: Path) -> list[str]:
     """Return the generated-only files that Copier has rendered and ``sync`` not yet placed."""
-    return [name for name in files_below(root / GENERATED) if _is_place(root, name)]
+    editable = read_bases(root)
+    return [name for name in files_below(root / GENERATED) if _is_place(root, name, editable)]
 
 
 def recorded_generated(root: Path) -> list[str]:
@@ -89,7 +91,8 @@ def place_generated(root: Path) -> list[Note]:
     written: dict[str, Digests] = {}
     notes = [Note(name, None, _LEFT.format("its folder is a link")) for name in behind]
     whole = not behind
-    gone = sorted(name for name in before.keys() - names if _is_place(root, name))
+    editable = read_bases(root)
+    gone = sorted(name for name in before.keys() - names if _is_place(root, name, editable))
     for name in [*names, *gone]:
         new = as_placed(name, read_regular(root / GENERATED / name)) if name in names else None
         was = before.get(name)
@@ -175,9 +178,9 @@ def _is_changed(root: Path, name: str, was: Digests) -> bool:
         return False
 
 
-def _is_place(root: Path, name: str) -> bool:
+def _is_place(root: Path, name: str, editable: Container[str]) -> bool:
     """Return whether a generated-only file may have this name, which comes from a record."""
     if name.partition("/")[0] in {EDDI, ANSWERS} or inside(root, name) is None:
         return False
-    places = (root / folder / name for folder in (PRISTINE, f"{EDDI}/base"))
-    return not any(map(os.path.exists, places))  # false for any name
+    place = root / PRISTINE / name
+    return name not in editable and not os.path.exists(place)  # noqa: PTH110 - false for any name

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from .files import read_regular
+from .bases import read_bases
 from .formatting import meaning_digest
 from .paths import inside
 from .store import EDDI, files_below, read_text, write_file
@@ -81,27 +81,27 @@ def changed_bases(root: Path) -> list[str]:
 
     Not those of a run that was killed, of which base and record may differ; none without a record.
     """
-    recorded, records = _bases(root), root / EDDI
-    under_way, there = files_below(records / "next"), files_below(records / "base")
+    recorded, there = _bases(root), read_bases(root)
+    under_way = files_below(root / EDDI / "next")
     # names are in the record, too, where something was replaced; of a file left alone it has none
-    unknown = None if recorded.keys() <= {*there} else Digests("")
+    unknown = None if recorded.keys() <= there.keys() else Digests("")
     return [
         name
-        for name in (there if recorded else ())
+        for name, text in sorted(there.items() if recorded else ())
         if name not in under_way
         and (was := recorded.get(name, unknown)) is not None
-        and not was.fit(name, read_regular(records / "base" / name))
+        and not was.fit(name, text.encode())
     ]
 
 
 def record_bases(root: Path, made: Mapping[str, str | None]) -> None:
-    """Record the bases that were written; those of other files stay as they were recorded.
+    """Record digests of the bases that were written; of other files they stay as they are.
 
     Args:
         root: the package.
         made: file -> its base, ``None`` where it has none any more.
     """
-    before, there = _bases(root), files_below(root / EDDI / "base")
+    before, there = _bases(root), read_bases(root)
     now = {name: one for name, one in before.items() if name in there}
     for name, text in made.items():
         if text is not None:
@@ -128,8 +128,8 @@ def rendering_digest(root: Path) -> str:
         if not origin:
             kept.append(line)
     digest = hashlib.sha256("\n".join(kept).encode().translate(_LOWER, _LAYOUT))
-    for name in files_below(root / EDDI / "base"):
-        data = read_regular(root / EDDI / "base" / name)
+    for name, base in sorted(read_bases(root).items()):
+        data = base.encode()
         digest.update(b"\0" + os.fsencode(name) + b"\0" + data.translate(_LOWER, _LAYOUT))
     return digest.hexdigest()
 

@@ -1,7 +1,7 @@
 """Files of a package: read them, replace them atomically, keep what has no place.
 
 Layout below ``.eddi/``: ``pristine/F`` (Copier's rendering of F until it is merged),
-``generated/F`` (the same of a file that must not be edited), ``base/F`` (the rendering of the last
+``generated/F`` (the same of a file that must not be edited), ``bases`` (the renderings of the last
 finished sync), ``next/F`` (what becomes the base of a sync under way), ``accepted/F`` (in what F
 may differ from that base though it looks like another one's), ``orphans/<id>`` (bodies without a
 region), ``rejects/F.patch`` (outside edits without a place), ``rejects/F.edited`` (whole files).
@@ -68,20 +68,6 @@ def files_below(folder: Path) -> list[str]:
     return sorted(
         name for name, kind in entries(folder) if kind is None and not name.endswith(_TEMPORARY)
     )
-
-
-def editable_files(root: Path) -> list[str]:
-    """Return the editable files of a package, sorted: merged, or with a rendering to be merged."""
-    folders = (root / EDDI / "base", root / PRISTINE)
-    return sorted({name for folder in folders for name in files_below(folder)})
-
-
-def newest_rendering(root: Path, name: str) -> str | Fault | None:
-    """Return the newest rendering of an editable file, merged or not; ``None``: it is not whole."""
-    text = read_text(root / PRISTINE / name)
-    if text is None:
-        return read_text(root / EDDI / "base" / name)
-    return without_sentinel(text) if isinstance(text, str) else text
 
 
 def is_hidden(root: Path, record: str) -> bool:

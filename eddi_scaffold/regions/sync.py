@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 
 from . import names
+from .bases import BASES, FORMER, editable_files, read_bases, write_bases
 from .conflicts import other_side
 from .files import read_regular, stays
 from .generated import GENERATED, listed_generated, place_generated, recorded_generated
@@ -32,7 +33,6 @@ from .store import (
     ChangedMeanwhileError,
     clean_temporaries,
     discard,
-    editable_files,
     files_below,
     is_hidden,
     linked_records,
@@ -160,7 +160,11 @@ def _sync(
     _finish_interrupted(root)
     if not (root / PRISTINE).is_dir():  # then the bases are the newest renderings
         paths = [path for path in paths if path not in changed]
-    found = [_read(root, path, committed, refused, notes, path in changed) for path in paths]
+    bases = read_bases(root)
+    found = [
+        _read(root, path, bases.get(path), committed, refused, notes, path in changed)
+        for path in paths
+    ]
     texts = [text for text in found if text is not None]
     stored = load_orphans(root)
     plan = _plan(texts, list(stored.values()), refused)
@@ -200,22 +204,19 @@ def linked_folders(root: Path) -> tuple[Refusal, ...]:
 def _read(
     root: Path,
     path: str,
+    base: str | None,
     committed: Callable[[str], str | None],
     refused: list[Refusal],
     notes: list[Note],
     alike: bool,
 ) -> _Texts | None:
-    places = [path, *(f"{EDDI}/{folder}/{path}" for folder in ("base", "next", "pristine"))]
+    records = (BASES, f"{Path(FORMER).name}/{path}", f"next/{path}", f"pristine/{path}")
+    places = [path, *(f"{EDDI}/{record}" for record in records)]
     away = [name for name in places if not stays(root, root / name)]
     if away:
         refused.append(Refusal(away[0], 1, "it is behind a link that leads out of the package"))
         return None
-    base, there, pristine = (
-        read_text(place)
-        for place in (root / EDDI / "base" / path, root / path, root / PRISTINE / path)
-    )
-    if isinstance(base, Fault):
-        base = None
+    there, pristine = read_text(root / path), read_text(root / PRISTINE / path)
     for found, name in ((there, path), (pristine, f"{PRISTINE}/{path}")):
         if isinstance(found, Fault):
             refused.append(Refusal(name, found.line, found.reason))
@@ -288,8 +289,8 @@ def _keep(root: Path, planned: _Planned) -> Note:
     path, text = planned.texts.path, planned.texts.mine or ""
     copy = save_reject(root, path, text.encode(), ".edited").relative_to(root)
     reason = (
-        f"{EDDI}/base/{path} is not what was recorded, as after a replacement over many files: "
-        f"your lines and generated ones looked alike, so all of the file is kept in {copy}"
+        f"its base in {EDDI}/{BASES} is not what was recorded, as after a replacement over many "
+        f"files: your lines and generated ones looked alike, so all of the file is kept in {copy}"
     )
     return Note(path, None, reason)
 
@@ -349,12 +350,11 @@ def next_base(text: bytes, base: bytes) -> bytes:
 
 def _commit(root: Path, made: Mapping[str, str | None]) -> None:
     """Make these renderings the base of their files; ``None``: they have none any more."""
-    for path, theirs in made.items():
-        if theirs is None:
-            changed = remove_file(root / EDDI / "base" / path)
-        else:
-            changed = write_file(root, f"{EDDI}/base/{path}", theirs.encode())
-        if changed:
+    before = read_bases(root)
+    now = {path: base for path, base in {**before, **made}.items() if base is not None}
+    write_bases(root, now)
+    for path in made:
+        if now.get(path) != before.get(path):
             remove_file(root / EDDI / "accepted" / path)
     record_bases(root, made)
     for path in made:
@@ -368,15 +368,15 @@ def _finish_interrupted(root: Path) -> None:
     rendering older than the file.
     """
     made: dict[str, str | None] = {}
+    bases = read_bases(root)
     for path in files_below(root / EDDI / "next"):
         text, mine = read_text(root / EDDI / "next" / path), read_text(root / path)
-        base = read_text(root / EDDI / "base" / path)
-        made[path] = base if isinstance(base, str) else None
+        base = made[path] = bases.get(path)
         if isinstance(text, str) and isinstance(mine, str):
             digest, _, theirs = text.partition("\n")
             replaced = digest == hashlib.sha256(mine.encode()).hexdigest()
             # a person may have edited the file between the kill and now
-            if replaced or (isinstance(base, str) and _nearer(mine, theirs, base)):
+            if replaced or (base is not None and _nearer(mine, theirs, base)):
                 made[path] = theirs
     _commit(root, made)
 

@@ -12,6 +12,7 @@ import pytest
 
 from eddi_scaffold.compiling.package import place_tables, write_compiled
 from eddi_scaffold.compiling.sources import lost_inputs
+from eddi_scaffold.regions.bases import read_bases
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "examples/two-conserts/expected/src/eddi_monitor/conserta"
@@ -27,10 +28,10 @@ def package(tmp_path: Path) -> Path:
         (package / RENDERED / name).parent.mkdir(parents=True, exist_ok=True)
         rendering = (package / name).read_bytes().replace(b"# fmt: off\n", b"", 1)
         (package / RENDERED / name).write_bytes(rendering)
-    for base in (path for path in (package / ".eddi/base").rglob("*") if path.is_file()):
-        place = package / ".eddi/pristine" / base.relative_to(package / ".eddi/base")
+    for name, base in read_bases(package).items():
+        place = package / ".eddi/pristine" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(f"{base.read_text('utf-8')}# x: end of rendering\n", "utf-8")
+        place.write_text(f"{base}# x: end of rendering\n", "utf-8")
     return package
 
 

@@ -10,6 +10,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+from eddi_scaffold.regions.bases import read_bases, write_bases
 from tests.checkouts import git
 from tests.hostile.world import World
 
@@ -76,7 +77,7 @@ OTHERS: tuple[Callable[[World], None], ...] = (
 
 
 def _drop(world: World) -> None:
-    (world.eddi / "base" / DROPPED).write_text("text\n")
+    write_bases(world.package, {**read_bases(world.package), DROPPED: "text\n"})
 
 
 def _look_alike(world: World, folder: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 from eddi_scaffold.packages.transaction import FileState, apply, write
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.__main__ import main as regions_tool
+from eddi_scaffold.regions.bases import read_bases, write_bases
 from eddi_scaffold.regions.manifest import record_bases
 from tests.cli.command import Result, example, files_below, run
 from tests.diagnosed import assert_example
@@ -47,11 +48,12 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def make_older(package: Path, name: str) -> None:
     """Put what another template would have rendered into a file and its base."""
-    for file in (package / name, package / ".eddi/base" / name):
-        text = file.read_text()
-        assert DOCSTRING in text
-        file.write_text(text.replace(DOCSTRING, "Attributes."))
-    record_bases(package, {name: file.read_text()})
+    text = (package / name).read_text()
+    assert DOCSTRING in text
+    older = text.replace(DOCSTRING, "Attributes.")
+    (package / name).write_text(older)
+    write_bases(package, {**read_bases(package), name: older})
+    record_bases(package, {name: older})
 
 
 @pytest.fixture
@@ -90,10 +92,10 @@ def states(folder: Path) -> dict[str, tuple[int, int, bytes | str]]:
 
 def render_anew(package: Path) -> None:
     """Do what Copier does before it starts the merge."""
-    for base in (path for path in (package / ".eddi/base").rglob("*") if path.is_file()):
-        place = package / ".eddi/pristine" / base.relative_to(package / ".eddi/base")
+    for name, base in read_bases(package).items():
+        place = package / ".eddi/pristine" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        text = base.read_text().replace("Attributes.", DOCSTRING)
+        text = base.replace("Attributes.", DOCSTRING)
         place.write_text(f"{text}# x: end of rendering\n")
 
 
@@ -268,7 +270,7 @@ def test_a_link_out_of_what_was_named_is_left_alone(
     assert place.read_text().count(HAND) == 1
 
 
-@pytest.mark.parametrize("target", [f"{PACKAGE}/README.md", "own.py", f"{PACKAGE}/.eddi/base/x"])
+@pytest.mark.parametrize("target", [f"{PACKAGE}/README.md", "own.py", f"{PACKAGE}/.eddi/x"])
 def test_a_link_to_what_is_not_this_file_is_left_alone(package: Path, target: str) -> None:
     """A stranger's package cannot name a file of a person, nor one of ours."""
     place = package.parent / target
@@ -367,7 +369,7 @@ def test_a_special_file_in_the_place_of_ours_waits(
 @pytest.mark.parametrize(
     "name",
     [
-        ".eddi", ".eddi/base", ".eddi/pristine", f".eddi/base/{INPUT}", f".eddi/pristine/{INPUT}",
+        ".eddi", ".eddi/bases", ".eddi/pristine", f".eddi/pristine/{INPUT}",
         ".eddi/manifest.json", ".eddi/generated", ".copier-answers.yml",
     ],
 )  # fmt: skip
@@ -487,7 +489,7 @@ def test_a_program_can_be_run_again_by_those_who_can_read_it(tmp_path: Path) -> 
     "name",
     [
         ".eddi", ".eddi/base", ".eddi/pristine", ".eddi/orphans", ".eddi/rejects",
-        f".eddi/base/{INPUT}", f".eddi/next/{INPUT}", INPUT,
+        ".eddi/bases", f".eddi/next/{INPUT}", INPUT,
     ],
 )  # fmt: skip
 def test_sync_writes_and_deletes_nothing_behind_a_link(

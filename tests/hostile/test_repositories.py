@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from eddi_scaffold.regions import __main__ as tool
+from eddi_scaffold.regions.bases import read_bases, write_bases
 from tests.checkouts import git
 from tests.cli.command import run
 from tests.hostile import repositories
@@ -41,7 +42,7 @@ def test_a_text_that_is_in_git_only_comes_back_from_the_real_repository(world: W
     marked = "# -----Manual edit {}-----  # region: x:y\n"
     begin, end = marked.format("begin"), marked.format("end")
     (world.package / "dropped.cmake").write_text(f"{begin}hand(1)\n{end}")
-    (world.eddi / "base" / "dropped.cmake").write_text(begin + end)
+    write_bases(world.package, {**read_bases(world.package), "dropped.cmake": begin + end})
     git(world.work, "init", "--quiet", "--initial-branch=main")
     git(world.work, "add", "--all")
     git(world.work, "commit", "--quiet", "--message", "All")

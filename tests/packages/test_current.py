@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -78,7 +77,7 @@ CHANGES: dict[str, Callable[[Path], object]] = {
     "the compiled monitor was edited": lambda p: (p / "src/conserta/compiled.py").write_text("#"),
     "an editable file is gone": lambda p: (p / "src/conserta/EDDIInput.py").unlink(),
     "the record of files is gone": lambda p: (p / ".eddi/manifest.json").unlink(),
-    "the last rendering is gone": lambda p: shutil.rmtree(p / ".eddi/base"),
+    "the last rendering is gone": lambda p: (p / ".eddi/bases").unlink(),
     "its answers were edited": lambda p: edit(p / ".copier-answers.yml", "'10.0'", "'20.0'"),
     "a program cannot be run": lambda p: (p / "scripts/RosNode.py").chmod(0o644),
 }

@@ -20,6 +20,7 @@ from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions.__main__ import main as regions_tool
+from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.lock import BusyError, locked
 from eddi_scaffold.regions.state import key_of
 from tests.cli.command import Result, example, files_below, run
@@ -258,10 +259,10 @@ def test_a_killed_run_is_finished_before_the_next_one_looks(tmp_path: Path) -> N
 def render_anew(package: Path) -> bytes:
     """Do what Copier does before it starts the merge; return what the file was."""
     pristine = package / ".eddi/pristine/src/consertb/EDDIInput.py"
-    for base in (path for path in (package / ".eddi/base").rglob("*") if path.is_file()):
-        place = package / ".eddi/pristine" / base.relative_to(package / ".eddi/base")
+    for name, base in read_bases(package).items():
+        place = package / ".eddi/pristine" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(f"{base.read_text()}# eddi-scaffold: end of rendering\n")
+        place.write_text(f"{base}# eddi-scaffold: end of rendering\n")
     pristine.write_text(pristine.read_text().replace("One attribute", "Just one attribute"))
     return (package / "src/consertb/EDDIInput.py").read_bytes()
 

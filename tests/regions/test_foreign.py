@@ -23,6 +23,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.regions import __main__ as command
 from eddi_scaffold.regions import names
+from eddi_scaffold.regions.bases import bases_of
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.merge import merge
 from eddi_scaffold.regions.result import Merged
@@ -188,12 +189,13 @@ class ForeignLife(Life):
 
     def _ignore(self, path: str) -> None:
         """Do what a Copier does that leaves regions alone and merges the rest."""
-        base = self.root / self.records / "base" / path
-        if not base.exists() or any(token in base.read_text() for token in self.replaced):
+        bases = self.root / self.records / "bases"
+        base = bases_of(bases.read_text()).get(path) if bases.exists() else None
+        if base is None or any(token in base for token in self.replaced):
             return  # Copier's own is never touched
         theirs = rendering.RENDER[path](self.package)
         mine = (self.root / path).read_bytes().decode()
-        merged = merge(path, base.read_text(), mine, theirs)
+        merged = merge(path, base, mine, theirs)
         if isinstance(merged, Merged) and merged.text and not (merged.orphans or merged.patch):
             (self.root / path).write_bytes(merged.text.encode())
 

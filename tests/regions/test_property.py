@@ -17,6 +17,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from eddi_scaffold.regions.bases import bases_of
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.marked_file import Region, parse
 from eddi_scaffold.regions.result import Orphan
@@ -212,11 +213,12 @@ class Life:
 
     def replace(self) -> None:
         """Change a generated line in the records, too."""
-        token, base = self._token(), self.root / self.records / "base" / INPUT
-        known = {line for line in base.read_text().splitlines() if "Manual edit" not in line}
+        token, bases = self._token(), self.root / self.records / "bases"
+        base = bases_of(bases.read_text())[INPUT]
+        known = {line for line in base.splitlines() if "Manual edit" not in line}
         line = self.chance.choice([one for one in self._text(INPUT).splitlines() if one in known])
-        for path in (self.root / INPUT, base):
-            old = rf"(?m)^{re.escape(line)}(?=\r?$)"
+        for path in (self.root / INPUT, bases):
+            old = rf"(?m)^ ?{re.escape(line)}(?=\r?$)"
             text = re.sub(old, lambda found: f"{found[0]}  # {token}", path.read_bytes().decode())
             path.write_bytes(text.encode())
         self.replaced.append(token)

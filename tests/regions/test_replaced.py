@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.regions import __main__ as command
+from eddi_scaffold.regions.bases import read_bases, write_bases
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.sync import SyncReport, sync_package
 from tests.regions.rendering import INPUT, NETWORK, Package, elements, render, snapshot
@@ -68,8 +68,8 @@ def test_what_goes_is_kept_and_told(root: Path, package: Package, change: tuple[
 
 
 def test_where_nothing_goes_there_is_no_copy(root: Path) -> None:
-    place = root / ".eddi/base" / INPUT
-    place.write_text(place.read_text().replace(*BODY))
+    bases = read_bases(root)
+    write_bases(root, {**bases, INPUT: bases[INPUT].replace(*BODY)})
     assert in_doubt(root) == [INPUT]
     assert not sync_package(root).notes, "there is no rendering"
     assert in_doubt(root) == [INPUT]
@@ -130,7 +130,7 @@ def test_damaged_file_stays_in_doubt_until_it_is_whole(root: Path) -> None:
 def test_update_does_not_begin(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Copier would take the changed rendering for the old one with a person's edits."""
     (root / ".copier-answers.yml").write_text("a: 1\n")
-    shutil.rmtree(root / ".eddi/base")
+    (root / ".eddi/bases").unlink()
     render(root, Package((A, B)))
     sync_package(root)
     git(root.parent, "init", "-q")

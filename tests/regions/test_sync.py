@@ -15,6 +15,7 @@ import pytest
 
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.regions import __main__ as command
+from eddi_scaffold.regions.bases import read_bases, write_bases
 from eddi_scaffold.regions.check import accept, broken_files, list_regions
 from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.result import Orphan
@@ -91,7 +92,7 @@ def test_order_of_writes(package: Path, monkeypatch: pytest.MonkeyPatch) -> None
         for kind, test in {
             "orphans": lambda n: n.startswith(".eddi/orphans"),
             "file": lambda n: not n.startswith(".eddi"),
-            "base": lambda n: n.startswith(".eddi/base"),
+            "base": lambda n: n == ".eddi/bases",
         }.items()
     }
     assert first["orphans"] < first["file"] < first["base"]
@@ -217,7 +218,7 @@ def test_killed_and_rendered_again(
     real = os.replace
 
     def dying(source: Path, target: Path) -> None:
-        if "base" in Path(target).parts:
+        if Path(target).name == "bases":
             raise Killed
         real(source, target)
 
@@ -294,13 +295,13 @@ def test_damaged_markers_leave_the_file_alone(package: Path) -> None:
     text = (package / INPUT).read_text().replace("Manual edit end", "Manual edit and", 1)
     (package / INPUT).write_text(text)
     render(package, Package((B, A), 2))
-    base = (package / ".eddi/base" / INPUT).read_bytes()
+    base = read_bases(package)[INPUT]
     report = sync_package(package)
     assert [r.file for r in report.refused] == [INPUT] * len(report.refused)
     assert report.refused[0].line > 1
     assert report.needs_attention
     assert (package / INPUT).read_text() == text
-    assert (package / ".eddi/base" / INPUT).read_bytes() == base
+    assert read_bases(package)[INPUT] == base
     assert NETWORK in report.touched
     assert broken_files(package)
     assert command.main(["check"], package) == 1
@@ -396,7 +397,7 @@ def test_vanished_file_is_kept_in_pieces_and_comes_back(package: Path) -> None:
     report = sync_package(package)
     assert report.needs_attention
     assert not (package / INPUT).exists()
-    assert not (package / ".eddi/base" / INPUT).exists()
+    assert INPUT not in read_bases(package)
     assert "self.after" in (package / f".eddi/rejects/{INPUT}.patch").read_text()
     render(package, Package((A, B)))
     sync_package(package)
@@ -527,7 +528,7 @@ def test_a_package_needs_no_editable_file(tmp_path: Path) -> None:
     write_file(tmp_path, ".eddi/generated/a.py", b"")
     sync_package(tmp_path)
     assert list_regions(tmp_path) == ()
-    write_file(tmp_path, ".eddi/base/package.xml", b"<package/>")  # it had one
+    write_bases(tmp_path, {"package.xml": "<package/>"})  # it had one
     assert [one.state for one in list_regions(tmp_path)] == ["unfit"]
     shutil.rmtree(tmp_path / ".eddi")
     assert [one.state for one in list_regions(tmp_path)] == ["broken"]

@@ -12,6 +12,7 @@ from pathlib import Path, PurePath
 import pytest
 import yaml
 
+from eddi_scaffold.regions.bases import read_bases
 from tests.checkouts import HERE, PLAIN_PACKAGES
 
 TEMPLATES = HERE / "copier_templates"
@@ -47,7 +48,7 @@ def generated(package: Path) -> set[str]:
 
 
 def editable(package: Path) -> set[str]:
-    return files(package / ".eddi" / "base")
+    return set(read_bases(package))
 
 
 @packages

@@ -31,6 +31,7 @@ from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.packages import rendering, transaction
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
+from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.check import broken_files
 from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse
 from eddi_scaffold.regions.store import load_orphans
@@ -391,11 +392,11 @@ class World:
     def replace_everywhere(self, chance: random.Random) -> str:
         """Change a generated line in all files of the package alike, its records too."""
         token = self.token()
-        base = (self.package / ".eddi/base" / self.main).read_text().splitlines()
+        base = read_bases(self.package)[self.main].splitlines()
         known = {line.encode() for line in base if line.strip() and "Manual edit" not in line}
         lines = (self.package / self.main).read_bytes().splitlines()
         line = chance.choice([one for one in lines if one in known])
-        pattern = re.compile(rb"^%b(?=\r?$)" % re.escape(line), re.MULTILINE)
+        pattern = re.compile(rb"^ ?%b(?=\r?$)" % re.escape(line), re.MULTILINE)
         for path in self.package.rglob("*"):
             if path.is_file():
                 path.write_bytes(pattern.sub(rb"\g<0>  # " + token.encode(), path.read_bytes()))
