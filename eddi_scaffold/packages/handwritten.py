@@ -15,7 +15,7 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.deployments.wiring.lifetimes import limit_of
 from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.identifiers import attribute
-from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten, known_types
+from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
@@ -204,17 +204,20 @@ def packages_below(folder: Path) -> list[Path]:
 def doubts_of(package: Path) -> Doubts:
     """Return what tells doubts in the hand-written bodies of a package.
 
-    Fields of messages are told where the configuration that the package remembers names known ones.
+    Fields are told of messages that are known whole: a configuration declares only what it uses.
     """
     text = (read_answers(package) or {}).get("config_json")
     try:
         config = from_json(text, package.name) if text else None
     except (TypeError, ValueError, RecursionError):  # told where the package is written (T005)
         config = None
-    known = known_types(config, known_messages())
-    sources = config.config.SimulatorOutputs if config is not None else ()
+    if config is None:
+        return doubtful_names
+    whole = {k: v for k, v in known_messages().items() if k not in config.config.MessageTypes}
     messages = {
-        attribute(one.id): (one.type, known[one.type]) for one in sources if one.type in known
+        attribute(one.id): (one.type, whole[one.type])
+        for one in config.config.SimulatorOutputs
+        if one.type in whole
     }
     return partial(doubtful_names, messages=messages)
 

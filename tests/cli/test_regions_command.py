@@ -132,3 +132,23 @@ def test_a_field_that_a_known_message_does_not_have_is_looked_at(package: Path) 
         package, "        self.RtE_A_E0 = RtE_E0.data", "        RtE_E0 = self\n        RtE_E0.date"
     )
     assert "no such field" not in run("regions", "--check", cwd=package).out
+
+
+def test_a_field_of_a_message_that_the_configuration_declares_in_part_is_not_looked_at(
+    tmp_path: Path,
+) -> None:
+    """A configuration declares the fields that it uses; a body may use others."""
+    config = (EXAMPLE / "consert_b_config.yml").read_text("utf-8")
+    declared = tmp_path / "consert_b_config.yml"
+    field = "        self.RtE_A_E0 = RtE_E0.data"
+    for types, said in (("", True), ("MessageTypes:\n  std_msgs/Bool: {data: bool}\n", False)):
+        declared.write_text(f"{config}{types}", "utf-8")
+        model = EXAMPLE / "two_conserts.xml"
+        words = ["-o", tmp_path, "-m", model, "-c", declared]
+        run("generate", "--platform", "plain", *words, cwd=tmp_path)
+        file = tmp_path / "consertb" / "EDDIInput.py"
+        text = file.read_text("utf-8")
+        file.write_text(text.replace(f"{field}\n", f"{field} and RtE_E0.date\n"), "utf-8")
+        shown = run("regions", "--check", cwd=tmp_path / "consertb").out
+        assert "RtE_E0.date" in file.read_text("utf-8")
+        assert ("no such field" in shown) == said
