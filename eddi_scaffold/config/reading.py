@@ -5,6 +5,7 @@ Values follow YAML 1.1, as D7.2's tools and roslaunch do.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from eddi_scaffold.config.plain_values import plain_values
 from eddi_scaffold.config.schema import Config, Entry
 from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.config.violations import violations
+from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.positioned_yaml.nodes import Map, read_map
 from eddi_scaffold.problems import (
@@ -98,10 +100,9 @@ def read_config(
     text = source.data.decode("utf-8-sig", "replace")
     types = robot.types if robot is not None else {}
     file = with_types(ConfigFile(config, source.name, places, text=text), types)
-    problems += _repeated_ids(file)
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
-    problems += unread
+    problems += [*_repeated_ids(file), *unread]
     return (None if has_errors(problems) else file), in_order(problems)
 
 
@@ -177,9 +178,25 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
     return replace(document, entries=tuple(entries))
 
 
+def _words(file: ConfigFile) -> set[str]:
+    """Return every word that may be the id of a message in the expressions of inputs.
+
+    A word too many makes an error of a warning; one too few would let the wrong topic be read.
+    """
+    inputs = file.config.EDDIInputs
+    texts = [
+        *file.config.declarations,
+        *file.event_files.values(),
+        *(one.expression or "" for one in inputs),
+        *(text for one in inputs for text in (one.states or {}).values()),
+    ]
+    return {word for text in texts for word in re.findall(r"\w+", text)}
+
+
 def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
     config = file.config
-    required_ids = {name for item in config.EDDIInputs for name in item.requires}
+    words = _words(file)
+    used = {name for item in config.EDDIInputs for name in item.requires} | words
     sections: dict[str, Sequence[Entry]] = {
         "SimulatorOutputs": config.SimulatorOutputs,
         "EDDIInputs": config.EDDIInputs,
@@ -190,14 +207,24 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
         for index, entry in enumerate(entries):
             if entry.id in first:
                 before = file.place(section, first[entry.id], "id").line
-                # A parsed robot system may hold one id twice: harmless until an input requires it.
-                harmless = section == "SimulatorOutputs" and entry.id not in required_ids
+                # A parsed robot system may hold one id twice: harmless until an input uses it.
+                harmless = section == "SimulatorOutputs" and not used & {
+                    entry.id,
+                    attribute(entry.id),
+                }
                 yield (warning if harmless else error)(
                     "K006",
                     f"the id {entry.id!r} is used twice in {section}, first in line {before}",
                     file.place(section, index, "id"),
                 )
             first.setdefault(entry.id, index)
+    by_name: dict[str, str] = {}
+    for index, entry in enumerate(config.SimulatorOutputs):
+        name = attribute(entry.id)
+        other = by_name.setdefault(name, entry.id)
+        if other != entry.id and name in words:
+            message = f"{other!r} and {entry.id!r} are both {name!r} in expressions"
+            yield error("K006", message, file.place("SimulatorOutputs", index, "id"))
     known = {entry.id for entry in config.SimulatorOutputs}
     near = NearNames(known)
     for index, item in enumerate(config.EDDIInputs):
