@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.monitors.connections import check_ids, check_neighbours
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.problems import EddiError, Problem, error, warning
+from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
 
 _Joined = tuple[BoundMonitor | None, list[Problem]]
 """What comes of a model and its configuration."""
@@ -58,6 +58,7 @@ def join(
     if not configs:
         pairs = [(model, None) for model in models]
     monitors, found = join_pairs(pairs, marks, others)
+    found += _check_packages(monitors)
     return monitors, [*problems, *found, *check_wiring(members_of(monitors))]
 
 
@@ -136,15 +137,30 @@ def _with_ages(
             yield again, [*found, *age[1]]
 
 
+def _place_of_id(monitor: BoundMonitor) -> Place:
+    return monitor.config.place("Model", "id") if monitor.config else monitor.model.place
+
+
+def _check_packages(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
+    """Report monitors of one package: its files, topics and verdicts would be those of one."""
+    first: dict[str, BoundMonitor] = {}
+    for monitor in monitors:
+        other = first.setdefault(monitor.package, monitor)
+        if other is not monitor:
+            both = f"{other.model.name!r} and {monitor.model.name!r}"
+            message = f"{both} give the same package {monitor.package!r}"
+            hint = "choose another Model id in one configuration"
+            yield error("G004", message, _place_of_id(monitor), hint)
+
+
 def _check_names(
     monitors: Sequence[BoundMonitor], platform: Platform, root: Path | None
 ) -> Iterable[Problem]:
     taken = platform.taken_names(root)
-    first: dict[str, BoundMonitor] = {}
     for monitor in monitors:
         own = monitor.model.file_stem or monitor.model.name
         shown = monitor.config.config.Model.id if monitor.config else own
-        place = monitor.config.place("Model", "id") if monitor.config else monitor.model.place
+        place = _place_of_id(monitor)
         if not is_package_name(monitor.package):
             hint = "choose another Model id: a letter and one more letter or digit are needed"
             yield error(
@@ -155,8 +171,3 @@ def _check_names(
             yield error(
                 "G003", message, place, f"choose another Model id, for instance {shown}_monitor"
             )
-        other = first.setdefault(monitor.package, monitor)
-        if other is not monitor:
-            both = f"{other.model.name!r} and {monitor.model.name!r}"
-            message = f"{both} give the same package {monitor.package!r}"
-            yield error("G004", message, place, "choose another Model id in one configuration")
