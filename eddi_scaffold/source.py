@@ -6,6 +6,9 @@ import hashlib
 import io
 import itertools
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
@@ -18,6 +21,8 @@ from eddi_scaffold.regions.paths import inside
 KEPT_BYTES = 4 * 1024 * 1024
 """Larger files are not kept in memory next to what is made of them."""
 _MOST_NEIGHBOURS = 1_000
+_inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default=None)
+"""Device and number of the files that the command has read; ``None`` where nobody asks."""
 
 
 @dataclass(frozen=True)
@@ -110,9 +115,11 @@ class LargeSource(Source):
             EddiError: it has gone since (F001).
         """
         try:
-            return open_regular(self.name)
+            stream = open_regular(self.name)
         except OSError as problem:
             raise EddiError(_unreadable(self.name, problem)) from None
+        note_input(stream.fileno())
+        return stream
 
 
 class PartSource(Source):
@@ -155,6 +162,43 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
     with large.open() as stream:
         size = os.fstat(stream.fileno()).st_size
     return large if KEPT_BYTES < size <= limit else Source(large.name, large.data)
+
+
+@contextmanager
+def inputs_noted() -> Iterator[None]:
+    """Note the files that are read meanwhile: a command does not write over its own inputs."""
+    token = _inputs.set(set())
+    try:
+        yield
+    finally:
+        _inputs.reset(token)
+
+
+def note_input(file: int) -> None:
+    """Note an open file as an input, whatever names it has."""
+    noted = _inputs.get()
+    if noted is not None:
+        noted.add(_identity(os.fstat(file)))
+
+
+def refuse_input(path: Path) -> None:
+    """Refuse an output file that is an input.
+
+    Raises:
+        EddiError: this command has read it (F014).
+    """
+    try:
+        found = _identity(path.stat())
+    except OSError:  # nothing there: it is new
+        return
+    if found in (_inputs.get() or ()):
+        message = "this file is an input of the command, and would be overwritten"
+        hint = "name another file or folder for the output"
+        raise EddiError(error("F014", message, Place(str(path)), hint))
+
+
+def _identity(status: os.stat_result) -> tuple[int, int]:
+    return status.st_dev, status.st_ino
 
 
 def _unreadable(name: str, problem: OSError) -> Problem:

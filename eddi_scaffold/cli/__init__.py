@@ -43,8 +43,10 @@ def _status(arguments: Sequence[str]) -> int:
     console.quiet, console.verbose, console.colour = False, False, None
     try:
         from eddi_scaffold.cli.app import app  # Ctrl-C while this loads is caught, too
+        from eddi_scaffold.source import inputs_noted
 
-        result = app(list(arguments), standalone_mode=False)
+        with inputs_noted():
+            result = app(list(arguments), standalone_mode=False)
     except EddiError as failure:
         return _fail(failure.problems, arguments)
     except KeyboardInterrupt:

@@ -105,6 +105,7 @@ def run(
     from eddi_scaffold.replay.playing import play
     from eddi_scaffold.replay.running import changes, picture, steps, table, watched
     from eddi_scaffold.robot.beside_configs import beside_configs
+    from eddi_scaffold.source import refuse_input
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
@@ -132,6 +133,8 @@ def run(
     else:
         tape, found = _from_csv(monitors, inputs, package)
     console.problems([*problems, *found])
+    if plot is not None:
+        refuse_input(plot)  # before anything is printed
 
     def begun() -> Play:
         return play(_parts(monitors, rhythms, package, from_bag=bag is not None), tape)

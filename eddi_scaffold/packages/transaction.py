@@ -24,6 +24,7 @@ from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import entries, kind_of, open_regular, read_regular
 from eddi_scaffold.regions.store import ChangedMeanwhileError
+from eddi_scaffold.source import refuse_input
 
 PREFIX = ".eddi-transaction-"
 """How the folders with staged texts begin."""
@@ -199,8 +200,11 @@ def write(
     """Do the same as ``apply`` for a command.
 
     Raises:
-        EddiError: nothing could be written (F002), or a file was saved meanwhile (F013).
+        EddiError: nothing could be written (F002), a file was saved meanwhile (F013), or a file
+            of which no ``before`` is given is an input of the command (F014).
     """
+    for path in changes.keys() - (before or {}).keys():
+        refuse_input(root / path)
     try:
         return apply(root, changes, before, follows, meanwhile)
     except ChangedMeanwhileError as saved:

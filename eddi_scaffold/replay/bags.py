@@ -32,6 +32,7 @@ from eddi_scaffold.problems import (
 from eddi_scaffold.regions.files import NotRegularError, open_regular
 from eddi_scaffold.replay.bag_types import check_fields, tables
 from eddi_scaffold.replay.recordings import Sample, Tape
+from eddi_scaffold.source import note_input
 
 _absolute = partial(full_topic, namespace="", package="")
 """A bag has no private names."""
@@ -186,7 +187,8 @@ def _refuse_special(path: Path, place: Place) -> None:
     """Refuse what would let rosbags wait or read for ever; it reports all other faults."""
     try:
         for one in path.iterdir() if path.is_dir() else [path]:
-            open_regular(one).close()
+            with open_regular(one) as stream:
+                note_input(stream.fileno())
     except (NotRegularError, FileNotFoundError) as special:
         raise EddiError(error("I011", f"cannot read the bag: {special.strerror}", place)) from None
     except OSError:

@@ -30,6 +30,7 @@ COMMANDS = [
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"
+RECORDED = ("run", "named.yml", "--inputs", "recording.csv")
 PLAIN = ("generate", "--platform", "plain", "-o", "out", "-m", MODEL, "--name", "ConSertB")
 
 
@@ -588,3 +589,34 @@ def test_show_has_what_a_configuration_adds() -> None:
     assert "  from vehicleSpeed: NotDriving | 0.05 | " in run(*words, cwd=examples).out
     words = ("show", "drone/drone.xml", "-c", "drone/reliability_config.yml")
     assert "\n  horizon 30 min\n" in run(*words, "--name", "MissionLoss", cwd=examples).out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("export", "ConSertA.yml", "-o", "."),
+        ("answers", "-m", "conserta.yml", "--platform", "plain", "--all", "-o", "."),
+        ("answers", "-m", "ConSertA.yml", "-c", "consert_a_config.yml", "-o", "ConSertA.yml"),
+        ("answers", "-m", "ConSertA.yml", "-c", "consert_a_config.yml", "-o", "linked.yml"),
+        ("diagram", "model.svg", "--name", "ConSertA", "-o", "model.svg"),
+        (*RECORDED, "--plot", "recording.csv"),
+        (*RECORDED, "--plot", "./named.yml"),
+        (*RECORDED, "--plot", "ConSertA.yml"),
+    ],
+    ids=" ".join,
+)
+def test_no_output_is_written_over_an_input(tmp_path: Path, words: tuple[str, ...]) -> None:
+    """Whatever its name, and where only a configuration names it."""
+    example(tmp_path)
+    run("export", "two_conserts.xml", "-o", ".", cwd=tmp_path)
+    config = (tmp_path / "consert_a_config.yml").read_text()
+    named = config.replace("Model:", "Model:\n  parameters: [{model: ConSertA.yml}]", 1)
+    (tmp_path / "named.yml").write_text(named)
+    for name, of in (("conserta.yml", "ConSertA.yml"), ("model.svg", MODEL)):
+        shutil.copy(tmp_path / of, tmp_path / name)
+    (tmp_path / "linked.yml").symlink_to("consert_a_config.yml")
+    before = files_below(tmp_path)
+    told = run(*words, cwd=tmp_path)
+    assert (told.status, told.out) == (2, "")
+    assert "is an input of the command" in told.err
+    assert files_below(tmp_path) == before
