@@ -184,6 +184,9 @@ def assemble(
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
+    if packages and any(monitor.config is None for monitor in monitors):
+        named = (name for name in before if name in renewed or name in gone)
+        found += _drops_config(root, {name: before[name] for name in named})
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
         message = f"the platform {platform.name} does not have `--single-process`"
         found.append(error("G014", message, hint="leave it out"))
@@ -210,6 +213,15 @@ def assemble(
     ageless = list(without_limits(present, packages))
     told = until_written(found, lambda package: [root / package])
     return Assembly([*packages, *shared], new, told, before, ageless)
+
+
+def _drops_config(root: Path, before: Mapping[str, Mapping[str, Any]]) -> Iterator[Problem]:
+    """Report packages that were generated with a configuration, and would lose it (G001)."""
+    for name, answers in before.items():
+        if answers.get("config_json"):
+            message = "it was generated with a configuration, and would lose its topics and ages"
+            hint = "add `-c eddi_config.yml`; or `upgrade` with -m: it uses the one of the package"
+            yield error("G001", message, Place(str(root / name)), hint)
 
 
 def _sharing(
