@@ -59,6 +59,8 @@ class PackageGroup:
 def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
     """Find generated packages: of a workspace, of those of all robots, or the ones that are named.
 
+    A package in place of a workspace is that package, so that these commands work in its folder.
+
     Raises:
         EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
@@ -71,8 +73,9 @@ def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
     Raises:
         EddiError: one leads out of the workspace (F011).
     """
-    if packages:
-        return list(dict.fromkeys(path.parent for path in _named(packages)))
+    named = _named(workspace, packages)
+    if named:
+        return list(dict.fromkeys(path.parent for path in named))
     return [root for place in _workspaces(workspace or Path()) for root in _roots(place)]
 
 
@@ -103,13 +106,16 @@ def _is_robot(workspace: Path) -> bool:
     return any(one is not None and one.robot == workspace.name for one in fleets)
 
 
-def _named(packages: Sequence[Path]) -> list[Path]:
+def _named(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
+    place = workspace or Path()
+    if not packages and (place / ANSWERS_FILE).is_file():
+        packages = [place]
     return [path if path.name not in {"", ".."} else path.resolve() for path in packages]
 
 
 def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
-    if packages:
-        named = _named(packages)
+    named = _named(workspace, packages)
+    if named:
         return [
             _group(root, [path for path in named if path.parent == root])
             for root in roots(workspace, packages)

@@ -327,9 +327,14 @@ def test_status_and_regions_of_a_fresh_package(package: Path, folder: Path) -> N
         "EDDIInput.py",
         "untouched",
     )
-    assert run("status", ".", cwd=package) == Result(
-        0, "consertb: up to date (regions: 1 untouched)\n", ""
-    )
+    for words in (("status", "."), ("status",)):
+        assert run(*words, cwd=package) == Result(
+            0, "consertb: up to date (regions: 1 untouched)\n", ""
+        )
+    assert run("trace", cwd=package) == run("trace", ".", cwd=package)
+    (package / "compiled.py").write_text("# by hand\n")
+    assert run("upgrade", cwd=package).status == 3
+    assert "def " in (package / "compiled.py").read_text()
 
 
 def test_packages_are_found_where_generate_was_told_to_put_them(

@@ -56,4 +56,4 @@ def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
     digest, _, below = rest.partition(b"\n")
     if not mark or digest.decode("ascii", "replace") != hashlib.sha256(below).hexdigest():
         reason = "the file was changed after it was generated: run `eddi-scaffold upgrade`"
-        raise ModelError(file, f"{reason}, or `copier recopy --trust` in the package")
+        raise ModelError(file, f"{reason} or `copier recopy --trust --force` in the package")

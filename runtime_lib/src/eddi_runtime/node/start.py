@@ -8,7 +8,7 @@ from ..compatibility import ModelError
 
 __all__ = ["StartError", "installed", "reported", "write_to_stderr"]
 
-_ADVICE = "run `eddi-scaffold upgrade`, or `copier recopy --trust` in the package"
+_ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 
 
 class StartError(Exception):
