@@ -15,14 +15,13 @@ from typing import NamedTuple
 from .bases import bases_of, text_of
 from .bodies import reindent, same_body
 from .lines import mark_lines
+from .manifest import OF_TWO_BRANCHES
 from .marked_file import MarkedFile, Region, parse, placeholder_id, split_lines
 from .markers import indent_of, with_sig
 from .merge import LANGUAGES, check_text, kind_of
 from .outside import Language, merge_items, regions_in
 
 _WRITTEN = "  # written"
-_OF_TWO_BRANCHES = "of two branches"
-"""In place of a digest: no package has it."""
 
 
 class Joined(NamedTuple):
@@ -87,7 +86,7 @@ def join_manifests(base: str, ours: str, theirs: str) -> str | None:
         old, own, new = ({} if not text else json.loads(text) for text in (base, ours, theirs))
         was, mine, other = (one.get("rendering") for one in (old, own, new))
         both_new = was not in {mine, other} and mine != other
-        record = {"rendering": _OF_TWO_BRANCHES if both_new else _chosen(was, mine, other)}
+        record = {"rendering": OF_TWO_BRANCHES if both_new else _chosen(was, mine, other)}
         for part in ("meaning", "sha256"):
             before, mine, other = (dict(one.get(part, {})) for one in (old, own, new))
             record[part] = {

@@ -18,7 +18,7 @@ from .fitting import made_of, missing_parts
 from .generated import GENERATED, listed_generated, recorded_generated
 from .git import former_texts
 from .lost import lost_markers
-from .manifest import ANSWERS, changed_bases, recorded_rendering, rendering_digest
+from .manifest import ANSWERS, MANIFEST, changed_bases, recorded_rendering, rendering_digest
 from .marked_file import Fault, MarkedFile, Region, parse
 from .markers import with_sig
 from .merge import check_text, dissolve, kind_of
@@ -40,6 +40,8 @@ from .store import (
 )
 from .sync import Refusal, linked_folders
 
+_RECORD = f"{EDDI}/{MANIFEST}"
+_CONFLICT_OF_RECORD = "merge conflict in a record: resolve the others, then generate again"
 _PROBE = 8000
 """Bytes in which git looks for a zero byte, to tell that a file is no text."""
 _OTHER = "written for other inputs or states; look at it, then accept it"
@@ -131,7 +133,7 @@ def _regions(root: Path, doubts: Doubts = _no_doubts) -> list[RegionStatus]:
 def _conflicts(root: Path, known: Collection[str]) -> list[RegionStatus]:
     """Return the text files with conflict markers, but for our copies of text without a place."""
     return [
-        _broken(Refusal(name, lines[0], CONFLICT))
+        _broken(Refusal(name, lines[0], _CONFLICT_OF_RECORD if name == _RECORD else CONFLICT))
         for name, kind in entries(root, skip=("__pycache__", ".git"))
         if kind is None and name not in known and not name.startswith(SAVED)
         if (lines := _conflict_lines(root, name))

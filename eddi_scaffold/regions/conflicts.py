@@ -6,11 +6,9 @@ import re
 
 CONFLICT = "unresolved merge conflict; resolve it first"
 _SIDE = re.compile(r"^(?:<{7}|\|{7}|>{7})(?=\s|$)", re.MULTILINE)
-_WHOLE = re.compile(
-    rb"^<{7}(?: [^\n]*)?\n.*?^={7}\r?\n(.*?)^>{7}(?: [^\n]*)?(?:\n|\Z)", re.MULTILINE | re.DOTALL
-)
 _HUNK = re.compile(
-    r"^<{7}(?: [^\n]*)?\n(.*?)(?:^\|{7}(?: [^\n]*)?\n.*?)?^={7}\r?\n.*?^>{7}(?: [^\n]*)?(?:\n|\Z)",
+    r"^<{7}(?: [^\n]*)?\n(.*?)(?:^\|{7}(?: [^\n]*)?\n.*?)?^={7}\r?\n"
+    r"(.*?)^>{7}(?: [^\n]*)?(?:\n|\Z)",
     re.MULTILINE | re.DOTALL,
 )
 _MIDDLE = re.compile(r"^={7}(?=\r?$)", re.MULTILINE)
@@ -28,12 +26,21 @@ def separator_lines(text: str) -> tuple[int, ...]:
 
 def other_side(data: bytes) -> bytes:
     """Return a text with the second side of each conflict; Copier's second side is its newest."""
-    return _WHOLE.sub(rb"\1", data)
+    return _second_side(data.decode("latin-1")).encode("latin-1")  # lines are the same in any
+
+
+def both_sides(text: str) -> tuple[str, str]:
+    """Return the texts with the first and with the second side of each conflict."""
+    return first_side(text), _second_side(text)
 
 
 def first_side(text: str) -> str:
     """Return a text with the first side of each conflict; git's is that of this branch."""
     return _HUNK.sub(r"\1", text)
+
+
+def _second_side(text: str) -> str:
+    return _HUNK.sub(r"\2", text)
 
 
 def _lines(pattern: re.Pattern[str], text: str) -> tuple[int, ...]:

@@ -10,6 +10,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from .bases import read_bases
+from .conflicts import both_sides
+from .files import read_regular
 from .formatting import meaning_digest
 from .paths import inside
 from .store import EDDI, files_below, read_text, write_file
@@ -17,6 +19,8 @@ from .store import EDDI, files_below, read_text, write_file
 MANIFEST = "manifest.json"
 ANSWERS = ".copier-answers.yml"
 """File of a package in which Copier keeps the answers."""
+OF_TWO_BRANCHES = "of two branches"
+"""In place of a digest of a rendering: no package has it."""
 _LAYOUT = b" \t\r\n'\"(),\\"
 _LOWER = bytes(range(256)).lower()
 """With these characters and upper case formatters do what they do, in every version of Python."""
@@ -55,15 +59,7 @@ def digests_of(name: str, data: bytes, known: Digests | None = None) -> Digests:
 
 def recorded_files(root: Path) -> dict[str, Digests]:
     """Return the digests of the generated-only files of the last finished rendering."""
-    record = _manifest(root)
-    texts, meanings = (
-        part if isinstance(part := record.get(key), dict) else {} for key in ("sha256", "meaning")
-    )
-    return {
-        name: Digests(str(digest), str(meanings[name]) if name in meanings else None)
-        for name, digest in texts.items()
-        if inside(root, name)
-    }
+    return {name: one for name, one in _files(_manifest(root)).items() if inside(root, name)}
 
 
 def record_files(root: Path, written: Mapping[str, Digests]) -> None:
@@ -141,13 +137,25 @@ def recorded_rendering(root: Path) -> str:
 
 def _bases(root: Path) -> dict[str, Digests | None]:
     """Return the digests of the bases, ``None`` of one that was merged from two branches."""
-    found = _manifest(root).get("base")
     return {
         name: Digests(str(one.get("sha256")), one.get("meaning") and str(one["meaning"]))
         if isinstance(one, dict)
         else None
-        for name, one in (found.items() if isinstance(found, dict) else ())
+        for name, one in _part(_manifest(root), "base").items()
     }
+
+
+def _files(record: Mapping[str, object]) -> dict[str, Digests]:
+    texts, meanings = (_part(record, key) for key in ("sha256", "meaning"))
+    return {
+        name: Digests(str(digest), str(meanings[name]) if name in meanings else None)
+        for name, digest in texts.items()
+    }
+
+
+def _part(record: Mapping[str, object], key: str) -> dict[str, object]:
+    part = record.get(key)
+    return part if isinstance(part, dict) else {}
 
 
 def _without_none(record: Mapping[str, object]) -> dict[str, object]:
@@ -165,10 +173,35 @@ def _sha256(data: bytes) -> str:
 def _manifest(root: Path) -> dict[str, object]:
     text = read_text(root / EDDI / MANIFEST)
     try:
-        found = json.loads(text) if isinstance(text, str) else {}
+        sides = dict.fromkeys(both_sides(text)) if isinstance(text, str) else ()
+        found = [json.loads(side) for side in sides]
     except (ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    if not found or not all(isinstance(one, dict) for one in found):
+        return {}
+    return found[0] if len(found) == 1 else _of_two_branches(root, *found)
+
+
+def _of_two_branches(
+    root: Path, ours: Mapping[str, object], theirs: Mapping[str, object]
+) -> dict[str, object]:
+    """Return the record of a merge in conflict: that of the branch which each file is of."""
+    mine, other = _files(ours), _files(theirs)
+    files = {**mine, **{n: one for n, one in other.items() if n not in mine or _fits(root, n, one)}}
+    bases, others = (_part(one, "base") for one in (ours, theirs))
+    return {
+        "base": {name: one if others.get(name) == one else None for name, one in bases.items()},
+        "meaning": {name: one.meaning for name, one in files.items() if one.meaning is not None},
+        "rendering": OF_TWO_BRANCHES,
+        "sha256": {name: one.sha256 for name, one in files.items()},
+    }
+
+
+def _fits(root: Path, name: str, record: Digests) -> bool:
+    try:
+        return inside(root, name) is not None and record.fit(name, read_regular(root / name))
+    except OSError:
+        return False
 
 
 def _write(root: Path, record: Mapping[str, object]) -> None:

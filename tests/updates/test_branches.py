@@ -149,6 +149,25 @@ def test_what_both_branches_generated_is_generated_again(world: World) -> None:
     assert world.command("regions", "--check", world.package).status == 0
 
 
+def test_records_in_conflict_do_not_make_generated_text_a_persons(world: World) -> None:
+    """Without the driver git leaves its markers in the manifest."""
+    diverge(world, "renamed", "model")
+    assert not merge(world)
+    conflicts = git(world.workspace, "diff", "--name-only", "--diff-filter=U")
+    assert ".eddi/manifest.json" in conflicts
+    git(world.package, "checkout", "--ours", world.main)
+    for token in [token for token in world.lines if token not in world.text()]:
+        del world.lines[token]  # the person's choice
+    world.change(START[0], Element("bravo", was="beta"), START[2], Element("delta"))
+    assert world.command("regions", "--check", world.package).status == 3
+    assert world.generate().status == 0
+    world.settle()
+    world.check()
+    assert updated(world)
+    assert not list(world.package.glob(".eddi/rejects/*"))
+    assert world.command("regions", "--check", world.package).status == 0
+
+
 def test_plain_update_after_the_merge(world: World) -> None:
     diverge(world, "both")
     git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
