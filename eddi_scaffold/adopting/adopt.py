@@ -22,7 +22,7 @@ from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, kinds
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models
-from eddi_scaffold.problems import EddiError, Place, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.regions.result import Orphan
 from eddi_scaffold.source import read_source
 
@@ -182,6 +182,7 @@ def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model])
 def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]:
     if given is not None:
         return given, checked_models(given).models
+    damage: list[Problem] = []
     for path in old.models:
         source = read_source(path)
         if is_config(source):
@@ -189,9 +190,10 @@ def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]
         reading = read_models(source)
         if reading.models and not has_errors(reading.problems):
             return path, reading.models
+        damage += [one for one in reading.problems if one.level == "error"][:1]
     message = "the package contains no model that a monitor can be generated from"
     hint = "name it: -m MODEL (the EDDI, the .xdsl or the ConSert YAML)"
-    raise EddiError(error("A004", message, Place(str(old.folder)), hint))
+    raise EddiError(*damage, error("A004", message, Place(str(old.folder)), hint))
 
 
 def _chosen(models: Sequence[Model], name: str | None) -> Model:
@@ -225,6 +227,8 @@ def _of_the_model(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
             inputs.append(replace(one, default=None))
         else:
             inputs.append(one)
+    if not wiring.inputs:
+        lost += [f"the input {name!r}: there is no method process_{name}" for name in known]
     return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))
 
 

@@ -114,12 +114,14 @@ def read_module(path: Path) -> ParsedModule:
     try:
         text = data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")  # as Python
         tree = parse_shallow(text)
-    except (SyntaxError, UnicodeDecodeError) as failed:
-        line = getattr(failed, "lineno", None)
-        message = f"this is not Python: {getattr(failed, 'msg', failed)}"
-        place = Place(str(path), line, getattr(failed, "offset", None))
+    except UnicodeDecodeError as failed:
+        place = Place(str(path), data.count(b"\n", 0, failed.start) + 1)
+        hint = "convert it first, as with `iconv -f latin1 -t utf-8`: nothing was adopted"
+        raise EddiError(error("A001", "this line is not UTF-8", place, hint)) from None
+    except SyntaxError as failed:
+        place = Place(str(path), failed.lineno, failed.offset)
         hint = "correct it first: nothing was adopted"
-        raise EddiError(error("A001", message, place, hint)) from None
+        raise EddiError(error("A001", f"this is not Python: {failed.msg}", place, hint)) from None
     lines = split_lines(text)
     methods: dict[str, Method] = {}
     other: list[ast.stmt] = []

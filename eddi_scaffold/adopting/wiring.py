@@ -107,7 +107,8 @@ def read_wiring(
     else:
         inputs = tuple(inputs_read(config)) if config is not None else ()
     if node is None:
-        return Wiring(inputs=tuple(replace(one, requires=()) for one in inputs))
+        missing = "there is no RosNode.py, which has topics, their types, the rate and the outputs"
+        return Wiring(inputs=tuple(replace(one, requires=()) for one in inputs), lost=(missing,))
     classes = dict(_message_classes(node))
     stored = dict(_stored(node))
     lost: list[str] = []

@@ -38,8 +38,13 @@ def write_adopted(
 
     Raises:
         EddiError: the new package, or another file in the place of its model or configuration, is
-            there already (A005), or it cannot be generated.
+            there already (A005), the place is in the old package (G006), or it cannot be
+            generated.
     """
+    if place.resolve().is_relative_to(adoption.old.folder.resolve()):
+        message = "this is the old package, which is only read"
+        hint = "name a folder beside it"
+        raise EddiError(error("G006", message, Place(str(place)), hint))
     root = packages_root(platform, place)
     package = package_name(adoption.id)
     if os.path.lexists(root / package):
@@ -71,7 +76,7 @@ def write_adopted(
         write(place, new, {})
         notes = _report(adoption, signatures, [place / name for name in files])
     lost = any(one.id not in signatures for one in adoption.bodies)
-    look = outcome.attention or bool(adoption.rejects) or lost
+    look = outcome.attention or bool(adoption.rejects) or bool(adoption.wiring.lost) or lost
     shown = [_shown(one, place) for one in assembly.problems]
     return Result(replace(outcome, attention=look), shown, notes)
 
@@ -113,7 +118,10 @@ def _report(adoption: Adoption, regions: Container[str], written: Sequence[Path]
             lines.append(f"{body.id}: the body is in its region")
         else:
             lines.append(f"{body.id}: no region of that name, the body is kept in .eddi/orphans")
-    lines.append("the old files are not needed any more, and were left as they are:")
+    needed = "are not needed any more, and"
+    if adoption.wiring.lost:
+        needed = "are needed until you have written what was not recovered; they"
+    lines.append(f"the old files {needed} were left as they are:")
     lines += [f"  {file}" for file in leftover(adoption.old, [adoption.model_file])]
     return lines
 

@@ -62,10 +62,12 @@ def adopt(
     target = chosen(platform or (DEFAULT_IN_FOLDER if workspace is None else DEFAULT))
     place = destination(target, workspace, output)
     found = adopted(package, model, name)
+    for line in found.notes:
+        console.say(line)
     with at_work(() if dry_run else [packages_root(target, place)]) as finished:
         result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)
-    for line in (*found.notes, *result.notes):
+    for line in result.notes:
         console.say(line)
     notes = list(dict.fromkeys([*finished, *result.outcome.notes]))
     finish(replace(result.outcome, notes=notes), dry_run=dry_run)

@@ -166,6 +166,7 @@ DEEP = f"x = {'-' * 200_000}1\n"
         ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),
         ({"other/EDDIInput.py": "x = 1\n"}, "A003", "several EDDIInput.py"),
         ({"ConSertA.yml": None}, "A004", "the package contains no model"),
+        ({"ConSertA.yml": "guarantees: [\n"}, "A004", "old/ConSertA.yml:2:1: error: this is not"),
     ],
 )
 def test_what_cannot_be_adopted(
@@ -182,6 +183,21 @@ def test_what_cannot_be_adopted(
     assert (result.status, f"[{code}]" in result.err) == (2, True), result.err
     assert words in result.err
     assert files_below(old.parent) == before
+
+
+def test_a_line_in_another_encoding_is_named(old: Path) -> None:
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_bytes(script.read_bytes().replace(b"import math", b"import math  # caf\xe9"))
+    result = run("adopt", "old", "-w", "ws", cwd=old.parent)
+    assert result.status == 2
+    assert "EDDIInput.py:1: error: this line is not UTF-8 [A001]" in result.err
+
+
+def test_the_old_package_gets_nothing(old: Path) -> None:
+    before = files_below(old)
+    result = run("adopt", "old", "--platform", "plain", "-o", "old", cwd=old.parent)
+    assert (result.status, "[G006]" in result.err) == (2, True), result.err
+    assert files_below(old) == before
 
 
 def test_carriage_returns_alone_end_lines_as_in_python(old: Path) -> None:
@@ -208,3 +224,29 @@ def test_a_file_of_a_person_in_the_way_is_not_overwritten(old: Path, tmp_path: P
         result = run("adopt", "old", "-w", place, cwd=old.parent)
         assert (result.status, "[A005]" in result.err) == (2, True)
         assert files_below(place) == {name: b"mine\n"}
+
+
+@pytest.mark.parametrize(
+    ("file", "words"),
+    [
+        ("EDDIInput.py", ["the input 'RtE_A_D0'", "the input 'RtE_A_E0'"]),
+        ("RosNode.py", ["there is no RosNode.py, which has topics"]),
+    ],
+)
+def test_what_was_not_recovered_needs_a_look(old: Path, file: str, words: list[str]) -> None:
+    script = old / "scripts" / "EDDIInput.py"
+    script.write_text(EDDI_INPUT.partition("LIMIT")[0] + EDDI_INPUT[EDDI_INPUT.index("class ") :])
+    assert run("adopt", "old", "-w", "ws", "--dry-run", cwd=old.parent).status == 0
+    if file == "RosNode.py":
+        (old / "scripts" / file).unlink()
+    else:
+        script.write_text("")
+    result = run("adopt", "old", "-o", "out", cwd=old.parent)
+    assert result.status == 3, result.err
+    for one in words:
+        assert f"not recovered: {one}" in result.err
+    assert "not needed any more" not in result.err
+    if file == "RosNode.py":
+        refused = run("adopt", "old", "-w", "ws", cwd=old.parent)
+        assert refused.status == 2, "a monitor without a topic is nothing on ROS"
+        assert f"not recovered: {words[0]}" in refused.err
