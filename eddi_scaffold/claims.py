@@ -57,13 +57,15 @@ class Meaning:
         silent: values that it may have while nothing is known; ``None``: any.
         given: the field has a meaning where all of these have one, whatever ``silent`` is.
         refused: why a use is refused that a silent value satisfies; no full stop.
-        instead: the line to write in its place.
+        instead: the line to write in its place; ``{field}`` stands for the field itself.
+        bad: the value by which a hazard is known to be there, and that by which it is absent.
     """
 
     silent: tuple[object, ...] | None = None
     given: tuple[ValidityField, ...] = ()
     refused: str = "it does not show whether anything is known"
     instead: str | None = None
+    bad: tuple[object, object] | None = None
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from eddi_scaffold.claims import Meaning, Meanings, ValidityField
 from eddi_scaffold.config.fields import Attribute, Beside, FieldPath, Index
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, kind_of_message
 from eddi_scaffold.deployments.wiring.readings import Field, FieldReading, readings
+from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.monitors.publications import STATUS
 from eddi_scaffold.problems import Problem, error, warning
 
@@ -16,7 +17,7 @@ _UNLISTED = Meaning()
 
 
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
-    """Report what gains from silence: D001, D002; D007 and D008 are warnings."""
+    """Report what gains from silence: D001, D002; D007, D008 and D020 are warnings."""
     for member in deployment.members:
         found = readings(member.monitor)
         for input_ in found.inverted:
@@ -46,9 +47,14 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
         text = f"{reading.text!r} takes an element by its place, which may hold another one"
         yield warning("D007", text, reading.place, "take it by its name: [name]")
     meaning = _meaning(found)
+    name = f"{attribute(reading.source.id)}{''.join(_pattern(reading.path))}"
     if meaning.silent is not None and not any(reading.holds(value) for value in meaning.silent):
+        if meaning.bad is not None and list(map(reading.holds, meaning.bad)) == [True, False]:
+            text = f"input {reading.input!r} is good while a hazard is there, by {reading.text!r}"
+            absent = f"`{name} == {meaning.bad[1]}`: it is known to be absent"
+            yield warning("D020", text, reading.place, absent)
         return
-    hint = f"read {meaning.instead}" if meaning.instead else None
+    hint = f"read {meaning.instead.format(field=name)}" if meaning.instead else None
     given = [one for one in meaning.given if _is_given(deployment, member, reading, one, found)]
     if not given:
         text = f"input {reading.input!r} gains from silence by {reading.text!r}: {meaning.refused}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.claims import Acceptance, Meaning, Meanings, Use
@@ -23,14 +24,16 @@ def meanings(document: Mapping[str, Any] | None, event: str | None) -> Meanings:
         document: the ``model`` part of ``config/model.json``; ``None``: not at hand.
         event: the only one on the topic, ``None`` for any.
     """
-    return {"EventOutput": {"verdict": _VERDICT, "active": _active(document, event)}}
-
-
-def _active(document: Mapping[str, Any] | None, event: str | None) -> Meaning:
-    if document is None:  # it may be the polarity that the reader has in mind
-        return Meaning(())
-    on_topic = [one for one in document["form"]["outputs"] if event in (None, one["id"])]
+    outputs = () if document is None else document["form"]["outputs"]
+    on_topic = [one for one in outputs if event in (None, one["id"])]
     polarities = {one["polarity"] for one in on_topic}
+    verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
+    active = _active(on_topic, polarities) if document is not None else Meaning(())
+    # Not at hand: `active` may have the polarity that the reader has in mind.
+    return {"EventOutput": {"verdict": verdict, "active": active}}
+
+
+def _active(on_topic: Sequence[Mapping[str, Any]], polarities: set[str]) -> Meaning:
     if len(polarities) != 1:
         refused = "the value of `active` when it is unknown depends on the event"
         return Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
@@ -48,7 +51,7 @@ _REFUSED = {
 }
 _INSTEAD = {
     "EVIDENCE": "`verdict == 0`, or a separate event with NOT",
-    "HAZARD": "`verdict == 2`, or an EVIDENCE event of its own",
+    "HAZARD": "`expression: NOT {field}`, known to be absent; `verdict == 2` is that it is there",
 }
 
 
