@@ -127,6 +127,34 @@ def test_publishers_of_another_type(world, master, probe, model_files, tmp_path)
     assert node.end()[1] < 2.0
 
 
+def test_a_type_that_the_master_keeps_is_no_reason_once_a_right_message_came(
+    world, master, probe, model_files
+):
+    """The master keeps the type of a publisher that is gone, and of one beside the right one."""
+    topic, right, wrong = "/kept/flag", world.probe(master), world.probe(master)
+    node = world.node(
+        master,
+        "tester",
+        f"compiled:={model_files['tester_half']}",
+        "__ns:=/kept",
+        "_watchdog_period:=0.3",
+    )
+    right.do("every", topic=topic, kind=BOOL, fields={"data": True}, hz=20)
+    probe.diagnostics("/kept/tester", lambda lv, t, v: v["F"] == "ok")
+    wrong.publish(topic, "std_msgs/Float64", {"data": 1.0}, latch=True)
+    until(lambda: "wrong message type on /kept/flag" in node.text)
+    for gone in (False, True):
+        if gone:
+            wrong.destroy()
+        probe.diagnostics(
+            "/kept/tester", lambda lv, t, v: v["F"] == "ok" and "wrong_type.0" not in v
+        )
+    right.popen.kill()
+    reason = "its publisher is registered, and silent"
+    probe.diagnostics("/kept/tester", lambda lv, t, v: reason in v.get("F.reason", ""))
+    assert node.end()[0] == 0
+
+
 def test_simulated_time(world, model_files):
     """Rows 10 and 11: without /clock the node runs and evidence ages; a jump back is one line."""
     master = world.master()

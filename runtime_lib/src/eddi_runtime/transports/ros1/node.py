@@ -21,7 +21,7 @@ from ...node.silence import Topic
 from ...node.start import StartError
 from .messages import check_serialises, converter, diagnostics_publisher, start_log, subscribe
 from .process import RosEnding, node_name, options_of
-from .watchdog import LOST, TypeRefusals, Watchdog, watch
+from .watchdog import LOST, TypeRefusals, Watchdog, standing, watch
 
 _REGISTERED = "its publisher is registered, and silent"  # a master does not know if it lives
 
@@ -75,13 +75,14 @@ class MonitorNode(Node):
         watchdog = self._watchdog
         seen = {} if watchdog is None else dict(watchdog.wrong_types)
         expected = self.expected_types()
-        wrong = {topic: text for topic, text in seen.items() if topic in expected}
+        refused = dict(self._refusals.heard)
         receipts = self._receipts.latest()
+        wrong: Dict[str, str] = {}
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
-            reason = self._refusals.standing(topic, last)
-            if reason is not None:
-                wrong.setdefault(topic, reason)
+            text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
+            if text:
+                wrong[topic] = text
         state = "not watched" if watchdog is None else watchdog.state
         lost = ("ROS master lost",) if state == LOST else ()
         known = None if watchdog is None or lost else watchdog.published

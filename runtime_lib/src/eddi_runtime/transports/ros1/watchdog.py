@@ -46,16 +46,23 @@ class TypeRefusals(logging.Handler):
             if known is None or known[1] != reason:  # rospy tries again for ever
                 LOG.error("the publisher of %s refuses this node: %s", topic, reason)
 
-    def standing(self, topic: str, last_receipt: Optional[float]) -> Optional[str]:
-        """Return why the publisher of a topic refuses us, ``None`` once a message came since."""
-        known = self.heard.get(topic)
-        if known is None or (last_receipt is not None and last_receipt > known[0]):
-            return None
-        return known[1]
-
     def install(self) -> None:
         """Begin to listen."""
         logging.getLogger("rospy.internal").addHandler(self)
+
+
+def standing(known: Optional[Tuple[float, str]], last_receipt: Optional[float]) -> str:
+    """Return what is wrong with the publisher of a topic, empty once a message came since.
+
+    The master keeps the type of a publisher that is gone, and another one may publish beside it.
+
+    Args:
+        known: when that was found, and what.
+        last_receipt: when the last message came.
+    """
+    if known is None or (last_receipt is not None and last_receipt > known[0]):
+        return ""
+    return known[1]
 
 
 class Watchdog:
@@ -71,7 +78,7 @@ class Watchdog:
 
     Attributes:
         state: of the master.
-        wrong_types: topic -> the type that its publisher sends, and that expected.
+        wrong_types: topic -> when it was found; the type expected, and that of its publisher.
         published: topics with a publisher -> type, when the master was asked last.
     """
 
@@ -86,7 +93,7 @@ class Watchdog:
         changed: Callable[[], None],
     ) -> None:
         self.state = OK
-        self.wrong_types: Dict[str, str] = {}
+        self.wrong_types: Dict[str, Tuple[float, str]] = {}
         self.published: Optional[Dict[str, Optional[str]]] = None
         self._node = str(rospy.get_name())
         self._own_uri = str(rospy.get_node_uri())
@@ -169,14 +176,16 @@ class Watchdog:
     def _check_types(self, published: Dict[str, Optional[str]]) -> None:
         # Only topics with a publisher: the master keeps the types of all others, too.
         self.published = published
-        wrong: Dict[str, str] = {}
+        wrong: Dict[str, Tuple[float, str]] = {}
         for topic, (_, expected) in self._expected().items():
             found = published.get(topic)
             if found not in (None, "*", expected):
-                wrong[topic] = f"{expected} expected, the publisher sends {found}"
-        for topic, text in wrong.items():
-            if self.wrong_types.get(topic) != text:
-                LOG.error("wrong message type on %s: %s", topic, text)
+                text = f"{expected} expected, the publisher sends {found}"
+                known = self.wrong_types.get(topic)
+                if known is None or known[1] != text:
+                    LOG.error("wrong message type on %s: %s", topic, text)
+                    known = time.monotonic(), text
+                wrong[topic] = known
         self.wrong_types = wrong
 
 
