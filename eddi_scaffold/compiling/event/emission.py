@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile, take, texts
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.inputs import attribute_of, head_lines
-from eddi_scaffold.compiling.program.instructions import BOOL, Program, reads_of_results
+from eddi_scaffold.compiling.program.instructions import (
+    BOOL,
+    NUMBER,
+    Program,
+    Read,
+    reads_of_results,
+)
 from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
 from eddi_scaffold.compiling.program.sampling import HostInput, Sampling
 from eddi_scaffold.compiling.text import (
@@ -15,6 +22,7 @@ from eddi_scaffold.compiling.text import (
     assignment,
     call,
     literal,
+    number,
     text_literal,
     tuple_of,
     unpacked,
@@ -38,10 +46,13 @@ def lines_of(model_file: ModelFile) -> list[str]:
     places = [numbers[one.name] for one in sampling.inputs]
     given = {one.name: one for one in sampling.inputs}
     types = (_type(given.get(spec.id)) for spec in model_file.inputs)
+    numbers_read = {one.name: one for one in program.reads if _is_number(one)}
+    limits = (_limits(numbers_read.get(spec.id)) for spec in model_file.inputs)
     events = _events(program, sampling, places, model_file.model)
     lines = [
         *head_lines("event.EventMonitor", model_file, {}),
         *assignment("types", tuple_of(types), 4),
+        *assignment("limits", tuple_of(limits), 4),
         *assignment("events", tuple_of(events), 4),
     ]
     reduced = [
@@ -81,6 +92,17 @@ def _type(one: HostInput | None) -> Part:
     if one.list:
         return '"list"'
     return literal(one.literals) if one.type == "enum" else text_literal(one.type)
+
+
+def _is_number(one: Read) -> bool:
+    return one.type == NUMBER and one.reduction is None and not one.text
+
+
+def _limits(one: Read | None) -> Part:
+    if one is None:
+        return "None"
+    low, high = one.range or (-math.inf, math.inf)
+    return tuple_of([number(low), number(high), str(one.infinite)])
 
 
 def _methods(program: Program, sampling: Sampling, inputs: Sequence[InputData]) -> list[str]:

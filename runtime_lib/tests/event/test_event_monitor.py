@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -124,6 +125,22 @@ def test_who_keeps_an_event_from_being_known():
     assert monitor.faults() == {"x": "expected a number, got 'six'"}
     assert monitor.series(step(monitor, 3, x=6, y=0, a=True)) == {"e0": True, "e1": False}
     assert monitor.status_message() is None
+
+
+def test_a_number_that_its_declaration_refuses_is_told():
+    said = {"x": {"range": [0, 30]}, "y": {"range": [0, 9], "infinite": True}}
+    monitor = made(("gt", "x", 5), ("gt", "y", 1), **said)
+    step(monitor, 0, x=50, y=math.inf)
+    assert monitor.faults() == {"x": "50 is outside RANGE 0 .. 30"}
+    assert monitor.blocked() == {"x": ("e0",)}
+    step(monitor, 1, x=-math.inf, y=10.0)
+    assert monitor.faults() == {
+        "x": "-inf, without ALLOW INF",
+        "y": "10.0 is outside RANGE 0 .. 9",
+    }
+    step(monitor, 2, x=30.0, y=0)
+    assert monitor.faults() == {}
+    assert made(("gt", "x", 5)).execute_step(SimpleNamespace(x=math.inf), 0)[0]["verdict"] is None
 
 
 def test_a_factor_brings_a_value_to_the_unit_of_the_model():

@@ -145,7 +145,7 @@ class Robot:
             one.receive(topic, message)
 
     def sense(self, topic, *times, value=True):
-        """Have a sensor publish a Boolean at these times."""
+        """Have a sensor publish a Boolean, or what is given in its place, at these times."""
         for t in times:
             self._planned.append((BEGIN + t, topic, STD_MSGS.Bool(data=value)))
         self._planned.sort(key=lambda one: one[0])

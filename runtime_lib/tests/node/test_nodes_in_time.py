@@ -53,6 +53,19 @@ def test_an_input_may_wait_until_the_grace_is_over(robot):
     assert node.report()[:2] == FINE
 
 
+def test_a_value_that_is_nan_is_not_usable(robot):
+    node = robot.start("consertb")
+    robot.sense("/rte/e0b", 0.5, value=float("nan"))
+    robot.sense("/rte/e0b", 1.5)
+    robot.run(1.0)
+    assert node.levels[-1] == (0.5, ERROR)
+    unusable = "RtE_A_E0 invalid: the value is NaN (blocks System_A_G0_c2)"
+    assert node.report()[:2] == (ERROR, unusable)
+    assert robot.active(B) == [(0.0, set())]
+    robot.run(2.0)
+    assert node.report()[:2] == FINE
+
+
 def test_without_grace_a_silent_source_is_an_error_at_once(robot):
     assert robot.start("consertb", STARTUP_GRACE=0.0).levels == [(0.0, ERROR)]
 

@@ -9,7 +9,8 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: e6bec2cf148c65c08b8d36f6fbf3f2404f44ec9b1661cc9593854a5ce8bd865a
+# sha256 of the lines below: b86d7e329c613815b0999226e830a1b8fe078b1164ebe7172d1de29525e6674c
+INF = float("inf")
 NAN = float("nan")
 
 
@@ -21,6 +22,7 @@ class Monitor(event.EventMonitor):
         InputSpec("current", "current", requires=("current",), max_age=0.5),
     )
     types = ("number", "number")
+    limits = ((-40.0, 200.0, False), (-INF, INF, False))
     events = (event.Event("MotorFit", False, (0, 1)),)
 
     def __init__(self):

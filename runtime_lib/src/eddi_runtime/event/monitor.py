@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from ..clock import step_time
@@ -41,6 +42,8 @@ class EventMonitor(Conditions, Monitor[Rows]):
     Attributes, beside those of ``eddi_runtime.Monitor``:
         types: of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or
             empty where no event reads it.
+        limits: of each input that is a number its RANGE, and whether there is ALLOW INF; empty in
+            packages of older releases.
         events: in file order.
         reductions: for each reduction of a list the number of its first input.
         raw: values of the inputs in the last step, None where there is none.
@@ -49,6 +52,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
 
     kind = "event"
     types: Tuple[Union[str, Tuple[str, ...]], ...]
+    limits: Tuple[Optional[Tuple[float, float, bool]], ...] = ()
     events: Tuple[Event, ...]
     reductions: Tuple[int, ...] = ()
     raw: Tuple[object, ...]
@@ -180,13 +184,13 @@ class EventMonitor(Conditions, Monitor[Rows]):
         """
         unknown = set(not_known)
         found: Dict[str, Tuple[str, ...]] = {}
-        for k, (spec, kind, raw) in enumerate(zip(self.inputs, self.types, self.raw)):
+        for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
             events = tuple(
                 one.id
                 for one, value in zip(self.events, self._verdicts)
                 if value == 1 and k in one.needs
             )
-            if events and (spec.id in unknown or _is_unknown(raw) or fault(kind, raw)):
+            if events and (spec.id in unknown or _is_unknown(raw) or self._fault(k)):
                 found[spec.id] = events
         return found
 
@@ -197,9 +201,13 @@ class EventMonitor(Conditions, Monitor[Rows]):
             for k, reason in zip(self.reductions, self._reasons)
             if self.raw[k] is not None and reason
         }
-        unusable = (fault(kind, raw) for kind, raw in zip(self.types, self.raw))
+        unusable = map(self._fault, range(len(self.inputs)))
         found.update((spec.id, one) for spec, one in zip(self.inputs, unusable) if one)
         return found
+
+    def _fault(self, k: int) -> str:
+        limits = self.limits[k] if self.limits else None
+        return fault(self.types[k], self.raw[k]) or _beyond(limits, plain(self.raw[k]))
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -228,6 +236,17 @@ def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
         return ""
     wanted = _WANTED[kind] if isinstance(kind, str) else ", ".join(kind)
     return f"expected {wanted}, got {show(raw)}"
+
+
+def _beyond(limits: Optional[Tuple[float, float, bool]], value: object) -> str:
+    if limits is None or not isinstance(value, (int, float)):
+        return ""
+    low, high, infinite = limits
+    if value in (math.inf, -math.inf):
+        return "" if infinite else f"{show(value)}, without ALLOW INF"
+    if value < low or value > high:
+        return f"{show(value)} is outside RANGE {low:g} .. {high:g}"
+    return ""
 
 
 def _is_unknown(raw: object) -> bool:

@@ -8,7 +8,7 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Option
 from ..compatibility import __version__
 from ..inputs import EDDIInputBase, InputSpec
 from ..monitor import Monitor, Output
-from ..plain_values import one_line
+from ..plain_values import one_line, plain, read
 from .logs import LOG
 from .receipts import Receipt
 from .report import (
@@ -157,6 +157,8 @@ class Health:
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
             if spec.id in faults and state in (FRESH, INVALID):
                 state, reason = INVALID, faults[spec.id] if state == FRESH else reason
+            elif state == FRESH and _is_nan(read(self._eddi_input, spec.attribute, spec.id)):
+                state, reason = INVALID, "the value is NaN"
             elif state == FRESH and _latched(spec, receipts):
                 state = LATCHED
             elif state == NEVER and waiting:
@@ -227,6 +229,11 @@ class Health:
             errors=self._errors.get(spec.id, 0),
             limit=spec.max_age,
         )
+
+
+def _is_nan(raw: object) -> bool:
+    value = plain(raw)
+    return type(value) is float and value != value  # noqa: PLR0124 - NaN
 
 
 def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:
