@@ -10,6 +10,7 @@ from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.identifiers import full_topic, package_name
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.problems import Problem, did_you_mean, error, warning
 
 _PERIODS = 2
@@ -23,9 +24,13 @@ def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
         for output in config.config.EDDIOutputs
     }
     for config in configs:
-        topics = {one.id: _full(config, one.topic) for one in config.config.SimulatorOutputs}
+        sources = config.config.SimulatorOutputs
+        topics = {one.id: _full(config, one.topic) for one in sources}
+        ours = {topics[one.id] for one in sources if one.type.startswith(f"{MESSAGE_PACKAGE}/")}
         for index, item in enumerate(config.config.EDDIInputs):
-            for provider in (providers.get(topics.get(name, "")) for name in item.requires):
+            for topic in (topics[name] for name in item.requires if name in topics):
+                below = topic.rpartition("/")[0] if topic in ours else ""  # of `<topic>/status`
+                provider = providers.get(topic) or providers.get(below)
                 limit = _limit(item)
                 if provider is None or limit is None or limit * provider.frequency >= _PERIODS:
                     continue

@@ -16,6 +16,7 @@ PROVIDER = b"""
 Model: {id: B, type: ConSert, frequency: 2}
 EDDIOutputs: [{id: b, topic: /b/guarantees}]
 """
+STATUS = ("ConSertOutput, topic: /b/guarantees", "ConSertStatus, topic: /b/guarantees/status")
 CONSUMER = """
 Model: {{id: A, type: ConSert}}
 SimulatorOutputs: [{{id: b, type: eddi_messages.ConSertOutput, topic: /b/guarantees}}]
@@ -24,9 +25,9 @@ EDDIInputs:
 """
 
 
-def found(max_age: str) -> list[str]:
+def found(max_age: str, consumer: str = CONSUMER) -> list[str]:
     configs = []
-    for name, data in (("b.yml", PROVIDER), ("a.yml", CONSUMER.format(max_age=max_age).encode())):
+    for name, data in (("b.yml", PROVIDER), ("a.yml", consumer.format(max_age=max_age).encode())):
         config, problems = read_config(Source(name, data))
         assert config is not None, problems
         configs.append(config)
@@ -37,6 +38,12 @@ def test_an_age_below_two_periods_of_the_provider_is_a_warning() -> None:
     assert found("0.5") == [
         "5:K029: input 'D' is unknown after 0.5 s, but B publishes only every 0.5 s"
     ]
+
+
+def test_the_status_of_a_monitor_comes_as_often_as_its_result() -> None:
+    assert found("0.5", CONSUMER.replace(*STATUS)) == found("0.5")
+    of_a_sensor = CONSUMER.replace(STATUS[0], "ConSertStatus, topic: /b/guarantees/status")
+    assert found("0.5", of_a_sensor.replace("eddi_messages.ConSertStatus", "std_msgs.Bool")) == []
 
 
 @pytest.mark.parametrize("max_age", ["1.0", "none", "null"])
