@@ -58,7 +58,7 @@ def _report(outcome: Outcome, *, dry_run: bool) -> None:
     for line in outcome.left:
         console.say(f"left alone: {line}")
     if outcome.attention:
-        console.say("hand edits need a look: `eddi-scaffold regions --check` lists them")
+        console.say("hand edits need a look: see the notes, and `eddi-scaffold regions --check`")
 
 
 def _files(number: int) -> str:

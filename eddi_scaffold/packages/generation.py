@@ -211,14 +211,15 @@ def _merge_package(
     work.changes.update({f"{package.folder}/{p}": state for p, state in changes.items()})
     work.before.update({f"{package.folder}/{p}": before[p] for p in changes if p in before})
     work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
-    work.notes += [f"{package.folder}/{one}" for one in _written_anew(target, before, changes)]
+    anew = list(_written_anew(target, before, changes))
+    work.notes += [f"{package.folder}/{note}" for note, _ in anew]
     work.notes += [
         f"{package.folder}/{note.file}: {note.text}"
         for note in merged.report.notes
         if not (package.saved and isinstance(note, Restored))  # an adoption says so itself
     ]
     work.notes += found.untouched()
-    work.attention = work.attention or merged.is_open
+    work.attention = work.attention or merged.is_open or any(edited for _, edited in anew)
 
 
 @dataclass(frozen=True)
@@ -301,7 +302,11 @@ def _merged(
     unfit = unfit_files(staged, partial(former_texts, target)) if package.answers else ()
     look = [
         *(f"{package.folder}: {one}" for one in lost),
-        *(f"{package.folder}/{one.file}: {'; '.join(one.notes)}" for one in unfit),
+        *(
+            f"{package.folder}/{one.file}: {'; '.join(one.notes)}"
+            for one in unfit
+            if one.file not in skipped
+        ),
     ]
     is_open = bool(look) or report.needs_attention or needs_a_look(staged)
     return _Merged(changed, look, report, is_open)
@@ -309,8 +314,11 @@ def _merged(
 
 def _written_anew(
     target: Path, before: Mapping[str, FileState], changes: Mapping[str, FileState | None]
-) -> Iterator[str]:
-    """Yield what is to be said of each editable file that somebody removed."""
+) -> Iterator[tuple[str, bool]]:
+    """Yield what is to be said of each editable file that somebody removed.
+
+    With it: whether git knows of hand edits that were in it.
+    """
     record = before.get(f"{EDDI}/{BASES}")
     merged = {f"{FORMER}/{path}" for path in bases_of((record and record.text) or "")}
     for path, state in sorted(changes.items()):
@@ -319,9 +327,17 @@ def _written_anew(
         committed = committed_text(target, path)
         if committed != state.text:
             there = f"; `git -C {target} checkout HEAD -- {path}` brings back what was committed"
-            yield f"{path}: it was missing and is written anew, without hand edits" + (
-                there if committed is not None else ""
+            yield (
+                f"{path}: it was missing and is written anew, without hand edits"
+                + (there if committed is not None else ""),
+                committed not in {None, _committed_base(target, path)},
             )
+
+
+def _committed_base(target: Path, path: str) -> str | None:
+    """Return what a file in git was made of, ``None`` where git does not have it."""
+    bases = bases_of(committed_text(target, f"{EDDI}/{BASES}") or "")
+    return bases.get(path) or committed_text(target, f"{FORMER}/{path}")
 
 
 def _is_record(path: str) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
@@ -200,6 +201,9 @@ def _misfits(
     pristine = read_text(root / PRISTINE / name)
     if isinstance(pristine, Fault):
         return []
+    if not os.path.lexists(root / name):
+        cure = f"`git -C {root} checkout HEAD -- {name}` brings back what was committed"
+        return [f"it is missing; {cure}, else generate again"]
     rendered = merged if pristine is None else without_sentinel(pristine)
     if rendered is None:
         return ["its rendering is not whole (interrupted, or of two branches); generate again"]

@@ -152,3 +152,15 @@ def test_a_field_of_a_message_that_the_configuration_declares_in_part_is_not_loo
         shown = run("regions", "--check", cwd=tmp_path / "consertb").out
         assert "RtE_E0.date" in file.read_text("utf-8")
         assert ("no such field" in shown) == said
+
+
+def test_an_editable_file_that_is_missing_is_looked_at(package: Path) -> None:
+    """With it its hand edits are gone, and CI saw nothing."""
+    assert run("regions", "--check", cwd=package).status == 0
+    (package / FILE).unlink()
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    assert (
+        f"unfit       {FILE}\n          it is missing; `git -C . checkout HEAD -- {FILE}` "
+        in shown.out
+    )

@@ -101,19 +101,22 @@ def test_a_removed_file_is_written_anew_with_a_word(
     file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
     said = "conserta/src/conserta/EDDIInput.py: it was missing and is written anew"
 
-    def again() -> list[str]:
+    def again() -> tuple[list[str], bool]:
         file.unlink()
-        return list(write().notes)
+        done = write()
+        assert not write().attention  # it is said once
+        return list(done.notes), done.attention
 
     write()
-    assert again() == [f"{said}, without hand edits"]
+    assert again() == ([f"{said}, without hand edits"], False)  # nobody knows of any
     git(tmp_path / "ws", "init", "-q")
     git(tmp_path / "ws", "add", ".")
     git(tmp_path / "ws", "commit", "-qm", "as it was generated")
-    assert again() == []  # what was committed, byte for byte
+    assert again() == ([], False)  # what was committed, byte for byte
     edit(file, "= RtE_E0.data", "= RtE_E0.data and True")
     git(tmp_path / "ws", "commit", "-qam", "a hand edit")
-    (note,) = again()
+    (note,), attention = again()
+    assert attention
     command = re.search("`git (.*)`", note)
     assert note.startswith(f"{said}, without hand edits; ")
     assert command is not None

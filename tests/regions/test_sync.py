@@ -528,7 +528,8 @@ def test_a_package_needs_no_editable_file(tmp_path: Path) -> None:
     write_file(tmp_path, ".eddi/generated/a.py", b"")
     sync_package(tmp_path)
     assert list_regions(tmp_path) == ()
-    write_bases(tmp_path, {"package.xml": "<package/>"})  # it had one
+    write_bases(tmp_path, {"package.xml": "<package/>"})  # it had one, and still has the file
+    write_file(tmp_path, "package.xml", b"<package/>")
     assert [one.state for one in list_regions(tmp_path)] == ["unfit"]
     shutil.rmtree(tmp_path / ".eddi")
     assert [one.state for one in list_regions(tmp_path)] == ["broken"]
