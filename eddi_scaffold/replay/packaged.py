@@ -90,7 +90,8 @@ class Packaged:
         if not left:
             return []
         message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
-        return [warning("I021", f"{message}: they are not used", hint="use --bag")]
+        hint = "use --bag, or test them: docs/how-to/test-a-body.md"
+        return [warning("I021", f"{message}: they are not used", hint=hint)]
 
     def raising(self, play: Play, report: Callable[[Problem], None]) -> Play:
         """Warn of the first exception of each hand-written method when it was raised (I023)."""
