@@ -6,7 +6,7 @@ codes, places and hints. What this module exports is public and changes only wit
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -39,7 +39,14 @@ __all__ = [
 ]
 
 
-def load(path: Path) -> Reading:
+def _paths(files: str | Path | Iterable[str | Path] | None) -> list[Path]:
+    """Return one file, several or none as a list; a text is one file, not its letters."""
+    if files is None:
+        return []
+    return [Path(files)] if isinstance(files, str | Path) else [Path(file) for file in files]
+
+
+def load(path: str | Path) -> Reading:
     """Read every model of a file: EDDI XML, or a model file of a kind.
 
     Args:
@@ -51,14 +58,14 @@ def load(path: Path) -> Reading:
     Raises:
         EddiError: the file cannot be opened (F001).
     """
-    return read_models(read_source(path))
+    return read_models(read_source(Path(path)))
 
 
-def check(files: Sequence[Path], platform: str | None = None) -> list[Problem]:
+def check(files: str | Path | Iterable[str | Path], platform: str | None = None) -> list[Problem]:
     """Check models and configurations, each by itself and as monitors together.
 
     Args:
-        files: models and configurations, in any order.
+        files: models and configurations, in any order; or one.
         platform: ``ros1``, ``ros2``, ``plain`` or ``dds``; by default models with configurations
             are checked for ROS 1, others by themselves.
 
@@ -68,13 +75,13 @@ def check(files: Sequence[Path], platform: str | None = None) -> list[Problem]:
     Raises:
         EddiError: there is no such platform (G008).
     """
-    return check_files(files, platform=platform)
+    return check_files(_paths(files), platform=platform)
 
 
 def generate(
-    folder: Path,
-    model: Path | None = None,
-    configs: Sequence[Path] = (),
+    folder: str | Path,
+    model: str | Path | None = None,
+    configs: str | Path | Iterable[str | Path] = (),
     platform: str = "ros1",
     *,
     runtime: str | None = None,
@@ -86,7 +93,7 @@ def generate(
     Args:
         folder: the workspace, or the folder of the packages on other platforms.
         model: the model file; ``None`` where the configurations name theirs.
-        configs: one ``eddi_config.yml`` for each monitor.
+        configs: one ``eddi_config.yml`` for each monitor, or one for one.
         platform: ``ros1``, ``ros2``, ``plain`` or ``dds``.
         runtime: where the runtime library is, ``vendored`` or ``installed``; by default as it is.
         single_process: whether one process runs all monitors of a workspace; by default as it is.
@@ -99,18 +106,19 @@ def generate(
         EddiError: an input cannot be used, or a package could not be written; nothing was changed.
     """
     target = chosen(platform)
-    root = packages_root(target, folder)
-    with at_work(() if dry_run else [root, folder]) as finished:
-        monitors, problems = monitors_of(model, configs, root=root)
+    place = Path(folder)
+    root = packages_root(target, place)
+    with at_work(() if dry_run else [root, place]) as finished:
+        monitors, problems = monitors_of(_paths(model), _paths(configs), root=root)
         asked = choices(runtime, single_process)
         made = assemble(monitors, target, root, problems, asked)
-        done = write_packages(root, made.packages, own_template(), within=folder, dry_run=dry_run)
+        done = write_packages(root, made.packages, own_template(), within=place, dry_run=dry_run)
     notes = list(dict.fromkeys([*finished, *done.notes]))
     return replace(done, notes=notes, left=[*done.left, *made.ageless])
 
 
 def run(
-    recording: Path, model: Path | None = None, config: Path | None = None
+    recording: str | Path, model: str | Path | None = None, config: str | Path | None = None
 ) -> Iterator[Mapping[str, JsonValue]]:
     """Run one monitor on recorded inputs, with the steps of its node; hand-written code is not run.
 
@@ -125,7 +133,7 @@ def run(
     Raises:
         EddiError: an input cannot be used, or the files hold several models (G005).
     """
-    monitors, _ = monitors_of(model, [config] if config is not None else [])
+    monitors, _ = monitors_of(_paths(model), _paths(config))
     monitor = only(monitors)
-    tape, _ = read_tape(read_source(recording), columns([monitor]))
+    tape, _ = read_tape(read_source(Path(recording)), columns([monitor]))
     yield from steps(play(of_values([monitor], [rhythm(monitor)]), tape))

@@ -84,6 +84,18 @@ def test_generate_and_run(tmp_path: Path) -> None:
     assert {"t", "outputs"} <= set(rows[0])
 
 
+def test_files_may_be_texts_and_one_file_alone(tmp_path: Path) -> None:
+    assert api.load(str(MODEL)).models == api.load(MODEL).models
+    for one in (MODEL, str(MODEL), iter([MODEL])):
+        assert api.check(one) == api.check([MODEL])
+    for number, config in enumerate((CONFIG, str(CONFIG), [str(CONFIG)])):
+        folder = tmp_path / str(number)
+        assert api.generate(str(folder), str(MODEL), config, "plain").changes
+        assert (folder / "conserta" / "EDDIInput.py").is_file()
+    words = (EXAMPLE / "recording.csv", MODEL, CONFIG)
+    assert list(api.run(*map(str, words))) == list(api.run(*words))
+
+
 def test_generate_needs_a_workspace(tmp_path: Path) -> None:
     sources = tmp_path / "src"
     sources.mkdir()
