@@ -35,7 +35,9 @@ from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
 from eddi_scaffold.regions.manifest import record_files, recorded_files
-from eddi_scaffold.regions.python_text import parse_python
+from eddi_scaffold.regions.marked_file import parse
+from eddi_scaffold.regions.placements import adopt_ids
+from eddi_scaffold.regions.python_text import parse_python, reason_of
 from eddi_scaffold.regions.result import Restored
 from eddi_scaffold.regions.store import EDDI, PRISTINE, SAVED, in_scratch, save_orphan, save_reject
 from eddi_scaffold.regions.sync import Refusal, SyncReport, next_base, sync_package
@@ -213,6 +215,7 @@ def _merge_package(
     work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
     anew = list(_written_anew(target, before, changes))
     work.notes += [f"{package.folder}/{note}" for note, _ in anew]
+    work.notes += [f"{package.folder}/{note}" for note in _regions_anew(before, changes)]
     work.notes += [
         f"{package.folder}/{note.file}: {note.text}"
         for note in merged.report.notes
@@ -340,12 +343,29 @@ def _committed_base(target: Path, path: str) -> str | None:
     return bases.get(path) or committed_text(target, f"{FORMER}/{path}")
 
 
+def _regions_anew(
+    before: Mapping[str, FileState], changes: Mapping[str, FileState | None]
+) -> Iterator[str]:
+    """Yield what is to be said of each region that somebody removed."""
+    record = before.get(f"{EDDI}/{BASES}")
+    for path, text in bases_of((record and record.text) or "").items():
+        states = (before.get(path), changes.get(path))
+        base, (old, new) = parse(text)[0], (parse((one and one.text) or "")[0] for one in states)
+        missing = base.regions.keys() - adopt_ids(old, base).regions.keys()
+        for id_ in sorted(missing & new.regions.keys() if path in before else ()):
+            yield f"{path}: the region {id_!r} was missing and is back, with the generated text"
+
+
 def _is_record(path: str) -> bool:
     """Tell whether a file is only of use to a package: neither a person's nor a saved text."""
     return path == ANSWERS_FILE or (path.startswith(".eddi/") and not path.startswith(SAVED))
 
 
 def _foreign(target: Path) -> EddiError:
+    if (target / EDDI).is_dir():
+        message = f"this package lacks its {ANSWERS_FILE}, which says what it was made of"
+        hint = f"`git -C {target} checkout -- {ANSWERS_FILE}` brings it back; or move it away"
+        return EddiError(error("H012", message, Place(str(target)), hint))
     hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
     return EddiError(
         error("H012", "the folder exists and was not generated", Place(str(target)), hint)
@@ -456,7 +476,7 @@ def _check_python(files: Mapping[str, FileState], names: Collection[str], target
             try:
                 parse_python(files[path].data)
             except SyntaxError as problem:
-                message = f"the hand-written code is not valid Python: {problem.msg}"
+                message = f"the hand-written code is not valid Python: {reason_of(problem)}"
                 place = Place(str(target / path), problem.lineno)
                 raise EddiError(error("H011", message, place)) from None
 

@@ -243,8 +243,8 @@ def _strange_parts(
         note = f"generated lines are of the rendering in {commit}; {cure}"
         found[_part_of(texts[commit])] = f"{note}; if the file is right, accept it"
     elif found:
-        cure = f"where you removed nothing: take {place} of the file's branch, then generate again"
-        found[[*found][-1]] += f"; {cure}; else accept the file"
+        branches = f"after a merge of branches, take {place} of the file's branch first"
+        found[[*found][-1]] += f"; generate again, and it is back ({branches}); or accept the file"
     return found
 
 

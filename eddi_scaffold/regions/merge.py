@@ -33,6 +33,7 @@ from .outside import (
     same_lines,
 )
 from .placements import Placement, Placements, adopt_ids, claim_bodies
+from .python_text import reason_of
 from .result import Merged, Note, Orphan, RefusedFile, patch_text
 
 FileFormat = Literal["python", "xml", "cmake", "lines"]
@@ -143,7 +144,7 @@ def check_text(path: str, text: str) -> Fault | None:
         elif kind_of(path) == "xml":
             expat.ParserCreate().Parse(text.encode(), True)
     except SyntaxError as problem:
-        return Fault(problem.lineno or 1, problem.msg)
+        return Fault(problem.lineno or 1, reason_of(problem))
     except expat.ExpatError as problem:
         return Fault(problem.lineno, expat.ErrorString(problem.code))
     except (RecursionError, MemoryError):

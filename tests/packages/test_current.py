@@ -12,6 +12,8 @@ from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.regions.check import list_regions
 from tests.checkouts import checkout, git, tree
 
 pytestmark = pytest.mark.slow
@@ -131,3 +133,43 @@ def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) ->
     before = tree(tmp_path / "ws")
     assert generate() == []
     assert tree(tmp_path / "ws") == before
+
+
+def test_a_removed_region_is_back_with_a_word(write: Callable[[], Outcome], tmp_path: Path) -> None:
+    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    write()
+    before = file.read_text("utf-8")
+    method = re.search(r"    def process_RtE_A_E0.*?(?=    def )", before, re.DOTALL)
+    assert method is not None
+    file.write_text(before.replace(method[0], ""), "utf-8")
+    (note,) = [one for one in list_regions(file.parents[2]) if one.state == "unfit"]
+    assert "generate again, and it is back" in note.notes[-1]
+    said = "the region 'input:RtE_A_E0' was missing and is back, with the generated text"
+    assert [one for one in write().notes if "missing" in one] == [
+        f"conserta/src/conserta/EDDIInput.py: {said}"
+    ]
+    assert file.read_text("utf-8") == before
+    assert not write().notes
+
+
+def test_a_decimal_comma_is_named(write: Callable[[], Outcome], tmp_path: Path) -> None:
+    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
+    write()
+    edit(file, "self.RtE_A_E0 = ", "self.RtE_A_E0 = 1 > 0,05 if 1 else ")
+    words = "'0,05': a decimal number has a point"
+    (unfit,) = [one for one in list_regions(file.parents[2]) if one.state == "unfit"]
+    assert words in unfit.notes[0]
+    with pytest.raises(EddiError) as refused:
+        write()
+    assert words in refused.value.problems[0].message
+
+
+def test_a_package_without_its_answers_is_not_taken_for_a_strangers(
+    write: Callable[[], Outcome], tmp_path: Path
+) -> None:
+    write()
+    (tmp_path / "ws" / "conserta" / ".copier-answers.yml").unlink()
+    with pytest.raises(EddiError) as refused:
+        write()
+    (problem,) = refused.value.problems
+    assert (problem.code, "checkout -- .copier-answers.yml" in str(problem.hint)) == ("H012", True)
