@@ -209,16 +209,17 @@ def _unreadable(name: str, problem: OSError) -> Problem:
     return error("F001", f"cannot read the file: {reason}", Place(name), hint)
 
 
-def near_file(path: Path, written: str) -> str | None:
+def near_file(path: Path, written: str, but: str = "") -> str | None:
     """Return the hint on a file of a near name in the folder of one that is missing.
 
     Args:
         path: where that one should be.
         written: how a person named it.
+        but: the file that names it, which is not meant.
     """
     try:
         there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
     except (OSError, ValueError):
         return None
-    near = nearest(path.name, there)
+    near = nearest(path.name, [name for name in there if name != but])
     return f"did you mean {str(Path(written).with_name(near))!r}?" if near is not None else None

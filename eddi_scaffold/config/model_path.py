@@ -40,7 +40,7 @@ def named_model_path(file: ConfigFile) -> Path | None:
             *(about_file(p, name, file.place(*where)) for p in failure.problems)
         ) from None
     except (OSError, ValueError):
-        near = near_file(path, name)
+        near = near_file(path, name, Path(file.name).name)
         hint = near or "a name is relative to the folder of the configuration"
         message = f"there is no file {name!r}"
         raise EddiError(error("F001", message, file.place(*where), hint)) from None

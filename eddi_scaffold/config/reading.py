@@ -116,7 +116,7 @@ def read_configs(
     """
     problems: list[Problem] = []
     configs: list[ConfigFile] = []
-    for path in files:
+    for path in dict.fromkeys(files):  # the same one twice is one monitor
         config, found = read_config(read_source(path), robot)
         problems += found
         configs += [config] if config is not None else []

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.config.fleet.reading import is_fleet
+from eddi_scaffold.config.model_path import named_model_path
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
 from eddi_scaffold.positioned_yaml.nodes import read_map
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
@@ -62,6 +65,10 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         return _read_eddi(source, default_guarantees)
     if is_config(source):
         hint = "name the EDDI XML or ConSert YAML that it belongs to"
+        with suppress(EddiError):  # told where the configuration is read
+            config, _ = read_config(source)
+            named = named_model_path(config) if config is not None else None
+            hint = f"name its model: {named}" if named is not None else hint
         message = "this is an eddi_config.yml, not a model"
         return Reading((), (error("F008", message, Place(source.name), hint),))
     if is_fleet(source):

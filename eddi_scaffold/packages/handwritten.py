@@ -19,7 +19,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
-from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.bases import read_bases
 from eddi_scaffold.regions.check import Doubts, RegionStatus, accept, list_regions, regions_of
 from eddi_scaffold.regions.markers import Marker, read_marker
@@ -249,7 +249,10 @@ def accept_regions(folder: Path, words: Iterable[str]) -> Sequence[str]:
             accepted |= {names[done] for done in accept(package, names)}
     for missing in sorted(wanted - accepted):
         message = f"there is nothing {missing!r} to accept below {folder}"
-        raise EddiError(error("U004", message, Place(str(folder))))
+        ids = [one.id for package in packages for one in regions_of(package)]
+        near = next((id_ for id_ in ids if id_.partition(":")[2] == missing), missing)
+        hint = did_you_mean(near, ids) if missing not in ids else None
+        raise EddiError(error("U004", message, Place(str(folder)), hint))
     return sorted(accepted)
 
 

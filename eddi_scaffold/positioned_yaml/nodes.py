@@ -267,6 +267,8 @@ class _Composer:
         """Return the hint for an operator of expressions that YAML takes for its own."""
         if "alias" in context:
             return "put the text with `*` in quotes"
+        if re.search(r"[:,\[-]\s+%", self._line(line)):
+            return "write `percent`, or put the text in quotes"
         return _NOT if re.search(r"[:,\[-]\s+!", self._line(line)) else None
 
     def _line(self, number: int) -> str:

@@ -323,6 +323,8 @@ def _plain(part: str, start: int) -> _Cell:
 
 
 def _hint(cell: _Cell) -> str | None:
+    if cell.text.endswith("%"):
+        return "write the number alone: 80 where the unit is percent, 0.8 where it is fraction"
     return _POINT if "," in cell.text else None
 
 

@@ -53,6 +53,11 @@ def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package
     assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
 
 
+def test_an_id_without_its_kind_is_meant_for_that_region(package: Path) -> None:
+    refused = run("regions", "--accept", "RtE_A_E0", cwd=package)
+    assert (refused.status, "did you mean 'input:RtE_A_E0'?" in refused.err) == (2, True)
+
+
 def test_an_attribute_that_nobody_sets_is_looked_at(package: Path) -> None:
     """It would raise in every step, and the input stay unknown."""
     edit(package, BODY, "        self.RtE_A_E0 = RtE_E0.data and self.enabled\n")

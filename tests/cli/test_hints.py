@@ -1,0 +1,68 @@
+"""What a person may have meant is said where it is cheap to know."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import run
+
+MODEL = """guarantees:
+  - id: MayDrive
+    dimensions: [Binary: {type: MayDrive}]
+demands: []
+evidence:
+  - id: Charge
+    dimension:
+      Numeric: {type: Charge, covered: [Inclusive: {start: 20, end: 100}], subset: Demand, uom: "%"}
+gates: []
+tree_propagations: [{from: Charge, to: MayDrive}]
+required_services: []
+provided_services:
+  - {id: Driving, functional_service_type: DrivingType, guarantees: [MayDrive]}
+"""
+CONFIG = """Model: {id: cart, type: ConSert, frequency: 10, parameters: [{model: cart.yml}]}
+SimulatorOutputs: [{id: battery, type: sensor_msgs.BatteryState, topic: battery}]
+EDDIInputs:
+  - {id: Charge, type: float, requires: [battery], field: percentage, unit: fraction, max_age: 5}
+EDDIOutputs: [{id: cart, topic: cart/guarantees}]
+"""
+
+
+@pytest.fixture
+def cart(tmp_path: Path) -> Path:
+    (tmp_path / "cart.yml").write_text(MODEL)
+    (tmp_path / "cart_config.yml").write_text(CONFIG)
+    return tmp_path
+
+
+def test_percent_has_a_sign(cart: Path) -> None:
+    assert run("check", "cart_config.yml", cwd=cart).status == 0
+    (cart / "sign.yml").write_text(CONFIG.replace("unit: fraction", "unit: %"))
+    refused = run("check", "sign.yml", cwd=cart)
+    assert (refused.status, "write `percent`" in refused.err) == (1, True), refused.err
+    (cart / "drive.csv").write_text("t,Charge\n0.0,80%\n")
+    refused = run("run", "cart_config.yml", "--inputs", "drive.csv", cwd=cart)
+    assert (refused.status, "write the number alone: 80 where" in refused.err) == (2, True)
+
+
+def test_a_configuration_is_not_taken_for_its_own_model(cart: Path) -> None:
+    shutil.move(cart / "cart.yml", cart / "kept_elsewhere.txt")
+    refused = run("check", "cart_config.yml", cwd=cart)
+    assert "[F001]" in refused.err
+    assert "did you mean" not in refused.err
+
+
+def test_in_place_of_a_configuration_its_model_is_named(cart: Path) -> None:
+    for command in (("connect", "cart_config.yml"), ("compose", "cart_config.yml")):
+        refused = run(*command, cwd=cart)
+        assert (refused.status, "name its model: cart.yml" in refused.err) == (2, True), command
+
+
+def test_one_configuration_named_twice_is_one_monitor(cart: Path) -> None:
+    twice = ("-c", "cart_config.yml", "-c", "cart_config.yml")
+    done = run("generate", "--platform", "plain", "-o", "out", *twice, cwd=cart)
+    assert done.status == 0, done.err
+    assert [one.name for one in (cart / "out").iterdir()] == ["cart"]
