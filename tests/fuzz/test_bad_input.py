@@ -95,7 +95,7 @@ def refused(folder: Path, model: str, config: str | None, platform: str) -> bool
     configs = [folder / config] if config else []
     try:
         monitors, problems = monitors_of(folder / model, configs)
-        assemble(monitors, platforms()[platform], folder / "packages", problems)
+        assemble(monitors, platforms()[platform], folder / "elsewhere", problems)
     except EddiError:
         return True
     return False
