@@ -37,7 +37,13 @@ from eddi_scaffold.cli.everywhere import with_global_options
 
 
 class _Groups(TyperGroup):
-    """Lists commands below the headings of ``COMMANDS``."""
+    """Lists commands below the headings of ``COMMANDS``; ``help`` and ``version`` are options."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the first words."""
+        if args[:1] in (["help"], ["version"]):
+            args = [*args[1:], f"--{args[0]}"]
+        return super().parse_args(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each group, all of one width."""
