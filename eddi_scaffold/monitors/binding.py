@@ -53,6 +53,8 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
+_STEPS = 1000
+"""In which a fraction is tried."""
 _MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
 
 
@@ -499,7 +501,10 @@ class _InputBinder:
     def _check_unit(self, given: Sequence[str], what: str) -> None:
         """Compare the unit that a value has with the one that the input is declared to have."""
         wanted = self.entry.unit if self.entry.unit is not None else self.item.unit
-        if wanted is None or self.item.units is None or not units.contradict(given, wanted):
+        if wanted is None or self.item.units is None:
+            return
+        if not units.contradict(given, wanted):
+            self._check_reach(given, what)
             return
         factors = [units.factor(unit, wanted) for unit in given]
         shown = " or ".join(unit for unit in given)
@@ -511,6 +516,16 @@ class _InputBinder:
         unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
         times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
         self._error("K052", message, key, f"write `unit: {unit}`, which is converted: {times}")
+
+    def _check_reach(self, given: Sequence[str], what: str) -> None:
+        """Warn of a fraction of which nothing is accepted: the range is meant in percent."""
+        good, one = self.item.is_good, units.factor("fraction", self.item.unit or "")
+        if tuple(given) != ("fraction",) or good is None or one is None:
+            return
+        if not any(good(float(one * n) / _STEPS) for n in range(_STEPS + 1)):
+            message = f"{what} is from 0 to 1, and nothing of that is in {self.item.covered}"
+            hint = "is the range of the model in percent? Write `uom: percent` there"
+            self.problems.append(warning("K052", message, self._place(self._given_by), hint))
 
     @property
     def _given_by(self) -> str:

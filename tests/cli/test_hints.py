@@ -61,6 +61,21 @@ def test_in_place_of_a_configuration_its_model_is_named(cart: Path) -> None:
         assert (refused.status, "name its model: cart.yml" in refused.err) == (2, True), command
 
 
+def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
+    (cart / "cart.yml").write_text(MODEL.replace('"%"', '""'))
+    told = run("check", "cart_config.yml", cwd=cart)
+    assert (told.status, "[K052]" in told.err, "`uom: percent`" in told.err) == (0, True, True)
+    (cart / "cart.yml").write_text(MODEL.replace('"%"', '""').replace("start: 20", "start: 0.999"))
+    assert "[K052]" not in run("check", "cart_config.yml", cwd=cart).err
+
+
+def test_help_and_version_may_be_words(cart: Path) -> None:
+    for word in ("help", "version"):
+        assert run(word, cwd=cart) == run(f"--{word}", cwd=cart)
+    assert run("help", "show", cwd=cart) == run("show", "--help", cwd=cart)
+    assert run("help", cwd=cart).status == 0
+
+
 def test_one_configuration_named_twice_is_one_monitor(cart: Path) -> None:
     twice = ("-c", "cart_config.yml", "-c", "cart_config.yml")
     done = run("generate", "--platform", "plain", "-o", "out", *twice, cwd=cart)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from eddi_scaffold.kinds.consert.model import ConSert
 
+_NO_UNIT = 'write its unit, such as `uom: percent`; `uom: ""` is a ratio, 0.2 for 20 %'
+
 
 def check_dimensions(consert: ConSert) -> list[Problem]:
     """Check every dimension of evidence, demands and guarantees."""
@@ -99,7 +101,7 @@ def _overlaps(dimension: NumericDimension, what: str, place: Place) -> Iterator[
 def _unit(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
     if dimension.uom is None:
         message = f"dimension {shown(dimension.type)} of {what} has no unit"
-        yield warning("C017", message, place, 'write `uom: ""` for a ratio')
+        yield warning("C017", message, place, _NO_UNIT)
     elif units.find(dimension.uom) is None:
         message = f"unknown unit {shown(dimension.uom)} in {what}; known units: {units.listed()}"
         hint = did_you_mean(dimension.uom, [s for s in units.spellings() if s])
