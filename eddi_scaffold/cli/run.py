@@ -161,6 +161,11 @@ def _package(files: Sequence[Path], **others: object) -> Packaged | None:
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
     if folder is None:
+        inside = [one for path in files for one in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
+        if inside:
+            message = "this folder holds packages, and one of them runs"
+            hint = f"name it: {' or '.join(str(one.parent) for one in inside)}"
+            raise EddiError(error("G020", message, Place(str(inside[0].parent.parent)), hint))
         return None
     if len(files) > 1 or any(others.values()):
         message = "a package has its model and its configuration, and runs alone"

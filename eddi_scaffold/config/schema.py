@@ -41,6 +41,11 @@ _HERTZ = {"hz": 1.0, "khz": 1e3}
 
 _LONGEST_GRACE = 1e6
 """Seconds that inputs may wait for their first message: more is not a limit at all."""
+_NOT_IN_ROS = {
+    "double": "float64", "float": "float32", "int": "int32", "long": "int64", "boolean": "bool",
+    "str": "string",
+}  # fmt: skip
+"""Names of types in C++ and Python -> those of message files."""
 
 
 def _plain_number(value: object, units: Mapping[str, float]) -> str | None:
@@ -161,12 +166,21 @@ def _digest(text: str) -> str:
     return text
 
 
+def _field_type(text: str) -> str:
+    name, bracket, length = text.partition("[")
+    meant = _NOT_IN_ROS.get(name)
+    if meant is not None:
+        raise ValueError(f"{name!r} is no type of ROS messages; write {meant + bracket + length}")
+    return text
+
+
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
 MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
 FileName = Annotated[StrictStr, AfterValidator(_file_name)]
 Line = Annotated[StrictStr, AfterValidator(_line)]
 Topic = Annotated[StrictStr, AfterValidator(_topic)]
 MessageType = Annotated[StrictStr, AfterValidator(_message_type)]
+FieldType = Annotated[StrictStr, AfterValidator(_field_type)]
 Default = StrictBool | StrictInt | StrictFloat | StrictStr | None
 
 
@@ -368,7 +382,7 @@ class Config(_Section):
     EDDIOutputs: list[OutputEntry] = []
     Fleet: FleetSection | None = None
     Package: PackageSection = PackageSection()
-    MessageTypes: dict[MessageType, dict[StrictStr, StrictStr]] = {}
+    MessageTypes: dict[MessageType, dict[StrictStr, FieldType]] = {}
     connect: ConnectSection = Field(ConnectSection(), exclude=True)  # no package depends on it
 
 

@@ -76,6 +76,25 @@ def test_help_and_version_may_be_words(cart: Path) -> None:
     assert run("help", cwd=cart).status == 0
 
 
+def test_a_type_of_another_language_is_named(cart: Path) -> None:
+    (cart / "typed.yml").write_text(
+        f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: 'double[3]'}}}}\n"
+    )
+    refused = run("check", "typed.yml", cwd=cart)
+    assert "'double' is no type of ROS messages; write float64[3] [K005]" in refused.err
+    (cart / "typed.yml").write_text(f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: float64}}}}\n")
+    assert run("check", "typed.yml", cwd=cart).status == 0
+
+
+def test_of_a_folder_of_packages_one_runs(cart: Path) -> None:
+    (cart / "drive.csv").write_text("t,Charge\n0.0,0.8\n")
+    place = ("--platform", "plain", "-o", "out", "-c", "cart_config.yml")
+    assert run("generate", *place, cwd=cart).status == 0
+    refused = run("run", "out", "--inputs", "drive.csv", cwd=cart)
+    assert (refused.status, "name it: out/cart\n" in refused.err) == (2, True), refused.err
+    assert run("run", "out/cart", "--inputs", "drive.csv", cwd=cart).status == 0
+
+
 def test_one_configuration_named_twice_is_one_monitor(cart: Path) -> None:
     twice = ("-c", "cart_config.yml", "-c", "cart_config.yml")
     done = run("generate", "--platform", "plain", "-o", "out", *twice, cwd=cart)
