@@ -148,6 +148,12 @@ def test_words_that_are_not_understood(words):
         arguments(["--ros-args", *words], "rover")
 
 
+@pytest.mark.parametrize("words", [["--help"], ["-p", "frequency:=5.0"], ["-p", "--ros-args"]])
+def test_an_option_before_ros_args_starts_nothing(words):
+    with pytest.raises(StartError, match=f"{words[0]}: --ros-args -r NAME:=NAME"):
+        arguments(words, "rover")
+
+
 def test_a_parameter_that_nothing_reads_is_said(monkeypatch, capsys):
     class Rover(MonitorNode):
         NAME, FREQUENCY, STARTUP_GRACE = "rover", 10.0, 10.0

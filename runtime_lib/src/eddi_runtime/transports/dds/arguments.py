@@ -49,7 +49,7 @@ class Arguments(NamedTuple):
 
 
 def arguments(words: Sequence[str], name: str) -> Arguments:
-    """Return what the words of a command line say; words before ``--ros-args`` are not ours.
+    """Return what the words of a command line say; only options are read.
 
     Args:
         words: of the command line, without the program.
@@ -85,9 +85,11 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
 def _pairs(words: Sequence[str]) -> List[List[str]]:
     """Return option and value of all between ``--ros-args`` and ``--``."""
     given = list(words)
-    if "--ros-args" not in given:
-        return []
-    given = given[given.index("--ros-args") + 1 :]
+    begin = given.index("--ros-args") if "--ros-args" in given else len(given)
+    for word in given[:begin]:
+        if word.startswith("-"):  # such as --help, or -p: to ignore it would be to start otherwise
+            raise StartError(f"{word}: --ros-args -r NAME:=NAME -p NAME:=VALUE is expected")
+    given = given[begin + 1 :]
     given = given[: given.index("--")] if "--" in given else given
     pairs = [given[k : k + 2] for k in range(0, len(given), 2)]
     for pair in pairs:
