@@ -205,7 +205,11 @@ def _bound(text: str, where: str) -> tuple[str, Fraction | None]:
 def _range_text(covered: list[Any], unit: Any, factor: tuple[int, int] | None) -> str:
     parts = [f"[{r['start']}, {r['end']}{']' if r['inclusive'] else ')'}" for r in covered]
     text = " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
-    return text if factor is None else f"{text} (after times {factor[0]}/{factor[1]})"
+    if factor is None:
+        return text
+    short = max(factor) < 10**6
+    times = f"{factor[0]}/{factor[1]}" if short else f"{factor[0] / factor[1]:.6g}"
+    return f"{text} (after times {times})"
 
 
 def _gates(items: list[Any]) -> dict[str, bool]:
