@@ -174,7 +174,10 @@ class ExpressionParser(Cursor):
         if self._is_symbol(")"):
             self._fail("E005", f"{token.word} needs a duration", hint=f"{token.word}(x, 5s)")
         self._expect(",", "',' and a duration such as 5s")
-        at = self._token.start
+        at, word = self._token.start, self._token.word
+        if word in LIST_OPTIONS and word != "COVERAGE":
+            hint = f"[*] behind the list, for its elements: {token.word}(x[*], {word} ...)"
+            self._fail("E006", f"{word} is for a list", hint=hint)
         length = self._duration("E005")
         coverage = None
         if self._is_symbol(","):
@@ -201,7 +204,9 @@ class ExpressionParser(Cursor):
             message = f"{function.word} takes no COVERAGE"
             self._findings.error("E014", word.start, message)
         elif not 0 < share <= 1:
-            self._findings.error("E014", number.start, "the coverage must be above 0 and at most 1")
+            hint = f"{word.word} {share / 100:g}" if 10 <= share <= 100 else None  # percent
+            message = "the coverage must be above 0 and at most 1"
+            self._findings.error("E014", number.start, message, hint)
         return share
 
     def _reduction(self, token: Token, argument: int) -> int:

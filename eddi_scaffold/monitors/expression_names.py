@@ -86,12 +86,19 @@ class ExpressionNames:
         of = "float" if found.type in ("time", "duration") else found.type
         if of is not None and of not in _TYPES:
             message = f"{name} is a {of}; an expression needs a number or a boolean"
-            self.problems.append(error("K020", message, locate(at)))
+            self.problems.append(error("K020", message, locate(at), self._inside(name, of)))
             return None
         advice = f"declare the fields of {source.type} below MessageTypes"
         type_, known = _TYPES.get(of or ""), of is not None
         variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
         return self._documented(variable, found.path, source)
+
+    def _inside(self, name: str, of: str) -> str | None:
+        """Return the hint at what can be read of a list or a message."""
+        if of.endswith("]"):
+            return f"its elements: MIN({name}[*])"
+        known = [f"{name}.{one}" for one in self._fields_of(of) or ()]
+        return f"there are: {', '.join(known)}" if known else None
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
         """Check what is read without a name in the text: the angles of a scan."""
