@@ -45,7 +45,7 @@ _HOUR = 3600
 RATIO = Unit("", "ratio", names=("fraction",))
 UNITS: tuple[Unit, ...] = (
     RATIO,
-    Unit("percent", "ratio", Fraction(1, 100), ("pct", "%")),
+    Unit("percent", "ratio", Fraction(1, 100), ("pct",)),
     *_units(
         "length",
         ("m", 1, "meter"),

@@ -17,6 +17,8 @@ NOT_IN_THE_FILES = {
     "G001 no configuration": "a model by itself is asked for no platform without `--platform`",
     "G006 no workspace": "an option is missing",
     "G006 the folder of another platform": "an option is missing",
+    "G001 a package that would lose its configuration": "about a package that is there",
+    "G001 a renamed package that would lose it": "about a package that is there",
     "G006 no folder": "an option is missing",
     "G007 no such workspace": "about the destination",
     "G007 the folder of the sources": "about the destination",

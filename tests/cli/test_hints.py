@@ -16,7 +16,8 @@ demands: []
 evidence:
   - id: Charge
     dimension:
-      Numeric: {type: Charge, covered: [Inclusive: {start: 20, end: 100}], subset: Demand, uom: "%"}
+      Numeric:
+        {type: Charge, covered: [Inclusive: {start: 20, end: 100}], subset: Demand, uom: percent}
 gates: []
 tree_propagations: [{from: Charge, to: MayDrive}]
 required_services: []
@@ -38,11 +39,14 @@ def cart(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_percent_has_a_sign(cart: Path) -> None:
+def test_a_sign_is_not_percent(cart: Path) -> None:
     assert run("check", "cart_config.yml", cwd=cart).status == 0
     (cart / "sign.yml").write_text(CONFIG.replace("unit: fraction", "unit: %"))
     refused = run("check", "sign.yml", cwd=cart)
     assert (refused.status, "write `percent`" in refused.err) == (1, True), refused.err
+    (cart / "sign_model.yml").write_text(MODEL.replace("percent", '"%"'))
+    refused = run("check", "sign_model.yml", cwd=cart)
+    assert (refused.status, "hint: write percent" in refused.err) == (1, True), refused.err
     (cart / "drive.csv").write_text("t,Charge\n0.0,80%\n")
     refused = run("run", "cart_config.yml", "--inputs", "drive.csv", cwd=cart)
     assert (refused.status, "write the number alone: 80 where" in refused.err) == (2, True)
@@ -62,10 +66,11 @@ def test_in_place_of_a_configuration_its_model_is_named(cart: Path) -> None:
 
 
 def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
-    (cart / "cart.yml").write_text(MODEL.replace('"%"', '""'))
+    without = MODEL.replace("percent", '""')
+    (cart / "cart.yml").write_text(without)
     told = run("check", "cart_config.yml", cwd=cart)
     assert (told.status, "[K052]" in told.err, "`uom: percent`" in told.err) == (0, True, True)
-    (cart / "cart.yml").write_text(MODEL.replace('"%"', '""').replace("start: 20", "start: 0.999"))
+    (cart / "cart.yml").write_text(without.replace("start: 20", "start: 0.999"))
     assert "[K052]" not in run("check", "cart_config.yml", cwd=cart).err
 
 

@@ -33,7 +33,7 @@ COMMANDS = {
     "diagram two_conserts.xml --name ConSertA": 0,
     "compose yml/ConSertA.yml": 1,
     "upgrade packages/conserta -m two_conserts.xml -c consert_a_config.yml --dry-run": 0,
-    "generate --platform plain -o packages -m two_conserts.xml --name ConSertA --dry-run": 0,
+    f"generate --platform plain -o packages {TWO} --dry-run": 0,
     "adopt old -o adopted --dry-run": 3,
     "parse-rossystem -s rover.rossystem -m nodes --dry-run": 0,
     "check deployment.yml": 0,

@@ -28,7 +28,11 @@ def test_the_sync_of_copier_starts_no_command_of_a_package(
 
 
 @pytest.mark.parametrize(
-    "command", ["upgrade -w packages", "generate --platform plain -o packages -m two_conserts.xml"]
+    "command",
+    [
+        "upgrade -w packages",
+        "generate --platform plain -o packages -m two_conserts.xml -c consert_a_config.yml",
+    ],
 )
 def test_commands_that_write_start_none(command: str, world: World) -> None:
     repositories.bare_look_alike(world)

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -207,8 +208,9 @@ def _range_text(covered: list[Any], unit: Any, factor: tuple[int, int] | None) -
     text = " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
     if factor is None:
         return text
-    short = max(factor) < 10**6
-    times = f"{factor[0]}/{factor[1]}" if short else f"{factor[0] / factor[1]:.6g}"
+    times = f"{factor[0]}/{factor[1]}"
+    if max(factor) >= 10**6:
+        times = f"{Decimal(factor[0]) / Decimal(factor[1]):.6g}"
     return f"{text} (after times {times})"
 
 

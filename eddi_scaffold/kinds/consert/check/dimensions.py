@@ -104,5 +104,6 @@ def _unit(dimension: NumericDimension, what: str, place: Place) -> Iterator[Prob
         yield warning("C017", message, place, _NO_UNIT)
     elif units.find(dimension.uom) is None:
         message = f"unknown unit {shown(dimension.uom)} in {what}; known units: {units.listed()}"
-        hint = did_you_mean(dimension.uom, [s for s in units.spellings() if s])
+        near = did_you_mean(dimension.uom, [s for s in units.spellings() if s])
+        hint = "write percent" if dimension.uom == "%" else near
         yield error("C016", message, place, hint)
