@@ -266,10 +266,11 @@ def _merged(
         _copy(before, staged)
         _refuse(broken_files(staged), target)
         # outside edits are merged per definition, which text that is not Python does not have
-        _check_python(before, read_bases(staged), target)
-        waiting = {name: text for name, text in read_bases(staged).items() if name in skipped}
+        bases = read_bases(staged)
+        _check_python(before, bases, target)
+        waiting = {name: text for name, text in bases.items() if name in skipped}
         if waiting:  # they stay as they are on the disk
-            write_bases(staged, {n: t for n, t in read_bases(staged).items() if n not in waiting})
+            write_bases(staged, {n: t for n, t in bases.items() if n not in waiting})
     _copy_rendering(rendered, staged, skipped)
     for body in package.saved:
         save_orphan(staged, body)
@@ -322,10 +323,10 @@ def _written_anew(
 
     With it: whether git knows of hand edits that were in it.
     """
-    record = before.get(f"{EDDI}/{BASES}")
-    merged = {f"{FORMER}/{path}" for path in bases_of((record and record.text) or "")}
+    editable = _bases_before(before)
     for path, state in sorted(changes.items()):
-        if path in before or state is None or f"{FORMER}/{path}" not in {*merged, *before}:
+        was_made = path in editable or f"{FORMER}/{path}" in before
+        if path in before or state is None or not was_made:
             continue
         committed = committed_text(target, path)
         if committed != state.text:
@@ -335,6 +336,11 @@ def _written_anew(
                 + (there if committed is not None else ""),
                 committed not in {None, _committed_base(target, path)},
             )
+
+
+def _bases_before(before: Mapping[str, FileState]) -> Mapping[str, str]:
+    record = before.get(f"{EDDI}/{BASES}")
+    return bases_of((record and record.text) or "")
 
 
 def _committed_base(target: Path, path: str) -> str | None:
@@ -347,8 +353,7 @@ def _regions_anew(
     before: Mapping[str, FileState], changes: Mapping[str, FileState | None]
 ) -> Iterator[str]:
     """Yield what is to be said of each region that somebody removed."""
-    record = before.get(f"{EDDI}/{BASES}")
-    for path, text in bases_of((record and record.text) or "").items():
+    for path, text in _bases_before(before).items():
         states = (before.get(path), changes.get(path))
         base, (old, new) = parse(text)[0], (parse((one and one.text) or "")[0] for one in states)
         missing = base.regions.keys() - adopt_ids(old, base).regions.keys()

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -156,12 +156,16 @@ def until_written(
         packages: from the name of a package to the folders where it is.
     """
 
+    @cache
+    def edited(package: str) -> list[list[str]]:
+        return [written(one) for one in packages(package)]
+
     def is_written(problem: Problem) -> bool:
         if not isinstance(problem, UntilWritten):
             return False
         regions = {f"input:{name}" for name in problem.inputs}
-        there = packages(problem.package)
-        return bool(there) and all(regions.intersection(written(one)) for one in there)
+        there = edited(problem.package)
+        return bool(there) and all(map(regions.intersection, there))
 
     return [problem for problem in problems if not is_written(problem)]
 
@@ -213,11 +217,11 @@ def doubts_of(package: Path) -> Doubts:
         config = None
     if config is None:
         return doubtful_names
-    whole = {k: v for k, v in known_messages().items() if k not in config.config.MessageTypes}
+    known = known_messages()
     messages = {
-        attribute(one.id): (one.type, whole[one.type])
+        attribute(one.id): (one.type, known[one.type])
         for one in config.config.SimulatorOutputs
-        if one.type in whole
+        if one.type in known and one.type not in config.config.MessageTypes
     }
     return partial(doubtful_names, messages=messages)
 
