@@ -12,7 +12,6 @@ import autopep8
 import black
 import pytest
 from hypothesis import settings
-from yapf.yapflib.yapf_api import FormatCode
 
 from eddi_scaffold.regions.generated import as_placed
 from eddi_scaffold.regions.manifest import digests_of
@@ -39,11 +38,18 @@ def each_file(layout: Callable[[str], str]) -> Callable[[Path], None]:
     return format_folder
 
 
+def yapf(text: str) -> str:
+    # Its import writes a cache in place: workers that collect at once would read half of it.
+    from yapf.yapflib.yapf_api import FormatCode
+
+    return str(FormatCode(text, style_config="pep8")[0])
+
+
 FORMATTERS: dict[str, Callable[[Path], None]] = {
     "ruff": ruff,
     "ruff-40": lambda folder: ruff(folder, "--line-length", "40"),
     "black": each_file(lambda text: black.format_str(text, mode=black.Mode())),
-    "yapf": each_file(lambda text: str(FormatCode(text, style_config="pep8")[0])),
+    "yapf": each_file(yapf),
     "autopep8": each_file(autopep8.fix_code),
 }
 EDITS = {
