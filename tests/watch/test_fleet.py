@@ -56,6 +56,19 @@ def test_states_reasons_and_since_when() -> None:
     assert (only(state).name, only(state).title, only(state).digest) == ("Cart", "ConSert", "ab")
 
 
+def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
+    from eddi_runtime.bayesian_network import threshold_monitor
+    from eddi_runtime.event import monitor
+
+    from eddi_scaffold.kinds.bayesian_network import verdicts
+
+    assert verdicts.WORDS == threshold_monitor._REASONS
+    for verdict, reasons in ((FALSE, monitor._REASONS[:1]), (TRUE, ())):
+        event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
+        ((said,), *_) = vars(heard()["eddi_messages/EventOutput"].listen(event)).values()
+        assert said.reasons == reasons
+
+
 def test_silence_makes_every_verdict_unknown_and_the_next_message_known_again() -> None:
     state = FleetState(patience=3.0)
     for k in range(10):

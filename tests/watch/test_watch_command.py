@@ -31,6 +31,11 @@ def test_a_line_for_each_change(bag: Path, tmp_path: Path) -> None:
     lines = result.out.splitlines()
     assert "    12.300  /robot1  warehouse  FullSpeed  not active   PathClear" in lines
     assert "    18.900  /robot1  warehouse  FullSpeed  active" in lines
+    held = "/robot1  localisation  PoseIsGood  unknown   it holds, but not for long enough yet"
+    assert f"     0.100  {held}" in lines
+    assert "     0.100  /robot1  people  in_scope  unknown   the window is not full yet" in lines
+    differs = "/robot1  people  in_scope  not active   the samples differ from the reference"
+    assert f"    26.600  {differs}" in lines
     gone = "  /robot2  warehouse  StandStill  unknown   no message for more than 3 s"
     assert sum(line.endswith(gone) for line in lines) == 1
     times = [float(line[:10]) for line in lines]

@@ -6,6 +6,14 @@ from typing import Any
 
 from eddi_scaffold.verdicts import Listen, Said, Verdict, state_of
 
+WORDS = {
+    "error": "a hand-written method failed",
+    "hold": "it holds, but not for long enough yet",
+    "inconsistent": "the evidence has probability zero",
+    "no time": "the step has no time",
+}
+"""Reason of a threshold -> what the node's diagnostics say."""
+
 
 def _facts(status: Any) -> Said:
     reasons = (*status.unknown_inputs, *status.undecided)
@@ -31,7 +39,9 @@ def _thresholds(evidence: Any) -> Said:
 def _reasons(one: Any, unknown: tuple[str, ...]) -> tuple[str, ...]:
     if one.active or not one.reason:
         return ()
-    return unknown if one.reason == "unknown inputs" and unknown else (one.reason,)
+    if one.reason == "unknown inputs" and unknown:
+        return unknown
+    return (WORDS.get(one.reason, one.reason),)
 
 
 VERDICTS: dict[str, Listen] = {
