@@ -11,9 +11,9 @@ import typer
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
-    ModelFile,
     Name,
     NodeModels,
+    OptionalModelFile,
     PlatformName,
     Runtime,
     SingleProcess,
@@ -24,7 +24,6 @@ from eddi_scaffold.platforms import DEFAULT
 
 
 def answers(
-    model: ModelFile,
     output: Annotated[
         Path,
         typer.Option(
@@ -34,6 +33,7 @@ def answers(
             help="File to write; with --all a folder.",
         ),
     ],
+    model: OptionalModelFile = None,
     config: Annotated[
         Path | None, typer.Option("-c", "--config", help="eddi_config.yml of the monitor.")
     ] = None,

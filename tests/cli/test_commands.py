@@ -259,6 +259,18 @@ def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
     assert many.err.count("copier copy") == len(files_below(folder / "all")) == 5
 
 
+def test_answers_take_the_model_that_a_configuration_names(folder: Path) -> None:
+    config = folder / "named_config.yml"
+    text = (folder / CONFIG).read_text("utf-8")
+    named = f"type: ConSert\n  parameters: [{{model: {MODEL}}}]"
+    config.write_text(text.replace("type: ConSert", named), "utf-8")
+    for words, file in ((("-m", MODEL), "given.yml"), ((), "named.yml")):
+        result = run("answers", *words, "-c", config.name, "-o", file, cwd=folder)
+        assert result.status == 0, result.err
+    assert (folder / "given.yml").read_bytes() == (folder / "named.yml").read_bytes()
+    assert "[G015]" in run("answers", "-o", "nothing.yml", cwd=folder).err
+
+
 # packages
 
 
