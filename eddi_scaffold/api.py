@@ -15,6 +15,7 @@ from eddi_scaffold.kinds import JsonValue, Model, Reading
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
+from eddi_scaffold.packages.handwritten import until_written_near
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import at_work, packages_root
 from eddi_scaffold.platforms import choices, chosen
@@ -67,15 +68,17 @@ def check(files: str | Path | Iterable[str | Path], platform: str | None = None)
     Args:
         files: models and configurations, in any order; or one.
         platform: ``ros1``, ``ros2``, ``plain`` or ``dds``; by default models with configurations
-            are checked for ROS 1, others by themselves.
+            are checked for ROS 1, with ``lifecycle`` for ROS 2, others by themselves.
 
     Returns:
-        Every problem; the files are sound when no ``Problem.level`` is ``error``.
+        Every problem; the files are sound when no ``Problem.level`` is ``error``. What is to be
+        written by hand is none once it is, in a package near the files.
 
     Raises:
         EddiError: there is no such platform (G008).
     """
-    return check_files(_paths(files), platform=platform)
+    given = _paths(files)
+    return until_written_near(check_files(given, platform=platform), given)
 
 
 def generate(

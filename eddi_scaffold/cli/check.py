@@ -27,7 +27,7 @@ def check(
         str | None,
         typer.Option(
             help=f"{PLATFORMS}: can monitors be generated for it? By default, of what has a "
-            f"configuration, for {DEFAULT}."
+            f"configuration, for {DEFAULT}, with lifecycle for ros2."
         ),
     ] = None,
     as_json: Json = False,
@@ -41,13 +41,12 @@ def check(
     Example: eddi-scaffold check example.xml consert_a_config.yml
     """
     from dataclasses import replace
-    from functools import partial
 
     from eddi_scaffold.cli.console import console, count_line
     from eddi_scaffold.deployments.checking import BY_HAND, ByHand, check_files
     from eddi_scaffold.monitors.folders import files_of
     from eddi_scaffold.monitors.loading import named_like_mros
-    from eddi_scaffold.packages.handwritten import packages_of, until_written
+    from eddi_scaffold.packages.handwritten import until_written_near
     from eddi_scaffold.problems import has_errors, in_order
     from eddi_scaffold.robot.beside_configs import beside_configs
     from eddi_scaffold.robot.robot_models import check_robots
@@ -66,8 +65,7 @@ def check(
         with beside_configs(system, models) as (robot, unsure):
             found += [one for one in unsure if one not in told]
     found += check_files(others, default_guarantee or (), robot, platform)
-    near = list(dict.fromkeys(file.resolve().parent for file in files))
-    problems = in_order(until_written(found, partial(packages_of, near=near)))
+    problems = in_order(until_written_near(found, files))
     if as_json:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:

@@ -55,7 +55,7 @@ def check_files(
         default_guarantees: the marks of ``--default-guarantee``.
         robot: what models of a robot add to the configurations.
         platform: where monitors are to run. By default, models with configurations are checked for
-            the default platform, others by themselves.
+            the default platform, with ``lifecycle`` for ROS 2, others by themselves.
 
     Raises:
         EddiError: there is no such platform.
@@ -75,7 +75,8 @@ def check_files(
         problems += [found for config in alone for found in _check_without_model(config, target)]
     configs = [config for config in configs if config not in alone]
     if target is None and configs:
-        target = chosen(DEFAULT)
+        managed = any(config.config.Model.lifecycle for config in configs)
+        target = chosen("ros2" if managed else DEFAULT)
     found = _together(models, configs, target, default_guarantees)
     return problems + [one for one in found if are_whole or one.code not in _OF_WHAT_LACKS]
 

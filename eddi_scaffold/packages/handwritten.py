@@ -170,6 +170,12 @@ def until_written(
     return [problem for problem in problems if not is_written(problem)]
 
 
+def until_written_near(problems: Iterable[Problem], files: Iterable[Path]) -> list[Problem]:
+    """Return the same, where the packages are looked for near the files that were checked."""
+    near = list(dict.fromkeys(file.resolve().parent for file in files))
+    return until_written(problems, partial(packages_of, near=near))
+
+
 def packages_of(package: str, near: Iterable[Path]) -> list[Path]:
     """Return where the package of a monitor is, in workspaces around or below some folders.
 

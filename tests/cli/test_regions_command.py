@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold import api
 from tests.cli.command import EXAMPLE, example, run
 
 FILE = "src/conserta/EDDIInput.py"
@@ -117,11 +118,14 @@ def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None
     ]
     for command, said in calls:
         assert said in run(*command, cwd=tmp_path).err
+    files = [tmp_path / "two_conserts.xml", config]
+    assert {"K050", "K062"} <= {problem.code for problem in api.check(files)}
     file = tmp_path / "out" / "consertb" / "EDDIInput.py"
     text = file.read_text("utf-8")
     file.write_text(text.replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = bool(RtE_E0)"))
     for command, said in calls:
         assert said not in run(*command, cwd=tmp_path).err
+    assert not {"K050", "K062"} & {problem.code for problem in api.check(files)}
 
 
 def test_a_field_that_a_known_message_does_not_have_is_looked_at(package: Path) -> None:

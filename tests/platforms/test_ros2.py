@@ -132,6 +132,7 @@ def test_a_life_cycle_concerns_only_what_starts_the_node(workspace: Path, tmp_pa
     words = ("-w", tmp_path, "-m", MODEL, "-c", config)
     done = run("-q", "generate", "--platform", "ros2", *words, cwd=tmp_path)
     assert done.status == 0, done.err
+    assert run("check", MODEL, config, cwd=tmp_path).err.startswith("no problems in ")
     without, managed = (
         {
             str(path.relative_to(folder)): path.read_bytes()
