@@ -7,8 +7,9 @@ import builtins
 import symtable
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from typing import TypeGuard
 
-from eddi_scaffold.problems import did_you_mean, listed
+from eddi_scaffold.problems import did_you_mean, listed, nearest
 
 Messages = Mapping[str, tuple[str, Collection[str]]]
 """Name of a parameter -> type of its messages, and the fields of these."""
@@ -33,6 +34,7 @@ class Inputs:
                     if isinstance(one, ast.FunctionDef) and one.name.startswith(_PREFIX):
                         self._methods[f"{owner.name}.{one.name}"] = one
                         self._owners[f"{owner.name}.{one.name}"] = owner
+        self._defined = {one.name for one in self._methods.values()}
         self._inputs = {one.name.removeprefix(_PREFIX) for one in self._methods.values()}
 
     def mistakes(self, function: str, lines: range, messages: Messages) -> Iterator[str]:
@@ -45,6 +47,12 @@ class Inputs:
         """
         method = self._methods.get(function)
         if method is None:
+            return
+        called = self._called[self._owners[function].name]
+        if called and method.name not in called:
+            near = nearest(method.name, called - self._defined)
+            there = f"; the class calls {near!r}, which is not there" if near else ""
+            yield f"{method.name!r} is called by nobody{there}"
             return
         nodes = _nodes(method, lines)
         own = method.name.removeprefix(_PREFIX)
@@ -78,6 +86,17 @@ class Inputs:
 
     def _line(self, node: ast.stmt) -> str:
         return self._lines[node.lineno - 1].strip()
+
+    @cached_property
+    def _called(self) -> dict[str, set[str]]:
+        """What each class calls of its methods that set inputs; nothing where nobody can tell."""
+        found = {}
+        for owner in dict.fromkeys(self._owners.values()):
+            nodes = list(ast.walk(owner))
+            names = {getattr(one, "id", getattr(one, "attr", "")) for one in nodes}
+            used = {one.attr for one in nodes if _is_method(one) and one.attr.startswith(_PREFIX)}
+            found[owner.name] = set() if names & {*_INDIRECT, "getattr"} else used
+        return found
 
     @cached_property
     def _set_elsewhere(self) -> dict[str, set[str]]:
@@ -177,7 +196,7 @@ def _bound(tree: ast.Module) -> Iterator[str]:
         left += ast.iter_child_nodes(node)
 
 
-def _is_method(node: ast.expr) -> bool:
+def _is_method(node: ast.AST) -> TypeGuard[ast.Attribute]:
     return isinstance(node, ast.Attribute) and _is_self(node.value)
 
 

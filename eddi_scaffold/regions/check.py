@@ -382,11 +382,16 @@ def _of_file(root: Path, name: str, merged: str | None, doubts: Doubts) -> list[
             d is not None and same_body(r.body, d.body) for d in (old.get(r.id), new.get(r.id))
         )
     }
-    notes = doubts(text, edited.values()) if kind_of(name) == "python" else {}
+    doubtful = [
+        r
+        for r in mine.regions.values()
+        if r.id in edited or (r.id in old and old[r.id].function != r.function)
+    ]
+    notes = doubts(text, doubtful) if kind_of(name) == "python" else {}
     return [
         _edited(name, region, new.get(region.id), notes.get(region.id, ()))
         if region.id in edited
-        else RegionStatus(region.id, name, region.line, "untouched")
+        else _untouched(name, region, notes.get(region.id, ()))
         for region in mine.regions.values()
     ]
 
@@ -400,6 +405,11 @@ def _base(text: str | None, theirs: MarkedFile | None) -> MarkedFile | None:
 
 def _broken(found: Refusal) -> RegionStatus:
     return RegionStatus("", found.file, found.line, "broken", (found.reason,), review=True)
+
+
+def _untouched(name: str, region: Region, doubts: Sequence[str]) -> RegionStatus:
+    notes = tuple(doubts)
+    return RegionStatus(region.id, name, region.line, "untouched", notes, review=bool(notes))
 
 
 def _edited(name: str, region: Region, new: Region | None, doubts: Iterable[str]) -> RegionStatus:

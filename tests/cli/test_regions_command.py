@@ -103,6 +103,17 @@ def test_a_body_that_is_not_python_is_looked_at(package: Path) -> None:
     assert (told.status, "[H011]" in told.err) == (2, True)
 
 
+@pytest.mark.parametrize("body", [BODY, "        self.RtE_A_E0 = RtE_E0.data is True\n"])
+def test_a_renamed_method_is_looked_at(package: Path, body: str) -> None:
+    """In every step it would raise, whether or not somebody has written its body."""
+    edit(package, BODY, body)
+    edit(package, "def process_RtE_A_E0", "def process_RtE_A_EO")
+    shown = run("regions", "--check", cwd=package)
+    assert shown.status == 3
+    assert "'process_RtE_A_EO' is called by nobody; the class calls 'process_RtE_A_E0'" in shown.out
+    assert "stays unknown" not in shown.out
+
+
 def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None:
     """Only while nobody has written the region, an input that no field fits is a warning."""
     example(tmp_path)
