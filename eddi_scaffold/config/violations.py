@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from eddi_scaffold.config.file import KEY
 from eddi_scaffold.config.schema import known_keys
+from eddi_scaffold.positioned_yaml.typography import advice
 from eddi_scaffold.problems import HintedError, Place, Problem, did_you_mean, error
 
 _TEXTS = {
@@ -54,7 +55,7 @@ def violations(
             if not key.isidentifier() and _key_before(path, places) == "expression":
                 hint = "put the expression in quotes: inside { } a comma ends it"
             else:
-                hint = hint_for_decimals(key) or hint
+                hint = hint_for_decimals(key) or advice(key) or hint
             yield error("K004", f"unknown key {key!r}", places.get((*path, KEY), place), hint)
         else:
             raised = found.get("ctx", {}).get("error")  # by our own checks
@@ -63,6 +64,7 @@ def violations(
                 own = "true, false, a number or a text is expected"
             elif isinstance(raised, HintedError):
                 hint = raised.hint
+            hint = hint or advice(str(found["input"]))
             own = own.replace("Input should be", "must be")  # of pydantic, for a literal
             yield error("K005", f"{_named_path(path) or 'the file'}: {own}", place, hint)
 

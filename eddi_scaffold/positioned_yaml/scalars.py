@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from eddi_scaffold.positioned_yaml.typography import advice
 from eddi_scaffold.problems import Place
 
 MAX_DIGITS = 64
@@ -85,7 +86,10 @@ def describe(node: Node) -> str:
     if not node.plain:
         return f"the quoted text {shown(node.text)}"
     is_value = as_number(node) is not None or as_bool(node) is not None
-    return node.text if is_value else f"the text {shown(node.text)}"
+    if is_value:
+        return node.text
+    odd = advice(node.text)
+    return f"the text {shown(node.text)}" + (f" ({odd})" if odd else "")
 
 
 def shown(text: str) -> str:
