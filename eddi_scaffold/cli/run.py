@@ -131,7 +131,7 @@ def run(
         tape, found = _from_bag(monitors, bag, package)
         problems = [one for one in problems if one.code not in CHECKED_BY_BAG]
     else:
-        tape, found = _from_csv(monitors, inputs, package)
+        tape, found = _from_csv(monitors, inputs, package, configs)
     console.problems([*problems, *found])
     if plot is not None:
         refuse_input(plot)  # before anything is printed
@@ -256,15 +256,22 @@ def _parts(
 
 
 def _from_csv(
-    monitors: Sequence[BoundMonitor], path: Path | None, package: Packaged | None
+    monitors: Sequence[BoundMonitor],
+    path: Path | None,
+    package: Packaged | None,
+    configs: Sequence[Path],
 ) -> tuple[Tape, Sequence[Problem]]:
+    from functools import partial
+
+    from eddi_scaffold.monitors.folders import inputs_beside
     from eddi_scaffold.problems import warning
     from eddi_scaffold.replay.parts import beyond_whole, columns
     from eddi_scaffold.replay.recordings import read_tape
     from eddi_scaffold.source import read_source
 
     assert path is not None
-    tape, found = read_tape(read_source(path), columns(monitors))
+    others = partial(inputs_beside, configs)
+    tape, found = read_tape(read_source(path), columns(monitors), others)
     found += beyond_whole(monitors, tape, str(path))
     if any(monitor.config is None for monitor in monitors):
         message = "without a configuration no `max_age` is checked, and each row is one step"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from eddi_scaffold.config.fleet.reading import is_fleet
+from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros
 from eddi_scaffold.positioned_yaml.nodes import read_map
@@ -30,6 +32,23 @@ def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
         message = "no file in this folder is a model, a configuration or a model of a robot"
         raise EddiError(error("F003", message, Place(str(folder))))
     return ours, others
+
+
+def inputs_beside(configs: Sequence[Path]) -> dict[str, str]:
+    """Return the inputs of other configurations in the folders of some: id -> how to run both."""
+    found: dict[str, str] = {}
+    for folder in dict.fromkeys(one.parent for one in configs):
+        for path in sorted(folder.iterdir()):
+            if path in configs or path.suffix.lower() not in YAML_SUFFIXES or not path.is_file():
+                continue
+            try:
+                config, _ = read_config(read_source(path))
+            except EddiError:
+                continue
+            for one in config.config.EDDIInputs if config is not None else ():
+                name = config.config.Model.id if config is not None else ""
+                found.setdefault(one.id, f"it is an input of {name}: run both, with -c {path}")
+    return found
 
 
 def _is_ours(path: Path) -> bool:

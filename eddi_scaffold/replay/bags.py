@@ -5,6 +5,7 @@ Needs the extra ``bags`` (rosbags), and no ROS.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from eddi_scaffold.problems import (
     error,
     has_errors,
     info,
+    nearest,
     warning,
 )
 from eddi_scaffold.regions.files import NotRegularError, open_regular
@@ -39,6 +41,8 @@ _absolute = partial(full_topic, namespace="", package="")
 
 _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
+_MOST_HINTS = 20
+"""Topics that near ones are looked for: to compare texts is slow."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,12 @@ def read_bag(
         twice = {_absolute(one.topic) for one in reader.connections} & (wanted.keys() - outside)
         end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
         tape = Tape(0, end, samples)
-        return tape, [*_absent(place, tape, outside), *_computed(place, twice)]
+        topics = {
+            _absolute(one.topic): one.msgtype.replace("/msg/", "/")
+            for one in reader.connections
+            if one.msgcount
+        }
+        return tape, [*_absent(place, topics, outside), *_computed(place, twice)]
 
 
 @dataclass(frozen=True)
@@ -209,13 +218,26 @@ def _name_times_as_rospy(types: Mapping[str, Any]) -> None:
             of.secs, of.nsecs = property(attrgetter("sec")), property(attrgetter("nanosec"))
 
 
-def _absent(place: Place, tape: Tape, wanted: Mapping[str, Sequence[_Wanted]]) -> list[Problem]:
-    """Warn of topics without a message (I013)."""
-    there = {one.topic for one in tape.samples}
-    lacking = [of[0].source.topic for topic, of in wanted.items() if topic not in there]
+def _absent(
+    place: Place, topics: Mapping[str, str], wanted: Mapping[str, Sequence[_Wanted]]
+) -> list[Problem]:
+    """Warn of topics without a message (I013), with the near ones, of the same type if there are.
+
+    Args:
+        place: of the bag.
+        topics: full name -> type, of those with messages.
+        wanted: full name -> who listens.
+    """
+    lacking = {topic: of[0].source for topic, of in wanted.items() if topic not in topics}
     if not lacking:
         return [info("I013", "every topic is there", place)]
-    return [warning("I013", f"no message of {', '.join(lacking)} in the bag", place)]
+    hints = []
+    for topic, source in itertools.islice(lacking.items(), _MOST_HINTS):
+        alike = [name for name, of in topics.items() if of == source.type]
+        near = nearest(topic, alike) or nearest(topic, topics)
+        hints += [f"the bag has {near} ({topics[near]})"] if near else []
+    message = f"no message of {', '.join(one.topic for one in lacking.values())} in the bag"
+    return [warning("I013", message, place, ", ".join(dict.fromkeys(hints)) or None)]
 
 
 def _computed(place: Place, topics: Collection[str]) -> list[Problem]:

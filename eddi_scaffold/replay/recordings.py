@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
@@ -37,6 +37,7 @@ MAX_TIME = 9e9
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
+Others = Callable[[], Mapping[str, str]]
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _POINT = "numbers have a decimal point, commas separate cells"
 _EXPECTED: Mapping[str, str] = {
@@ -125,12 +126,15 @@ def tape_of(recording: Recording) -> Tape:
     return Tape(rows[0], rows[-1], samples, rows)
 
 
-def read_tape(source: Source, types: Mapping[str, InputType]) -> tuple[Tape, list[Problem]]:
+def read_tape(
+    source: Source, types: Mapping[str, InputType], others: Others = dict
+) -> tuple[Tape, list[Problem]]:
     """Read the values of inputs.
 
     Args:
         source: as for ``read_recording``.
         types: as for ``read_recording``.
+        others: as for ``read_recording``.
 
     Returns:
         The recording, and warnings.
@@ -138,7 +142,7 @@ def read_tape(source: Source, types: Mapping[str, InputType]) -> tuple[Tape, lis
     Raises:
         EddiError: a problem is an error (I001 to I003, I005 to I009, I015).
     """
-    recording, problems = read_recording(source, types)
+    recording, problems = read_recording(source, types, others)
     if recording is None:
         raise EddiError(*problems)
     return tape_of(recording), problems
@@ -152,13 +156,15 @@ class _Cell:
 
 
 def read_recording(
-    source: Source, types: Mapping[str, InputType]
+    source: Source, types: Mapping[str, InputType], others: Others = dict
 ) -> tuple[Recording | None, list[Problem]]:
     """Read a recording.
 
     Args:
         source: the CSV file, UTF-8, comma-separated, cells quoted by ``"`` where needed.
         types: input id -> type of its values; other columns than these and ``t`` are errors.
+        others: returns what to do with inputs that others than these monitors have, by id; it is
+            called where a column is not known.
 
     Returns:
         The recording, ``None`` when a problem is an error, and all problems (I001 to I009, I015).
@@ -167,7 +173,7 @@ def read_recording(
         text = source.text("I001")
     except EddiError as refused:
         return None, list(refused.problems)
-    reader = _Reader(source.name, types)
+    reader = _Reader(source.name, types, others)
     lines = [line.removesuffix("\r") for line in text.split("\n")]
     recording = reader.read(lines)
     problems = with_excerpts(reader.problems, "\n".join(lines))
@@ -177,10 +183,11 @@ def read_recording(
 class _Reader:
     """Reads the lines of one file and collects what is wrong with them."""
 
-    def __init__(self, file: str, types: Mapping[str, InputType]) -> None:
+    def __init__(self, file: str, types: Mapping[str, InputType], others: Others) -> None:
         self.problems: list[Problem] = []
         self._file = file
         self._types = types
+        self._others = others
         self._errors = 0
         self._cut: int | None = None
 
@@ -228,13 +235,15 @@ class _Reader:
             self._error("I001", "the header has no column t (time in seconds)", number, 1)
         time_at = names.index(TIME) if TIME in names else -1
         seen: set[str] = set()
+        others: Mapping[str, str] | None = None
         for k, cell in enumerate(cells):
             if k == time_at:
                 continue
             if cell.text in seen or (cell.text == TIME and TIME not in self._types):
                 self._error("I002", f"the column {cell.text!r} is repeated", number, cell.col)
             elif cell.text not in self._types:
-                hint = did_you_mean(cell.text, self._types)
+                others = self._others() if others is None else others
+                hint = others.get(cell.text) or did_you_mean(cell.text, self._types)
                 hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
                 self._error("I003", f"no input has the id {cell.text!r}", number, cell.col, hint)
             seen.add(cell.text)

@@ -162,6 +162,17 @@ def test_a_topic_without_messages_is_said(folder: Path) -> None:
     assert result.out.splitlines()[-1] == "0.2,true,false"
 
 
+def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(0, True), demand(0, True)])
+    config = folder / "consert_a_config.yml"
+    text = config.read_text().replace("/rte/e0a", "/robot/rte/e0").replace("consertb/g", "consrt/g")
+    config.write_text(text)
+    words = ("run", "two_conserts.xml", "-c", config.name, "--bag", "a.bag", "--csv")
+    result = run(*words, cwd=folder)
+    near = f"{DEMAND} (eddi_messages/ConSertOutput), the bag has {EVIDENCE} (std_msgs/Bool)"
+    assert f"  hint: the bag has {near}\n" in result.err
+
+
 def test_a_topic_of_another_type(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True)])
     config = folder / "consert_a_config.yml"
