@@ -86,6 +86,25 @@ def join_pairs(
     return monitors, [*problems, *check_ids(monitors)]
 
 
+def unanswered(problems: Iterable[Problem], configured: Iterable[Model]) -> list[Problem]:
+    """Return problems without what a configuration answers.
+
+    That a VAR has no TIMEOUT (W003): its input has a `max_age`, or it is told that it has none.
+
+    Args:
+        problems: of reading models.
+        configured: the models that have configurations.
+    """
+    places = {(one.place.file, one.place.path) for one in configured}
+
+    def is_answered(problem: Problem) -> bool:
+        place = problem.place
+        whole = (place.path or "").partition("/@values")[0] or None
+        return problem.code == "W003" and (place.file, whole) in places
+
+    return [problem for problem in problems if not is_answered(problem)]
+
+
 def packages_of(
     monitors: Sequence[BoundMonitor], platform: Platform, root: Path | None
 ) -> tuple[list[PackageAnswers], list[Problem]]:

@@ -13,7 +13,7 @@ from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.config.schema import Config
-from eddi_scaffold.deployments.joining import join, packages_of
+from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.wiring.ages import with_default_ages, without_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
@@ -109,7 +109,8 @@ def monitors_of(
         return _beside(existing(root, left_out), left_out) if root is not None else ()
 
     monitors, found = join(models, configs, read, default_guarantees, others)
-    problems += found
+    configured = [one.model for one in monitors if one.config is not None]
+    problems = unanswered([*problems, *found], configured)
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors, problems

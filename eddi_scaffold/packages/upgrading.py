@@ -11,6 +11,7 @@ from typing import Any
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
+from eddi_scaffold.deployments.joining import unanswered
 from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.escaping import markdown_code
 from eddi_scaffold.identifiers import package_name
@@ -221,6 +222,7 @@ def targets(
         present = existing(group.root, own)
         made = support(platform, group.root, present, own, None)
         packages += [package for package in made if package.folder in shared]
+    problems = unanswered(problems, [one.model for one in joined if one.config is not None])
     if has_errors(problems):
         raise EddiError(*problems)
     return packages, until_written(problems, lambda package: [group.root / package])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from eddi_scaffold.deployments.fleet.offers import Seat
 from eddi_scaffold.deployments.fleet.robots import FleetRobot
 from eddi_scaffold.deployments.fleet.station import check_station
 from eddi_scaffold.deployments.fleet.words import among_others
-from eddi_scaffold.deployments.joining import packages_of
+from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.wiring.check import check_wiring
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, deployment
 from eddi_scaffold.deployments.wiring.hidden import check_hidden
@@ -41,12 +41,18 @@ def check_fleet(
         return problems, frozenset()
     pairs = [pair for robot in fleet.robots for pair in robot.pairs]
     names = [name for model, config in pairs for name in (model.source.name, config.name)]
-    return [*problems, *problems_of(fleet)], frozenset(Path(name).resolve() for name in names)
+    return problems_of(fleet, problems), frozenset(Path(name).resolve() for name in names)
 
 
-def problems_of(fleet: Fleet) -> list[Problem]:
-    """Return what is wrong with robots that could be read: each by itself, then together."""
-    problems = [*check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
+def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
+    """Return what is wrong with robots that could be read: each by itself, then together.
+
+    Args:
+        fleet: the robots.
+        found: when they were read.
+    """
+    told = unanswered(found, [model for robot in fleet.robots for model, _ in robot.pairs])
+    problems = [*told, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
     closed = is_closed(fleet)
     members: dict[FleetRobot, list[Member]] = {}
     for robot in fleet.robots:

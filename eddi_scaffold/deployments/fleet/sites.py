@@ -67,7 +67,7 @@ def sites_of(source: Source, read: Callable[[Path], Reading]) -> tuple[list[Site
     fleet, problems = read_whole_fleet(source, read)
     if fleet is None:
         raise EddiError(*problems)
-    problems += problems_of(fleet)
+    problems = problems_of(fleet, problems)
     if has_errors(problems):
         raise EddiError(*problems)
     closed = is_closed(fleet)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+from eddi_scaffold import api
 from eddi_scaffold.kinds import Model, Options, kinds
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.problems import Problem
@@ -121,3 +122,26 @@ def test_safeml_settings_are_those_of_a_file(tmp_path: Path) -> None:
     one, other = (json.loads(json.dumps(part(model))) for model in (alone, found))
     assert one.pop("reference")["sha256"] == other.pop("reference")["sha256"]
     assert one == other
+
+
+@pytest.mark.parametrize("name", ["w.events", "w.xml"])
+def test_silence_is_told_by_the_configuration_where_there_is_one(tmp_path: Path, name: str) -> None:
+    model, config = tmp_path / name, tmp_path / "c.yml"
+    whole = EVENTS if name == "w.events" else LANDING
+    model.write_text(whole.replace(" TIMEOUT 500ms", ""), "utf-8")
+    entry = "{id: temp, type: float, requires: [t], field: data, max_age: 0.5}"
+    text = (
+        f"Model: {{id: motor_watch, type: Event, parameters: [{{model: {name}}}]}}\n"
+        "SimulatorOutputs: [{id: t, type: std_msgs.Float64, topic: t}]\n"
+        f"EDDIInputs: [{entry}]\n"
+        "EDDIOutputs: [{id: e, topic: e}]\n"
+    )
+    config.write_text(text, "utf-8")
+
+    def codes(*files: Path) -> set[str]:
+        return {one.code for one in api.check(files)} & {"W003", "K017"}
+
+    assert codes(model) == {"W003"}
+    assert codes(model, config) == codes(config) == set()
+    config.write_text(text.replace(", max_age: 0.5", ""), "utf-8")
+    assert codes(model, config) == codes(config) == {"K017"}
