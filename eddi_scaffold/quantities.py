@@ -100,7 +100,7 @@ def number(given: object, low: float, high: float) -> float:
     if unit is not None:
         raise UnitError(f"{given!r} has a unit, a number without one is expected")
     if not low <= value <= high:
-        raise QuantityError(f"{given!r} is out of range, {low:g} to {high:g}")
+        raise QuantityError(f"{given!r} is out of range, {low:.15g} to {high:.15g}")
     return value
 
 

@@ -55,7 +55,7 @@ def _plain_number(value: object, units: Mapping[str, float]) -> str | None:
         return f"a decimal point: {text.replace(',', '.')}"
     match = _QUANTITY.fullmatch(text)
     factor = units.get(match[2].casefold()) if match is not None else None
-    return f"without a unit: {float(match[1]) * factor:g}" if match and factor else None
+    return f"without a unit: {float(match[1]) * factor:.15g}" if match and factor else None
 
 
 def _topic(text: str) -> str:
@@ -106,7 +106,7 @@ def _seconds(value: object) -> object:
         message = "seconds (a number from 0 on) are expected"
         raise HintedError(message, _plain_number(value, _SECONDS))
     if not 0 <= value <= _LONGEST_GRACE:
-        raise ValueError(f"seconds from 0 to {_LONGEST_GRACE:g} are expected")
+        raise ValueError(f"seconds from 0 to {_LONGEST_GRACE:.0f} are expected")
     return float(value)
 
 
@@ -115,7 +115,7 @@ def _positive(value: object, longest: float = _LONGEST_GRACE) -> object:
         message = "seconds (a number above 0) are expected"
         raise HintedError(message, _plain_number(value, _SECONDS))
     if not 0 < value <= longest:
-        raise ValueError(f"seconds above 0, up to {longest:g}, are expected")
+        raise ValueError(f"seconds above 0, up to {longest:.0f}, are expected")
     return float(value)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 import re
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 import yaml
@@ -139,6 +140,8 @@ def differs_between_versions(node: Node) -> bool:
     return repr(old) != repr(new)  # by text, since NaN differs from itself
 
 
+_SHORT = 10
+"""Characters of a number up to which it is written without an exponent."""
 _DECIMAL = re.compile(
     r"(?P<minus>[-+]?)(?P<whole>[0-9]*)(?:\.(?P<rest>[0-9]*))?(?:[eE](?P<sign>[-+]?)(?P<power>[0-9]+))?",
     re.ASCII,
@@ -146,7 +149,10 @@ _DECIMAL = re.compile(
 
 
 def number_for_11(node: Node) -> str | None:
-    """Return how to write a number so that YAML 1.1, too, reads it: ``1.0e-9`` for ``1e-9``."""
+    """Return how to write a number so that YAML 1.1, too, reads it: ``0.001`` for ``1e-3``.
+
+    Where that would be long, with an exponent: ``1.0e-9`` for ``1e-9``.
+    """
     if not isinstance(node, Scalar) or not node.plain:
         return None
     match = _DECIMAL.fullmatch(node.text)
@@ -154,7 +160,11 @@ def number_for_11(node: Node) -> str | None:
         return None
     power = match["power"] and f"e{match['sign'] or '+'}{match['power']}"
     text = f"{match['minus']}{match['whole'] or '0'}.{match['rest'] or '0'}{power or ''}"
-    return text if _scalar_11(text) == value_12(node) else None
+    value = value_12(node)
+    if not isinstance(value, int | float) or _scalar_11(text) != value:
+        return None
+    digits = format(Decimal(text).normalize(), "f") if abs(int(match["power"] or 0)) < 10 else ""
+    return digits if 0 < len(digits) <= _SHORT and _scalar_11(digits) == value else text
 
 
 class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):

@@ -60,7 +60,7 @@ def play(parts: Sequence[Part], tape: Tape) -> Play:
     most = max(_count(part.rhythm, tape) for part in parts)
     if most > MAX_STEPS:
         seconds = (tape.end - tape.start) / 1e9
-        message = f"the recording is {seconds:.3g} s long, which is {most:.3g} steps"
+        message = f"the recording is {seconds:,.0f} s long, which is {most:,.0f} steps"
         raise EddiError(error("I019", message, hint="see column t, or use --steps rows"))
     for part in parts:
         part.running.reset()

@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -168,7 +167,10 @@ def _leaf(item: Any, name: str, spec: InputData, *, is_demand: bool) -> Leaf:
         return CategoricalLeaf(name, tuple(dict.fromkeys(covered)))
     if kind == "numeric":
         ranges = tuple(_interval(one, where, spec.factor) for one in covered)
-        return NumericLeaf(name, ranges, _range_text(covered, dimension.get("uom"), spec.factor))
+        text = _range_text(covered, dimension.get("uom"))
+        if spec.factor is not None:
+            text = f"{' or '.join(map(_shown, ranges))}, which is {text}"
+        return NumericLeaf(name, ranges, text)
     raise ModelError("", f"the dimension of {where} has the unknown kind {kind!r}")
 
 
@@ -203,15 +205,13 @@ def _bound(text: str, where: str) -> tuple[str, Fraction | None]:
     return text, Fraction(text)
 
 
-def _range_text(covered: list[Any], unit: Any, factor: tuple[int, int] | None) -> str:
+def _shown(one: Interval) -> str:
+    return f"[{one.start:.9g}, {one.end:.9g}{']' if one.closed else ')'}"
+
+
+def _range_text(covered: list[Any], unit: Any) -> str:
     parts = [f"[{r['start']}, {r['end']}{']' if r['inclusive'] else ')'}" for r in covered]
-    text = " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
-    if factor is None:
-        return text
-    times = f"{factor[0]}/{factor[1]}"
-    if max(factor) >= 10**6:
-        times = f"{Decimal(factor[0]) / Decimal(factor[1]):.6g}"
-    return f"{text} (after times {times})"
+    return " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
 
 
 def _gates(items: list[Any]) -> dict[str, bool]:

@@ -37,7 +37,7 @@ def check_chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
         if arc.rate > _LARGEST_RATE:
             message = (
                 f"the rate {arc.rate:g} 1/h from {arc.source!r} to {arc.target!r} of chain "
-                f"{name!r} is out of range, 0 to {_LARGEST_RATE:g} 1/h"
+                f"{name!r} is out of range, 0 to {_LARGEST_RATE:.15g} 1/h"
             )
             yield error("R002", message, arc.place)
             broken = True

@@ -143,6 +143,13 @@ def test_a_number_that_its_declaration_refuses_is_told():
     assert made(("gt", "x", 5)).execute_step(SimpleNamespace(x=math.inf), 0)[0]["verdict"] is None
 
 
+def test_what_is_beyond_the_range_is_told_in_the_unit_in_which_it_was_given():
+    said = {"inputs": {"x": {"factor": [100, 1]}}, "x": {"range": [0, 1234567]}}
+    monitor = made(("gt", "x", 5), **said)
+    step(monitor, 0, x=12345.68)
+    assert monitor.faults() == {"x": "12345.68, times 100: 1234568.0 is outside RANGE 0 .. 1234567"}
+
+
 def test_a_factor_brings_a_value_to_the_unit_of_the_model():
     monitor = made(("gt", "x", 5), inputs={"x": {"factor": [1, 1000]}})
     assert verdicts(step(monitor, 0, x=5001)) == [True]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import ModuleType
-from typing import Any, Dict, Iterable, List, Sequence
+from typing import Any, Dict, Iterable, List, Optional, Sequence
 
 from eddi_runtime.reliability import Reliability
 
@@ -37,7 +37,10 @@ def compiled(
 
 
 def model_file(
-    components: Sequence[Dict[str, Any]], inputs: Iterable[str] = (), **model: Any
+    components: Sequence[Dict[str, Any]],
+    inputs: Iterable[str] = (),
+    factors: Optional[Dict[str, List[int]]] = None,
+    **model: Any,
 ) -> ModelFile:
     """Return the document of a monitor; the last component is the top."""
     content: Dict[str, Any] = {
@@ -45,7 +48,10 @@ def model_file(
         "kind": "reliability",
         "id": "drone",
         "source": {},
-        "inputs": [{"id": name, "attribute": name, "requires": []} for name in inputs],
+        "inputs": [
+            {"id": name, "attribute": name, "requires": [], "factor": (factors or {}).get(name)}
+            for name in inputs
+        ],
         "model": {
             "components": list(components),
             "top": components[-1]["name"],

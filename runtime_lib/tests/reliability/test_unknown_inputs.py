@@ -202,3 +202,14 @@ def test_nothing_is_minus_zero():
         result = step(one, **{name: values[0] for name, values in ranges.items()})
         assert math.copysign(1.0, result.p_fail_low) == 1.0
         assert math.copysign(1.0, result.p_fail_high) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [(0.8, None), (80.0, "a number from 0 to 1 is expected, not 80.0"), (1e308, "not 1e+308")],
+)
+def test_a_value_that_is_given_in_another_unit_is_told_in_that(given, told):
+    one = monitor([BATTERY], ["level", "t"], factors={"level": [100, 1]}, **MORE)
+    seen = step(one, level=given, t=25.0)
+    assert seen.valid is (told is None)
+    assert told is None or told in one.faults()["level"]

@@ -207,7 +207,12 @@ class EventMonitor(Conditions, Monitor[Rows]):
 
     def _fault(self, k: int) -> str:
         limits = self.limits[k] if self.limits else None
-        return fault(self.types[k], self.raw[k]) or _beyond(limits, plain(self.raw[k]))
+        beyond = _beyond(limits, plain(self.raw[k]))
+        factor = self.inputs[k].factor
+        if beyond and factor is not None:
+            given = scaled(self.raw[k], factor[1], factor[0])
+            beyond = f"{given:.15g}, times {factor[0] / factor[1]:.9g}: {beyond}"
+        return fault(self.types[k], self.raw[k]) or beyond
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -245,7 +250,7 @@ def _beyond(limits: Optional[Tuple[float, float, bool]], value: object) -> str:
     if value in (math.inf, -math.inf):
         return "" if infinite else f"{show(value)}, without ALLOW INF"
     if value < low or value > high:
-        return f"{show(value)} is outside RANGE {low:g} .. {high:g}"
+        return f"{show(value)} is outside RANGE {low:.15g} .. {high:.15g}"
     return ""
 
 

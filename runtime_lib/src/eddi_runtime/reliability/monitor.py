@@ -79,7 +79,11 @@ class Reliability(Monitor[ReliabilityResult]):
             rule, factor = self.rules[spec.id], spec.factor
             value, fault = take(rule, raw)
             if factor is not None and isinstance(value, float):
-                value, fault = take(rule, value * factor[0] / factor[1])
+                given = value
+                value, fault = take(rule, given * factor[0] / factor[1])
+                if fault:
+                    own = rule.divided(*factor)
+                    fault = take(own, given)[1] or fault
             if fault:
                 self._faults[spec.id] = fault
             values[spec.id] = value

@@ -28,6 +28,11 @@ class Rule(NamedTuple):
     slack: float = 0.0
     length: int = 0
 
+    def divided(self, num: int, den: int) -> Rule:
+        """Return the rule of a number that is given in another unit."""
+        high = self.high if self.high == FINITE else self.high * den / num
+        return self._replace(low=self.low * den / num, high=high, slack=self.slack * den / num)
+
 
 FINITE = sys.float_info.max
 
@@ -60,8 +65,8 @@ def _number(rule: Rule, value: Any, raw: object) -> Tuple[Taken, str]:
     if isinstance(value, float) and math.isnan(value):
         return None, ""
     if not rule.low - rule.slack <= value <= rule.high + rule.slack:
-        wide = f"a finite number of at least {rule.low:g}"
-        usual = f"a number from {rule.low:g} to {rule.high:g}"
+        wide = f"a finite number of at least {rule.low:.15g}"
+        usual = f"a number from {rule.low:.15g} to {rule.high:.15g}"
         return None, _wrong(wide if rule.high == FINITE else usual, raw)
     if rule.type == "int" and value != int(value):
         return None, _wrong("a whole number", raw)
