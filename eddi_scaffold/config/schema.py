@@ -67,7 +67,10 @@ def _topic(text: str) -> str:
 def _message_type(text: str) -> str:
     match = _MESSAGE_TYPE.fullmatch(text)
     if match is None:
-        raise ValueError("a message type is expected, such as std_msgs.Bool or std_msgs/Bool")
+        message = "a message type is expected, such as std_msgs.Bool or std_msgs/Bool"
+        near = text.replace("::msg::", "/").replace("::", "/").replace(".msg.", "/")
+        meant = _MESSAGE_TYPE.fullmatch(near) is not None
+        raise HintedError(message, f"did you mean {near!r}?" if meant else None)
     return f"{match[1]}/{match[2]}"
 
 
@@ -82,7 +85,9 @@ def _max_age(value: object) -> object:
         return value
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         message = "seconds (a number above 0) or the word none are expected"
-        raise HintedError(message, _plain_number(value, _SECONDS))
+        word = isinstance(value, str) and value.casefold() in ("none", "never")
+        hint = "write `none` for no limit" if word else _plain_number(value, _SECONDS)
+        raise HintedError(message, hint)
     if not math.isfinite(value) or value <= 0:
         raise ValueError("seconds must be a number above 0, or the word none")
     return float(value)

@@ -48,7 +48,7 @@ def aligned(
     if left.unit is not None and factor(left.unit, right.unit or "") == 1:
         return left, replace(right, unit=left.unit)  # another name of the same
     if left.unit is None or right.unit is None:
-        return _with_plain(left, right, constant, places, findings)
+        return _with_plain(left, right, constant, places, builder, findings)
     if dimension(left.unit) != dimension(right.unit):
         shown = " and ".join(f"{one} ({dimension(one)})" for one in (left.unit, right.unit))
         at = places[0 if constant[0] and not constant[1] else 1]
@@ -71,6 +71,7 @@ def _with_plain(
     right: Value,
     constant: Sequence[bool],
     places: Sequence[int],
+    builder: GraphBuilder,
     findings: TextFindings,
 ) -> Pair | None:
     """Bring a plain number to the unit of the other side."""
@@ -79,6 +80,8 @@ def _with_plain(
     if constant[1 - plain] and not constant[plain]:
         message = f"this is in {unit}, but the other side has no unit"
         hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
+        if builder.rows[(left, right)[plain].node]["op"] != "variable":
+            hint = "what *, / and RATE give has no unit: write the number without one"
         findings.error("E009", places[1 - plain], message, hint)
         return None
     return replace(left, unit=unit), replace(right, unit=unit)

@@ -196,6 +196,7 @@ def _scalar_11(text: str) -> Any:
 _NEAR = 5
 """Lines above the one that the parser stops at, in which the cause is looked for."""
 _NOT = "put the text in quotes, and write NOT for `!`"
+_INDENT = "indent the keys of one map alike; put a text with a colon in quotes"
 _RESOLVE = (
     "keep what is right of both sides, and delete the lines of `<<<<<<<`, `=======`, `>>>>>>>`"
 )
@@ -268,6 +269,11 @@ class _Composer:
                 raise _Stop(message, place, advice) from None
             parts = [part for part in (problem.context, problem.problem) if part]
             hint = None if mark is None else self._quotes(problem.context or "", mark.line)
+            if problem.problem == "could not find expected ':'" and problem.context_mark:
+                place = self._place(problem.context_mark)  # of the key; the other is below it
+                hint = hint or "put a colon and a blank after the key"
+            elif problem.problem == "mapping values are not allowed in this context":
+                hint = hint or _INDENT
             raise _Stop(f"this is not YAML: {': '.join(parts)}", place, hint) from None
         except yaml.reader.ReaderError as problem:
             raise _Stop(*self._unreadable(problem)) from None

@@ -169,6 +169,8 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         raise
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything
         reason = " ".join(str(failed).split()) or type(failed).__name__
+        if isinstance(failed, UnicodeDecodeError):
+            reason = "it is damaged, or something else under the name of one"
         raise EddiError(error("I011", f"cannot read the bag: {reason}", place)) from None
 
 

@@ -38,6 +38,8 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASC
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 Others = Callable[[], Mapping[str, str]]
+_TIMES = ("time", "times", "timestamp", "stamp", "sec", "secs", "seconds", "t_s", "t [s]")
+"""Names of the column t in the recordings of others."""
 _OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 _POINT = "numbers have a decimal point, commas separate cells"
 _EXPECTED: Mapping[str, str] = {
@@ -231,13 +233,19 @@ class _Reader:
             message = f"cells are separated by {_OTHER_MARKS[other]}, commas are expected"
             self._error("I001", message, number, line.index(other) + 1, _POINT)
             return ()
+        times = (
+            one for one in cells if one.text.casefold() in _TIMES and one.text not in self._types
+        )
+        meant = None if TIME in names else next(times, None)
         if TIME not in names:
-            self._error("I001", "the header has no column t (time in seconds)", number, 1)
+            at = meant.col if meant is not None else 1
+            hint = f"write t in place of {meant.text}" if meant is not None else None
+            self._error("I001", "the header has no column t (time in seconds)", number, at, hint)
         time_at = names.index(TIME) if TIME in names else -1
         seen: set[str] = set()
         others: Mapping[str, str] | None = None
         for k, cell in enumerate(cells):
-            if k == time_at:
+            if k == time_at or cell is meant:
                 continue
             if cell.text in seen or (cell.text == TIME and TIME not in self._types):
                 self._error("I002", f"the column {cell.text!r} is repeated", number, cell.col)

@@ -115,7 +115,7 @@ def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
         ("frequency: .nan", "0.000001 to 1000000 steps per second are expected"),
         ("frequency: 2000000", "0.000001 to 1000000 steps per second are expected"),
         ("startup_grace: true", "seconds (a number from 0 on) are expected"),
-        ("startup_grace: -1", "seconds from 0 to 1e+06 are expected"),
+        ("startup_grace: -1", "seconds from 0 to 1000000 are expected"),
     ],
 )
 def test_values_of_the_model_that_cannot_be(entry: str, message: str) -> None:

@@ -69,6 +69,12 @@ CASES = {
             "(declare the unit: VAR name : NUMBER UNIT m)"
         )
     ],
+    "RATE(d, 5s) > 5 m": [
+        (
+            "1:15 E009 this is in m, but the other side has no unit "
+            "(what *, / and RATE give has no unit: write the number without one)"
+        )
+    ],
     "d > 5 degC": ["1:5 E009 m (length) and degC (temperature in Celsius) do not go together"],
     "d > e": ["1:5 E009 the left side is in m, this is in km (multiply it by 1000)"],
     "temp > 5 K": [

@@ -56,6 +56,7 @@ def test_cells_by_type():
     [
         ("", ["1:1: I001 the file is empty: a header line with a column t is missing"]),
         ("\n e \n", ["2:1: I001 the header has no column t (time in seconds)"]),
+        ("Time,e\n0,1\n", ["1:1: I001 the header has no column t (time in seconds)"]),
         ("t;e\n0;1\n", ["1:2: I001 cells are separated by semicolons, commas are expected"]),
         ("t\te\n0\t1\n", ["1:2: I001 cells are separated by tabs, commas are expected"]),
         (b"t,e\n0,\xff\n", ["2:3: I001 the file is not UTF-8 text"]),

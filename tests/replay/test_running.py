@@ -218,7 +218,7 @@ def test_a_recording_that_asks_for_too_many_steps_is_refused(tmp_path: Path) -> 
     words = ("two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "r.csv")
     done = run(*words, folder=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "the recording is 1.7e+09 s long, which is 1.7e+10 steps [I019]" in done.stderr
+    assert "1,700,000,000 s long, which is 17,000,000,000 steps [I019]" in done.stderr
     assert run(*words, "--steps", "rows", folder=tmp_path).returncode == 0
 
 

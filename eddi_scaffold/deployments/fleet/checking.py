@@ -60,7 +60,10 @@ def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
             robot, lambda seat: among_others(fleet, seat, {}, closed=closed)
         )
         members[robot] = [Member(one, robot.form.prefix) for one in monitors]
-        problems += [*map(_with_binding, found), *packages_of(monitors, robot.platform, None)[1]]
+        problems += [
+            *(_with_binding(one, robot) for one in found),
+            *packages_of(monitors, robot.platform, None)[1],
+        ]
     if not has_errors(problems):
         for robots in _meetings(fleet.robots):
             problems += _check_together([one for of in robots for one in _members(fleet, of)])
@@ -68,11 +71,17 @@ def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
     return problems
 
 
-def _with_binding(problem: Problem) -> Problem:
-    """Return the warning that nothing provides an input with what a deployment file can do."""
+def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
+    """Return the warning that nothing provides an input, and what a deployment file can do.
+
+    Args:
+        problem: of a configuration, which other robots may share.
+        robot: in which it was found.
+    """
     if problem.code != "K014":
         return problem
-    return replace(problem, hint=f"{problem.hint}, or bind the demand in the deployment file")
+    hint = f"{problem.hint}, or bind the demand of {robot.name} in the deployment file"
+    return replace(problem, message=f"{robot.name}: {problem.message}", hint=hint)
 
 
 def _members(fleet: Fleet, robot: FleetRobot) -> list[Member]:

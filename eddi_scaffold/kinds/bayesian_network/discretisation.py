@@ -128,7 +128,8 @@ class _Entry:
                 self._error("B404", f"unknown key {key!r}", key, hint=hint)
         if ("bins" in self.given) == ("map" in self.given):
             message = "exactly one of `bins` and `map` is expected"
-            self._error("B404", message)
+            hint = "a number has `bins: [...]`, a bool or a text `map: {true: STATE, false: STATE}`"
+            self._error("B404", message, hint=hint)
         if "map" in self.given:
             for key in ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf"):
                 if key in self.given:
