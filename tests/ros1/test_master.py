@@ -185,6 +185,7 @@ def test_simulated_time(world, model_files):
     probe.active("/guarantees", {"G_F"}, after=mark)
     assert node.end()[0] == 0
     assert node.text.count("/clock jumped back by 51.000 s") == 1
+    assert node.text.count("nothing has come on /clock") == 1
 
 
 def test_one_name_for_two_nodes(world, master, probe, model_files):

@@ -268,6 +268,8 @@ class Node:
         }
         ages = {name: receipt.age_at(now) for name, receipt in receipts.items()}
         t_ns = self.now_ns()
+        timeless = "use_sim_time is set, and nothing has come on /clock: time stands still"
+        self._health.log_error("time", "" if t_ns else timeless)
         self.eddi_input.begin_step(ages, new or None, t_ns, words or None)
         if new:
             self._health.log_error("queue", self._receipts.dropped())
