@@ -5,6 +5,7 @@ Values follow YAML 1.1, as D7.2's tools and roslaunch do.
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -62,7 +63,11 @@ class RobotAdditions:
 
 
 def read_config(
-    source: Source, robot: RobotAdditions | None = None, override: Map | None = None
+    source: Source,
+    robot: RobotAdditions | None = None,
+    override: Map | None = None,
+    *,
+    partly: bool = False,
 ) -> tuple[ConfigFile | None, list[Problem]]:
     """Read a configuration; the result is ``None`` when a problem is an error.
 
@@ -70,6 +75,7 @@ def read_config(
         source: the file.
         robot: models of the robot, whose topics and message types are used in addition to the file.
         override: what counts in place of parts of the file.
+        partly: return one with unknown keys as it is without them, to look for what else is wrong.
     """
     if looks_like_xml(source.data):
         return None, [error("K001", "this is XML, not an eddi_config.yml", Place(source.name))]
@@ -89,6 +95,7 @@ def read_config(
     if robot is not None:
         data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
     problems += unknown_options(data.get("Model"), places, source.name)
+    wrong: list[Problem] = []
     open_ = undecided(document)
     problems += open_
     try:
@@ -96,14 +103,37 @@ def read_config(
     except ValidationError as failed:
         at = {problem.place for problem in open_}
         wrong = [one for one in violations(failed, places, source.name) if one.place not in at]
-        return None, in_order([*problems, *wrong])
+        known = _of_known_keys(data, failed) if partly else None
+        if known is None:
+            return None, in_order([*problems, *wrong])
+        config = known
     text = source.data.decode("utf-8-sig", "replace")
     types = robot.types if robot is not None else {}
     file = with_types(ConfigFile(config, source.name, places, text=text), types)
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
     problems += [*_repeated_ids(file), *unread]
-    return (None if has_errors(problems) else file), in_order(problems)
+    return (None if has_errors(problems) else file), in_order([*problems, *wrong])
+
+
+def _of_known_keys(data: dict[str, Any], failed: ValidationError) -> Config | None:
+    """Return a configuration without its unknown keys, ``None`` where more is wrong with it.
+
+    A section of another name is more: all that it says would be missing.
+    """
+    wrong = [found["loc"] for found in failed.errors() if found["type"] == "extra_forbidden"]
+    if len(wrong) < failed.error_count() or any(len(one) == 1 for one in wrong):
+        return None
+    known = copy.deepcopy(data)
+    for *path, key in wrong:
+        of: Any = known
+        for one in path:
+            of = of[one]
+        del of[key]
+    try:
+        return Config.model_validate(known)
+    except ValidationError:
+        return None
 
 
 def read_configs(

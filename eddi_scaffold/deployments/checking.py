@@ -119,9 +119,9 @@ def _read_files(
             are_whole = False
             continue
         if is_config(source):
-            config, found = read_config(source, robot)
+            config, found = read_config(source, robot, partly=True)
             configs += [config] if config is not None else []
-            are_whole &= config is not None
+            are_whole &= not has_errors(found)
             problems += found
         else:
             reading = _read(source, marks, target)

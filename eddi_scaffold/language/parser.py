@@ -16,10 +16,19 @@ from eddi_scaffold.language.syntax import (
     Identifier,
     VarDeclaration,
 )
-from eddi_scaffold.language.tokens import Token, tokens_of
+from eddi_scaffold.language.tokens import RESERVED, Token, tokens_of
 from eddi_scaffold.problems import did_you_mean
 
 MAX_TEXT = 64 * 1024
+_DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
+_WANTED = {
+    "UNIT": "a unit",
+    "RATE": "a rate such as 10 Hz",
+    "TIMEOUT": "a duration such as 500ms",
+    "RANGE": "a range such as 0 .. 5",
+    "ALLOW": "INF",
+}
+"""Option of a VAR -> what comes behind it."""
 ANONYMOUS = "event"
 """Name of the event that a bare expression is."""
 
@@ -131,13 +140,14 @@ class _Parser(ExpressionParser):
         while True:
             option = self._option(found)
             if option is None:
+                self._refuse_option()
                 self._behind_declaration = True
                 return found
             found = option
 
     def _option(self, found: VarDeclaration) -> VarDeclaration | None:
         word, after = self._token.word, self._peek()
-        if word == "UNIT" and after.kind == "word":
+        if word == "UNIT" and after.kind == "word" and after.word not in _DECLARATIONS:
             self._k += 2
             return replace(found, unit=Identifier(after.text, after.start))
         if word == "RATE" and after.kind == "number":
@@ -159,6 +169,18 @@ class _Parser(ExpressionParser):
             self._k += 2
             return replace(found, infinite=True)
         return None
+
+    def _refuse_option(self) -> None:
+        """Refuse a word that can only be meant as an option: no expression goes on like that."""
+        word, after = self._token, self._peek()
+        goes_on = after.kind == "number" or (after.kind == "word" and after.word not in RESERVED)
+        wanted = _WANTED.get(word.word)
+        if wanted is not None and (goes_on or after.word in _DECLARATIONS):
+            message = f"{wanted} is expected behind {word.word}, found {after.shown}"
+            self._fail("E002", message, at=after.start)
+        hint = did_you_mean(word.word, _WANTED) if word.kind == "word" and goes_on else None
+        if hint is not None and word.word not in RESERVED:
+            self._fail("E002", f"{word.shown} is no option of a VAR", hint=hint)
 
     def _constant(self) -> ConstDeclaration:
         self._k += 1

@@ -146,6 +146,10 @@ def test_diagnostics(text: str) -> None:
         ("VAR v : NUMBER UNIT mm TIMEOUT 1s v > 1e308 km", "1:39 E013 the number does not fit"),
         ("VAR v : NUMBER UNIT mm RANGE 0 .. 1e308 km", "1:30 E013 the bounds do not fit"),
         ("VAR v : NUMBER RATE 10", "1:21 E002 a rate such as 10 Hz is expected"),
+        ("VAR v : NUMBER TIMOUT 1s", "1:16 E002 'TIMOUT' is no option of a VAR (did you mean 'TIM"),
+        ("VAR v : NUMBER UNITS m", "1:16 E002 'UNITS' is no option of a VAR (did you mean 'UNIT'"),
+        ("VAR v : NUMBER ALLOW NAN", "1:22 E002 INF is expected behind ALLOW, found 'NAN'"),
+        ("VAR v : NUMBER UNIT\nVAR w : BOOL", "2:1 E002 a unit is expected behind UNIT, found"),
         ("EVENT e (MAYBE) := TRUE", "1:10 E002 EVIDENCE or HAZARD is expected, found 'MAYBE'"),
         ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E011 the name 'A' has two meanings"),
         ("x[1.5] > 2", "1:3 E002 an index from 0 on or a key is expected, found '1.5'"),
@@ -162,6 +166,17 @@ def test_more_diagnostics(text: str, wanted: str) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
+        (
+            "VAR v : NUMBER UNIT m TIMOUT 1s\nVAR w : NUMBER UNIT mtr TIMEOUT 1s\nv < 1 m",
+            [
+                "1:23 E002 'TIMOUT' is no option of a VAR (did you mean 'TIMEOUT'?)",
+                "2:21 E009 there is no unit 'mtr' (did you mean 'meter'?)",
+            ],
+        ),
+        (
+            "VAR v : BOOL TIMEOUT 1s rate > 3",
+            ["1:25 E008 there is no variable 'rate' (there are: v)"],
+        ),
         ("x > 5 y", ["1:7 E003 unexpected 'y': the text before is complete"]),
         (
             "AVERAGE(x, 5s, COVERAGE 2) > 1",
