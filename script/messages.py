@@ -21,10 +21,10 @@ _HEAD = """# Messages
 <!-- written by script/messages.py from the messages.py of each kind -->
 
 What monitors publish, as `eddi_messages/NAME`; a workspace has only those that its monitors need.
-Times are in seconds, probabilities between 0 and 1. Messages are published in each step, the last
-one is latched. Of a ConSert, a network and a SafeML monitor, `NAMEOutput` is on the topic of
-`EDDIOutputs` and `NAMEStatus` on `<topic>/status`; thresholds of a network are on
-`<topic>/evidence`. [What monitors may read of each
+Probabilities lie between 0 and 1; times are in seconds where the name says no other unit
+(`mttf_hours`). Messages are published in each step, the last one is latched. Of a ConSert, a
+network and a SafeML monitor, `NAMEOutput` is on the topic of `EDDIOutputs` and `NAMEStatus` on
+`<topic>/status`; thresholds of a network are on `<topic>/evidence`. [What monitors may read of each
 other](configuration.md#what-monitors-may-read-of-each-other) says which field counts as evidence.
 """
 
@@ -46,8 +46,8 @@ def document() -> str:
 
 
 def _sections() -> Iterator[str]:
-    for name, kind in sorted(kinds().items()):
-        yield f"## {name.replace('_', ' ').capitalize()}\n"
+    for _, kind in sorted(kinds().items()):
+        yield f"## {kind.title}\n"
         for message, text in kind.all_messages.items():
             yield f"### `{message}`\n"
             if message in _MEANINGS:
