@@ -38,6 +38,13 @@ def _namespace(text: str) -> str:
     return text
 
 
+def _absolute(topic: str) -> str:
+    if not topic.startswith("/"):
+        message = "one topic for all robots is expected, such as /eddi/peers"
+        raise HintedError(message, f"write /{topic}: without / each namespace has one of its own")
+    return topic
+
+
 def _some(entries: list[Any]) -> list[Any]:
     if not entries:
         raise ValueError("at least one entry is expected")
@@ -70,7 +77,7 @@ class FleetSection(_Section):
         lease: seconds after which a guarantee of another robot is unknown.
     """
 
-    topic: Topic = PEERS_TOPIC
+    topic: Annotated[Topic, AfterValidator(_absolute)] = PEERS_TOPIC
     lease: Lease = PEERS_LEASE
 
 

@@ -21,8 +21,8 @@ def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | Non
     """Take the ConSert's own keys of ``Model:`` into the model.
 
     ``guarantee_ids`` chooses between the ids of the model (``source``) and SESAME D7.2's class
-    names (``class``); ``debounce: n`` lets a leaf count as TRUE again after n TRUE samples in a
-    row; ``filter`` is the general form, which the runtime checks.
+    names (``class``); ``debounce: n`` lets a leaf count as TRUE again in the n-th step in a
+    row in which it is; ``filter`` is the general form, which the runtime checks.
     """
     values = options.values
     problems = list(_wrong(options))
@@ -74,7 +74,7 @@ def _wrong(options: Options) -> Iterable[Problem]:
         message = "Model.guarantee_ids: must be 'source' or 'class'"
         yield error("K005", message, options.place("guarantee_ids"))
     if debounce is not None and (type(debounce) is not int or debounce < 1):
-        message = "Model.debounce: a whole number of samples from 1 on is expected"
+        message = "Model.debounce: a whole number of steps from 1 on is expected"
         yield error("K005", message, options.place("debounce"))
     if filtering is not None and not isinstance(filtering, Mapping):
         yield error("K005", "Model.filter: a map is expected", options.place("filter"))
