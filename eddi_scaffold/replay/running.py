@@ -78,7 +78,7 @@ def changes(play: Play) -> Iterator[str]:
         last[part.name] = now
         values = {**running.series(frame.output), **decided}
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in values.items())
-        beside = _beside(running, reason) + _blocking(running)
+        beside = _beside(running, frame.output) + _blocking(running)
         who = f"{part.name}: " if part.name else ""
         yield f"{frame.t:10.3f}  {who}{shown}{beside}".rstrip()
 
@@ -138,11 +138,12 @@ def _facts(output: object) -> dict[str, Value]:
     return found
 
 
-def _beside(running: RuntimeMonitor[Any], reason: str) -> str:
+def _beside(running: RuntimeMonitor[Any], output: object) -> str:
     """Return the reason for people where no input that is waited for has it after its name."""
+    reason = _reason(output)
     if not reason or hasattr(running, "omission") or reason == _NO_OTHER:
         return ""
-    return f"  not valid: {reason}"
+    return f"  {reason}" if getattr(output, "valid", False) else f"  not valid: {reason}"
 
 
 def _plain(value: object) -> Value:

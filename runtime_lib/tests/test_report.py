@@ -37,6 +37,11 @@ def test_nothing_to_say():
     assert "K.reason" not in values
 
 
+def test_what_was_missed_and_still_counts_is_a_warning():
+    found = said(KNOWN, monitor=MonitorFact(doubts=("pump: it may have failed",)))
+    assert (found.level, found.message) == (WARN, "pump: it may have failed")
+
+
 def test_the_worst_finding_comes_first():
     waiting = InputFact("M", "waiting", blocks=("G1", "G2"), sources=(C,))
     late = InputFact("S", "stale", age=2.0, limit=0.5, sources=(B,))

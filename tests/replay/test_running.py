@@ -98,6 +98,15 @@ def test_the_reason_of_a_result_that_is_not_valid_is_told(tmp_path: Path) -> Non
     ]  # fmt: skip
 
 
+def test_what_was_missed_and_still_counts_is_told(tmp_path: Path) -> None:
+    (tmp_path / "small.yml").write_text(SMALL.replace(", dead: not ok", ""))
+    (tmp_path / "r.csv").write_text("t,ok\n0,true\n1,nan\n2,true\n3,true\n")
+    done = run("small.yml", "--inputs", "r.csv", folder=tmp_path)
+    assert "leaves out the fail state dead" in done.stderr
+    end = "r: ok was missing 1 s after the start, and no input shows that it has not failed since"
+    assert done.stdout.splitlines()[-1].endswith(f"valid active    {end}")
+
+
 def test_a_configuration_without_its_model_says_what_to_do() -> None:
     done = run("consert_a_config.yml", "--inputs", "recording.csv")
     assert done.returncode == 2

@@ -16,6 +16,7 @@ from eddi_scaffold.kinds.reliability.model import (
     Observation,
 )
 from eddi_scaffold.kinds.reliability.values import KEY, Values
+from eddi_scaffold.problems import warning
 from eddi_scaffold.quantities import duration, rate
 
 _TREE_KEYS = (
@@ -81,6 +82,7 @@ def _chain(entry: Values, errors: int) -> Chain:
 
 def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
     found: list[Observation] = []
+    errors = entry.errors
     observe = entry.map("observe")
     if observe is None:
         return ()
@@ -97,7 +99,25 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
                 observe.error("R002", f"{text!r} is not an input", state, hint=hint)
             else:
                 found.append(Observation(state, words[-1], negated))
+    if entry.errors == errors:
+        _shows_failure(name, entry, chain, found)
     return tuple(found)
+
+
+def _shows_failure(name: str, entry: Values, chain: Chain, found: list[Observation]) -> None:
+    """Warn of fail states that no input can exclude (R013)."""
+    unseen = [state for state in chain.fail if all(one.state != state for one in found)]
+    if not found or not unseen:
+        return
+    shown = ", ".join(unseen)
+    message = (
+        f"`observe` of chain {name!r} leaves out the fail state {shown}: no input ever shows that "
+        "it has not failed, so p_fail grows, and may stay 1 after one missed message"
+    )
+    first = min(found, key=lambda one: one.state not in chain.initial)
+    input_ = first.input if first.negated else f"not {first.input}"
+    hint = f"write `{unseen[0]}: {input_}` too, if that excludes it; else any input that does"
+    entry.problems.append(warning("R013", message, entry.place("observe", KEY), hint))
 
 
 def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:

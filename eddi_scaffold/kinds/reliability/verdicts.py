@@ -15,7 +15,7 @@ def _said(output: Any) -> Said:
         Verdict(
             one.id,
             state_of(active=one.active, known=output.valid),
-            () if one.active or output.valid else reasons,
+            () if one.active else reasons,
         )
         for one in output.evidence
     )

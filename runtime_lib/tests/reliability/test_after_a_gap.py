@@ -152,3 +152,31 @@ def test_sets_that_are_made_of_others_are_left_out():
             parts = [part for part in found if part < one]
             assert frozenset().union(*parts) == one
     assert independent([{0, 1}, {0}, {1}, {1, 2}]) == [{0}, {1}, {1, 2}]
+
+
+def test_a_chain_that_may_have_failed_unseen_says_since_when_and_why():
+    arcs = [[0, 1, 1e-5], [1, 2, 1e-3]]
+    limits = [{"id": "T", "activate": 1e-3, "release": 2e-3, "hold": 0.0}]
+    unseen = [[0, "ok", False], [1, "ok", True]]  # no entry excludes state 2, the fail state
+    one = monitor([chain(arcs, 3, [2], observe=unseen)], ["ok"], thresholds=limits)
+    for at, ok in ((0.0, True), (0.5, None), (1.0, True)):
+        found = step(one, at, ok=ok)
+    why = (
+        "chain: ok was missing 0.5 s after the start, and no input shows that it has not failed "
+        "since"
+    )
+    assert (found.valid, found.p_fail, found.reason) == (True, 1.0, why)
+    assert one.explain().text().startswith(f"p_fail 1 (5e-09 to 1) within 1 h, valid: {why}\n")
+    assert one.standings()[0].reason == f"p_fail is 1, the threshold is 0.001; {why}"
+    assert one.doubts() == (why,)
+    assert dict(one.message(found)[1])["reason"] == why
+    for at, ok in ((1.5, False), (2.0, None), (2.5, False)):
+        assert step(one, at, ok=ok).p_fail == 1.0
+    one.reset()
+    assert (step(one, ok=True).reason, one.doubts()) == ("", ())
+
+    whole = [*unseen, [2, "ok", True]]
+    one = monitor([chain(arcs, 3, [2], observe=whole)], ["ok"], thresholds=limits)
+    for at, ok in ((0.0, True), (0.5, None), (1.0, True)):
+        found = step(one, at, ok=ok)
+    assert (found.reason, found.evidence, one.doubts()) == ("", {"T": True}, ())

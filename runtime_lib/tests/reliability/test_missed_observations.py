@@ -134,7 +134,7 @@ def compare(parts, ranges, told, chance):
 
 def contradicts(exact, bound):
     """Tell whether a completion is impossible where what is known is not."""
-    return exact.reason and bound.reason in ("", "unknown inputs")
+    return exact.reason and (bound.valid or bound.reason == "unknown inputs")
 
 
 def holds(bound, exact, story, *, sane):

@@ -121,13 +121,14 @@ class Health:
             self._said = self._asked(kinds)
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
-        self._level = level_of(kinds, error, self._said.accepted)
+        self._level = level_of(kinds, error, self._said.accepted + self._said.doubts)
         return self._level != before
 
     def _asked(self, kinds: Sequence[str]) -> MonitorFact:
         unknown = [spec.id for spec, kind in zip(self._inputs, kinds) if kind not in _KNOWN]
         standings, accepted = tuple(self._monitor.standings()), tuple(self._monitor.accepted())
-        return MonitorFact(standings, accepted, dict(self._monitor.blocked(unknown)))
+        blocked, doubts = dict(self._monitor.blocked(unknown)), tuple(self._monitor.doubts())
+        return MonitorFact(standings, accepted, blocked, doubts)
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""

@@ -79,11 +79,13 @@ class MonitorFact(NamedTuple):
         standings: every guarantee, threshold or event, active or not.
         accepted: acceptances in use, as ``input: key``.
         blocks: input id -> what it blocks.
+        doubts: what was missed before and still keeps outputs from being given.
     """
 
     standings: Tuple[Standing, ...] = ()
     accepted: Tuple[str, ...] = ()
     blocks: Mapping[str, Sequence[str]] = {}
+    doubts: Tuple[str, ...] = ()
 
 
 class GraphFact(NamedTuple):
@@ -159,6 +161,7 @@ def report(
     """
     findings = [*_of_inputs(inputs, node.graph), *_of_node(node)]
     findings += [(WARN, f"accepted: {text}") for text in monitor.accepted]
+    findings += [(WARN, text) for text in monitor.doubts]
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())

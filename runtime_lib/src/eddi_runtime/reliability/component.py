@@ -124,6 +124,10 @@ class Component:
         """Let time pass, take the observations, look ahead."""
         raise NotImplementedError
 
+    def doubt(self) -> str:
+        """Return what was missed before and is still open, in words; empty for nothing."""
+        return ""
+
     def importances(self) -> Tuple[Importance, ...]:
         """Return how much each event of a fault tree matters now; empty for other models."""
         return ()

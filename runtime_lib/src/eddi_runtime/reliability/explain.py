@@ -39,7 +39,8 @@ class Explanation(NamedTuple):
         one = self.result
         bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
         shown = bounds if one.p_fail_low != one.p_fail_high else ""
-        why = "valid" if one.valid else f"not valid: {one.reason}"
+        because = f": {one.reason}" if one.reason else ""
+        why = f"{'valid' if one.valid else 'not valid'}{because}"
         lines = [f"p_fail {one.p_fail:.3g}{shown} within {one.horizon:g} h, {why}"]
         lines += [f"  {name} is {'' if on else 'not '}active" for name, on in one.evidence.items()]
         lines += [f"  {name} is unknown{_because(why)}" for name, why in self.unknown.items()]

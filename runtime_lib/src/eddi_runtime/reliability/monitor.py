@@ -138,6 +138,9 @@ class Reliability(Monitor[ReliabilityResult]):
                 high, alive = 1.0, 0.0
         reason = reason or beyond or why
         valid = not unknown and not reason
+        told = reason or (_UNKNOWN_INPUTS if unknown else "")
+        if valid and high > low * _ROUNDED:
+            told = self._doubt()
         usable = valid or (self.worst_case and not reason)
         # loops, not comprehensions: those cost a call each before Python 3.12
         contributions: Dict[str, float] = {}
@@ -150,7 +153,7 @@ class Reliability(Monitor[ReliabilityResult]):
             ReliabilityResult,
             (
                 *(valid, high, low, high, alive, mttf, moment[3], evidence, unknown),
-                reason or (_UNKNOWN_INPUTS if unknown else ""),
+                told,
                 contributions,
             ),
         )
@@ -193,6 +196,21 @@ class Reliability(Monitor[ReliabilityResult]):
                 index = min(GRID, max(0, math.ceil(left / 3600.0 / horizon * GRID - 1e-9)))
             horizon = horizon * index / GRID
         return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
+
+    def _doubt(self) -> str:
+        """Return what was missed before and is still open in a step that is valid."""
+        found = [(name, one.doubt()) for name, one in self.components.items()]
+        return "; ".join([f"{name}: {text}" for name, text in found if text])
+
+    def doubts(self) -> Tuple[str, ...]:
+        """Return what was missed before and keeps a threshold from being active."""
+        one = self._result
+        decides = [
+            own.threshold.activate
+            for own in self._evidence
+            if not own.active and one.p_fail_low <= own.threshold.activate < one.p_fail_high
+        ]
+        return (one.reason,) if one.valid and one.reason and decides else ()
 
     def importances(self) -> Tuple[Importance, ...]:
         """Return how much each event of the top fault tree matters now; empty for other models."""
@@ -281,7 +299,8 @@ class Reliability(Monitor[ReliabilityResult]):
             return tuple(lacks), _trouble(result)
         limit = one.threshold.activate
         if not result.p_fail_high <= limit:
-            return (), f"p_fail is {result.p_fail_high:.3g}, the threshold is {limit:g}"
+            high = f"p_fail is {result.p_fail_high:.3g}, the threshold is {limit:g}"
+            return (), "; ".join(filter(None, (high, _trouble(result))))
         return (), "it holds, but not for long enough yet"
 
     def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
@@ -297,7 +316,7 @@ class Reliability(Monitor[ReliabilityResult]):
 
 
 def _trouble(result: ReliabilityResult) -> str:
-    """Return why a result is not valid, apart from unknown inputs."""
+    """Return why a result is not valid, or is as bad, apart from unknown inputs."""
     return "" if result.reason == _UNKNOWN_INPUTS else result.reason
 
 

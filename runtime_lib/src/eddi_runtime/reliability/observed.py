@@ -44,6 +44,8 @@ class MarkovChain(Component):
         self._lost = False  # it was seen that it has failed
         self._vague = False  # something was missed that may still matter
         self._missed: Optional[Missed] = None
+        self._missing: Dict[str, float] = {}  # input -> hours of age when it was missing last
+        self._may_have_failed = False  # for all that is seen now
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Exclude the states whose verdict is F."""
@@ -80,6 +82,8 @@ class MarkovChain(Component):
 
     def _bounded(self, moment: Moment, seen: Seen) -> Estimate:
         """Take what is seen while something that was missed may matter."""
+        self._missing.update(dict.fromkeys(seen.unknown, moment.age))
+        self._may_have_failed = not set(self.chain.fail).isdisjoint(seen.states)
         if self.chain.states > _LARGEST:
             return self._any_state(moment, seen)
         missed = self._missed
@@ -129,6 +133,15 @@ class MarkovChain(Component):
         return independent(
             {self._consistent({**given, **dict(zip(unknown, one))}) for one in values}
         )
+
+    def doubt(self) -> str:
+        """Return which inputs were missing, and what no other one has told since."""
+        if not self._vague:
+            return ""
+        ages = {n: self._missing[n] * 3600.0 for n in self._names if n in self._missing}
+        names = [f"{name} was missing {age:g} s" for name, age in ages.items()]
+        open_ = "that it has not failed since" if self._may_have_failed else "what it was then"
+        return f"{', '.join(names)} after the start, and no input shows {open_}"
 
     def reset(self) -> None:
         """Return to the start of the mission."""

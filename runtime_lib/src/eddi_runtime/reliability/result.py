@@ -19,7 +19,8 @@ class ReliabilityResult(NamedTuple):
         horizon: hours from now.
         evidence: id of a threshold -> active.
         unknown: inputs that are not known.
-        reason: why the result is not valid; empty when it is.
+        reason: why the result is not valid; of a valid one, what was missed before and is still
+            open, so that the bounds differ.
         contributions: model -> its p_fail_high.
     """
 
