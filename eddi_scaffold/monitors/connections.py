@@ -10,8 +10,8 @@ from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.identifiers import full_topic, package_name
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
-from eddi_scaffold.problems import Problem, did_you_mean, error, warning
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, check_path
+from eddi_scaffold.problems import Problem, warning
 
 _PERIODS = 2
 
@@ -63,10 +63,8 @@ def _unknown_ids(
             if provider is None or provider.config is config:
                 continue
             for key, text, path in _paths(item, binding, source):
-                for name, known in _missing(path, provider):
-                    message = f"{text!r}: {provider.model.name} publishes no {name!r}"
-                    hint = did_you_mean(name, known) or f"it gives: {', '.join(known) or 'none'}"
-                    yield error("K047", message, config.place("EDDIInputs", index, key), hint)
+                place = config.place("EDDIInputs", index, key)
+                yield from check_path(text, path, provider, place)
 
 
 def _given(monitor: BoundMonitor) -> Iterable[tuple[str, str]]:
@@ -102,24 +100,6 @@ def _paths(
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
     for name, path in binding.key_paths.get(source.id, {}).items():
         yield key, name, path
-
-
-def _missing(
-    path: Sequence[fields.PlainStep], provider: BoundMonitor
-) -> Iterable[tuple[str, Sequence[str]]]:
-    """Yield the id that a path asks for and the monitor does not have, with those it has."""
-    ids = provider.kind.functions.ids(provider.model)
-    before = ""
-    for step in path:
-        if isinstance(step, str):
-            before += f".{step}" if before else step
-            continue
-        wanted = step if isinstance(step, int) else step[-1] if step[0] != "*" else 0
-        known = ids.get(before)
-        if known is not None and isinstance(wanted, str) and wanted not in known:
-            yield wanted, known
-            return
-        before += f"[{wanted}]"
 
 
 def _limit(item: InputEntry) -> float | None:

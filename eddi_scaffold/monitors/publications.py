@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from eddi_scaffold.config.field_types import ResolvedPath, resolve
-from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, FieldPathError, parse_field
+from eddi_scaffold.config.fields import (
+    Attribute,
+    ByKey,
+    FieldPath,
+    FieldPathError,
+    PlainStep,
+    parse_field,
+    plain_step,
+)
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.schema import OutputEntry
@@ -44,7 +52,7 @@ class Publication:
 def publications(
     monitor: BoundMonitor, config: ConfigFile
 ) -> tuple[list[Publication], list[Problem]]:
-    """Return what the node publishes, and what is wrong with it (K034, K045, K085)."""
+    """Return what the node publishes, and what is wrong with it (K034, K045, K047, K085)."""
     messages = _messages(monitor)
     found: list[Publication] = []
     problems: list[Problem] = []
@@ -73,6 +81,8 @@ def publications(
         except FieldPathError as problem:
             problems.append(error("K034", str(problem), places("field"), problem.hint))
             continue
+        plain = [plain_step(step) for step in path]
+        problems += check_path(output.field, plain, monitor, places("field"))
         found.append(
             Publication(output, _std_msgs(end), places("topic"), messages[of], end.path, of)
         )
@@ -84,6 +94,26 @@ def publications(
             Publication(own, _std_msgs(end), one.place, messages[one.of], end.path, one.of)
         )
     return found, problems
+
+
+def check_path(
+    text: str, path: Sequence[PlainStep], provider: BoundMonitor, place: Place
+) -> Iterator[Problem]:
+    """Report the id that a path into a message asks for, and the monitor does not have (K047)."""
+    ids = provider.kind.functions.ids(provider.model)
+    before = ""
+    for step in path:
+        if isinstance(step, str):
+            before += f".{step}" if before else step
+            continue
+        wanted = step if isinstance(step, int) else step[-1] if step[0] != "*" else 0
+        known = ids.get(before)
+        if known is not None and isinstance(wanted, str) and wanted not in known:
+            message = f"{text!r}: {provider.model.name} publishes no {wanted!r}"
+            hint = did_you_mean(wanted, known) or f"it gives: {', '.join(known) or 'none'}"
+            yield error("K047", message, place, hint)
+            return
+        before += f"[{wanted}]"
 
 
 def _messages(monitor: BoundMonitor) -> dict[str, str]:

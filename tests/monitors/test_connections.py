@@ -88,3 +88,20 @@ EDDIOutputs: [{{id: rover, topic: /rover/guarantees}}]
     problems = check_files(names)
     (problem,) = [one for one in problems if one.code == "K047"]
     assert (problem.message, problem.place.line) == (wanted, 6)
+
+
+@pytest.mark.parametrize(
+    ("field", "hint"),
+    [
+        ("output_nodes[Criticl].outcomes[Yes].outcome_value", "Critical"),
+        ("output_nodes[Critical].outcomes[Yess].outcome_value", "Yes"),
+    ],
+)
+def test_an_output_of_what_the_network_does_not_have(tmp_path: Path, field: str, hint: str) -> None:
+    network = tmp_path / "network.yml"
+    text = (NETWORK / "eddi_config.yml").read_text("utf-8")
+    network.write_text(f"{text}  - {{id: one, topic: one, field: '{field}'}}\n", "utf-8")
+    problems = check_files((NETWORK / "pedestrian.xml", network))
+    (problem,) = [one for one in problems if one.code == "K047"]
+    assert problem.hint == f"did you mean {hint!r}?"
+    assert problem.place.line == len(text.splitlines()) + 1
