@@ -16,6 +16,8 @@ from eddi_scaffold.monitors.fleet import check_fleet, fleet_answers, fleet_messa
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication, publications
 from eddi_scaffold.problems import Problem, error
 
+_OF_ITS_OWN = "give each output a topic of its own"
+
 
 @dataclass(frozen=True)
 class MonitorNode:
@@ -163,8 +165,16 @@ def _step(step: Step) -> str:
     return python_literal(tuple(plain) if isinstance(plain, list) else plain)
 
 
+def _is_mixed(one: Publication, other: Publication) -> bool:
+    """Tell whether a reader takes two publications for one: messages of two events have ids."""
+    if other.of and not other.path:
+        return False  # what is published below the topic of a result is reported there
+    events = {one.output.event, other.output.event}
+    return len(events) == 1 or None in events
+
+
 def _check(node: MonitorNode) -> Iterator[Problem]:
-    """Find outputs that are missing, heard by their own monitor, or of two types on one topic.
+    """Find outputs that are missing, heard by their own monitor, or share a topic (K030, K031).
 
     And what does not fit among robots.
 
@@ -177,13 +187,17 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
         yield error("K030", message, config.place("EDDIOutputs"), hint)
     yield from check_fleet(monitor, config)
     heard = {monitor.topic(one.topic) for one in config.config.SimulatorOutputs}
-    types: dict[str, str] = {}
+    first: dict[str, Publication] = {}
     for one in node.published:
         written = one.output.topic
         topic = monitor.topic(written)
         if topic in heard:
             message = f"the monitor would listen to its own output {written}"
             yield error("K031", message, one.place)
-        if types.setdefault(topic, one.type) != one.type:
-            message = f"the topic {written} would carry {types[topic]} and {one.type}"
-            yield error("K031", message, one.place, "give each output a topic of its own")
+        other = first.setdefault(topic, one)
+        if other.type != one.type:
+            message = f"the topic {written} would carry {other.type} and {one.type}"
+            yield error("K031", message, one.place, _OF_ITS_OWN)
+        elif other is not one and _is_mixed(other, one):
+            message = f"the outputs {other.output.id} and {one.output.id} have one topic, {written}"
+            yield error("K031", message, one.place, _OF_ITS_OWN)

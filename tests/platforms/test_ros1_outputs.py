@@ -8,7 +8,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1.package_answers import monitor_answers
 from tests.cli.command import EXAMPLE
 
-FIELD = "guarantees[System_B_G0].active"
+FIELD = "guarantees[System_A_G0_c2].active"
 
 
 def answers(tmp_path: Path, field: str) -> tuple[dict, list[str]]:
@@ -33,7 +33,7 @@ def test_a_field_is_published_as_a_message_of_std_msgs(tmp_path: Path) -> None:
         "std_msgs/Bool",
     )
     assert value["message_class"] == "Bool"
-    assert "('guarantees', ('id', 'System_B_G0'), 'active',)" in value["more"]
+    assert "('guarantees', ('id', 'System_A_G0_c2'), 'active',)" in value["more"]
     assert (value["status_topic"], value["status_class"]) == ("None", "None")
     assert "from std_msgs.msg import Bool" in found["message_imports"]
     assert "std_msgs" in found["message_packages"]
