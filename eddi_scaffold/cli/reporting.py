@@ -50,7 +50,9 @@ def _report(outcome: Outcome, *, dry_run: bool) -> None:
         diff = outcome.diff()
         if diff:
             console.data(diff.rstrip("\n"))
-        console.say(f"{_files(len(outcome.changes))} would change below {outcome.root}")
+        number = len(outcome.changes) - len(_records(outcome))
+        what = _files(number) if number or not outcome.changes else "records of hand edits"
+        console.say(f"{what} would change below {outcome.root}")
     else:
         _list_changes(outcome)
     for note in outcome.notes:
@@ -65,12 +67,16 @@ def _files(number: int) -> str:
     return "1 file" if number == 1 else f"{number} files"
 
 
+def _records(outcome: Outcome) -> set[str]:
+    return {path for path in outcome.changes if _RECORDS in path}
+
+
 def _list_changes(outcome: Outcome) -> None:
     """Print what changed: each file that may be edited, and a count of the others."""
     if not outcome.changes:
         console.success(f"nothing to change below {outcome.root}")
         return
-    records = {path for path in outcome.changes if _RECORDS in path}
+    records = _records(outcome)
     number = len(outcome.changes) - len(records)
     console.success(f"{outcome.root}: {_files(number) if number else 'records of hand edits'}")
     editable = dict(_editable(outcome))

@@ -21,9 +21,10 @@ from pydantic import (
     StrictStr,
 )
 
+from eddi_scaffold.config.message_types.definitions import PRIMITIVES
 from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds import InputType
-from eddi_scaffold.problems import HintedError
+from eddi_scaffold.problems import HintedError, did_you_mean
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
 INPUT_TYPES: dict[str, InputType] = {
@@ -33,6 +34,7 @@ INPUT_TYPES: dict[str, InputType] = {
     "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
 }  # fmt: skip
 
+_PRIMITIVE = re.compile(r"[a-z][a-z0-9_]*")
 _COMMA = re.compile(r"\d+,\d+")
 """A number as some languages write it."""
 _QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?) *([A-Za-z]+)")
@@ -176,6 +178,11 @@ def _field_type(text: str) -> str:
     meant = _NOT_IN_ROS.get(name)
     if meant is not None:
         raise ValueError(f"{name!r} is no type of ROS messages; write {meant + bracket + length}")
+    if _PRIMITIVE.fullmatch(name) and name not in PRIMITIVES:
+        message = f"there is no type {name!r}: a type of ROS messages is expected"
+        raise HintedError(
+            message, did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
+        )
     return text
 
 

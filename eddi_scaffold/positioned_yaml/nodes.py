@@ -274,6 +274,8 @@ class _Composer:
                 hint = hint or "put a colon and a blank after the key"
             elif problem.problem == "mapping values are not allowed in this context":
                 hint = hint or _INDENT
+            elif "did not find expected ',' or" in (problem.problem or ""):
+                hint = hint or "close it, or put a text with brackets or a comma in quotes"
             raise _Stop(f"this is not YAML: {': '.join(parts)}", place, hint) from None
         except yaml.reader.ReaderError as problem:
             raise _Stop(*self._unreadable(problem)) from None

@@ -26,6 +26,8 @@ TIMES: Mapping[str, Fields] = {
     "duration": {"secs": "int32", "nsecs": "int32"},
 }
 """What rospy makes of the two primitive types that have parts."""
+PRIMITIVES = (*_PYTHON_TYPES, *TIMES, "wstring")
+"""All types that are no messages."""
 EITHER_TIMES: Mapping[str, Fields] = {
     "time": {**TIMES["time"], "sec": "int32", "nanosec": "uint32"},
     "duration": {**TIMES["duration"], "sec": "int32", "nanosec": "uint32"},
