@@ -16,7 +16,9 @@ from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.wiring.ages import with_default_ages, without_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
+from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
+from eddi_scaffold.deployments.wiring.topics import absent_publishers
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
@@ -80,7 +82,8 @@ def monitors_of(
         default_guarantees: the marks of ``--default-guarantee``.
         robot: what models of a robot add to the configurations.
         root: folder of all packages, where those that are there run with the monitors: they give
-            age limits, and the message types that a package was generated with stay known.
+            age limits, and the message types that a package was generated with stay known; what
+            none of them publishes is a warning (D006).
         renames: ``OLD=NEW``: the package of the new name is there as the old one.
 
     Raises:
@@ -113,6 +116,8 @@ def monitors_of(
     problems = unanswered([*problems, *found], configured)
     if has_errors(problems):
         raise EddiError(*problems)
+    if root is not None:
+        problems += absent_publishers(deployment(members_of(monitors), others()))
     return monitors, problems
 
 

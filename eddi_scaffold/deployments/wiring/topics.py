@@ -74,7 +74,7 @@ def shared_by_robots(members: Sequence[Member]) -> str | None:
 
 
 def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
-    """Warn of topics with messages of ours that no member publishes (D006)."""
+    """Warn of topics with messages of ours that no monitor publishes (D006)."""
     for member in deployment.members:
         yield from _absent(deployment, member)
 
@@ -98,10 +98,9 @@ def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
         topic = member.topic(source.topic)
         if source.id not in required or kind_of_message(source.type) is None or source.peers:
             continue
-        if deployment.publisher(member, source) is None:
-            message = (
-                f"{topic} is published by none of these files, so what it depends on is not checked"
-            )
+        if not (deployment.publisher(member, source) or deployment.other(member, source)):
+            of = "these files and packages" if deployment.others else "these files"
+            message = f"{topic} is published by none of {of}, so what it depends on is not checked"
             place = config.place("SimulatorOutputs", index, "topic")
             hint = "check it together with the configuration and the model of its publisher"
             alike = _alike(deployment, member, topic, source.type)
