@@ -14,16 +14,19 @@ from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, check_path
 from eddi_scaffold.problems import Problem, warning
 
 _PERIODS = 2
+_LONG = 100.0
+"""Seconds of a limit that are more likely meant as milliseconds."""
 
 
 def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
-    """Warn where an input gives up on a monitor that is only between two of its steps (K029)."""
+    """Warn where an input gives up on a monitor between two of its steps, or hardly ever (K029)."""
     providers = {
         _full(config, output.topic): config.config.Model
         for config in configs
         for output in config.config.EDDIOutputs
     }
     for config in configs:
+        yield from _long(config)
         sources = config.config.SimulatorOutputs
         topics = {one.id: _full(config, one.topic) for one in sources}
         ours = {topics[one.id] for one in sources if one.type.startswith(f"{MESSAGE_PACKAGE}/")}
@@ -40,6 +43,20 @@ def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
                 )
                 place = config.place("EDDIInputs", index, "max_age")
                 hint = f"at least {_PERIODS} periods: max_age: {_PERIODS / provider.frequency:g}"
+                yield warning("K029", message, place, hint)
+
+
+def _long(config: ConfigFile) -> Iterable[Problem]:
+    for section in ("SimulatorOutputs", "EDDIInputs"):
+        for index, item in enumerate(getattr(config.config, section)):
+            limit = _limit(item)
+            if limit is not None and limit >= _LONG:
+                message = (
+                    f"{item.id!r} counts as known for {limit:g} s after its source has died: "
+                    "`max_age` is in seconds"
+                )
+                place = config.place(section, index, "max_age")
+                hint = f"write {limit / 1000:g} if {limit:g} ms are meant"
                 yield warning("K029", message, place, hint)
 
 
@@ -102,5 +119,5 @@ def _paths(
         yield key, name, path
 
 
-def _limit(item: InputEntry) -> float | None:
+def _limit(item: InputEntry | SimulatorOutput) -> float | None:
     return item.max_age if isinstance(item.max_age, float) else None

@@ -46,6 +46,14 @@ def test_the_status_of_a_monitor_comes_as_often_as_its_result() -> None:
     assert found("0.5", of_a_sensor.replace("eddi_messages.ConSertStatus", "std_msgs.Bool")) == []
 
 
+def test_an_age_in_milliseconds_is_a_warning() -> None:
+    text = "counts as known for 500 s after its source has died: `max_age` is in seconds"
+    assert found("500") == [f"5:K029: 'D' {text}"]
+    source = CONSUMER.replace("/b/guarantees}}", "/b/guarantees, max_age: 500}}")
+    assert found("5", source) == [f"3:K029: 'b' {text}"]
+    assert found("99") == []
+
+
 @pytest.mark.parametrize("max_age", ["1.0", "none", "null"])
 def test_longer_and_absent_ages_are_fine(max_age: str) -> None:
     assert found(max_age) == []
