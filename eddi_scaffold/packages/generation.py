@@ -20,6 +20,7 @@ from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
 from eddi_scaffold.packages.handwritten import lost_limits, lost_sources
 from eddi_scaffold.packages.links import follow
+from eddi_scaffold.packages.moved import committed_base, gone
 from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
@@ -215,6 +216,9 @@ def _merge_package(
     work.notes += [note for note in (*notes, *merged.look) if note not in work.notes]
     anew = list(_written_anew(target, before, changes))
     work.notes += [f"{package.folder}/{note}" for note, _ in anew]
+    is_new = not before and "model_json" in package.answers
+    missed = gone(root, package.folder, within or root) if is_new else None
+    work.notes += [missed] if missed is not None else []
     work.notes += [f"{package.folder}/{note}" for note in _regions_anew(before, changes)]
     work.notes += [
         f"{package.folder}/{note.file}: {note.text}"
@@ -222,7 +226,8 @@ def _merge_package(
         if not (package.saved and isinstance(note, Restored))  # an adoption says so itself
     ]
     work.notes += found.untouched()
-    work.attention = work.attention or merged.is_open or any(edited for _, edited in anew)
+    lost = missed is not None or any(edited for _, edited in anew)
+    work.attention = work.attention or merged.is_open or lost
 
 
 @dataclass(frozen=True)
@@ -334,19 +339,13 @@ def _written_anew(
             yield (
                 f"{path}: it was missing and is written anew, without hand edits"
                 + (there if committed is not None else ""),
-                committed not in {None, _committed_base(target, path)},
+                committed not in {None, committed_base(target, path)},
             )
 
 
 def _bases_before(before: Mapping[str, FileState]) -> Mapping[str, str]:
     record = before.get(f"{EDDI}/{BASES}")
     return bases_of((record and record.text) or "")
-
-
-def _committed_base(target: Path, path: str) -> str | None:
-    """Return what a file in git was made of, ``None`` where git does not have it."""
-    bases = bases_of(committed_text(target, f"{EDDI}/{BASES}") or "")
-    return bases.get(path) or committed_text(target, f"{FORMER}/{path}")
 
 
 def _regions_anew(

@@ -149,18 +149,34 @@ def former_texts(folder: Path, path: str) -> dict[str, str]:
         folder: a real package, no scratch copy.
         path: the file, relative to it.
     """
+    commits = _history(folder, path) if is_relative(path) else []
+    texts = {commit[:12]: committed_text(folder, path, commit) for commit in commits}
+    return {commit: text for commit, text in texts.items() if text is not None}
+
+
+def last_commit_with(folder: Path, path: str) -> str | None:
+    """Return the last commit that changed a folder and left a file in it.
+
+    Args:
+        folder: a package that was there, maybe.
+        path: the file, relative to it.
+    """
+    found = (one for one in _history(folder) if committed_bytes(folder, path, one) is not None)
+    return next((commit[:12] for commit in found), None)
+
+
+def _history(folder: Path, path: str = "") -> list[str]:
+    """Return the commits that changed something, the newest first."""
     found = repository_of(folder)
-    if found is None or not is_relative(path):
-        return {}
+    if found is None:
+        return []
     place = (Path(os.path.realpath(folder)).relative_to(found.work_tree) / path).as_posix()
     sides = [name for name in _SIDES if (found.git_dir / name).is_file()]
     words = ("rev-list", "--full-history", f"--max-count={_MOST_VERSIONS}", "HEAD", *sides)
     try:
-        commits = git(*words, "--", place, repository=found.git_dir).decode().split()
+        return git(*words, "--", place, repository=found.git_dir).decode().split()
     except (OSError, GitError):
-        return {}
-    texts = {commit[:12]: committed_text(folder, path, commit) for commit in commits}
-    return {commit: text for commit, text in texts.items() if text is not None}
+        return []
 
 
 def _git_dir(place: Path) -> Path | None:
