@@ -52,6 +52,7 @@ class ModelInput:
         covered: short text that describes which values count as good (``[0, 5) m``), for comments.
         is_good: would this value, in ``unit``, be evidence that can make an output active? Used to
             refuse unsafe defaults; ``None`` when the kind has no such notion.
+        starts: where the ranges of good numbers begin; each of them is good unless it is empty.
         every_message: no message may be skipped or counted twice: the attribute holds the list of
             all values since the last step, not the latest one.
         attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
@@ -72,6 +73,7 @@ class ModelInput:
     description: str | None = None
     covered: str | None = None
     is_good: Callable[[object], bool] | None = None
+    starts: tuple[float, ...] = ()
     every_message: bool = False
     attribute: str | None = None
     sample: JsonValue = None

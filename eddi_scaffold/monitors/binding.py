@@ -53,8 +53,6 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
-_STEPS = 1000
-"""In which a fraction is tried."""
 _MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
 
 
@@ -522,7 +520,8 @@ class _InputBinder:
         good, one = self.item.is_good, units.factor("fraction", self.item.unit or "")
         if tuple(given) != ("fraction",) or good is None or one is None:
             return
-        if not any(good(float(one * n) / _STEPS) for n in range(_STEPS + 1)):
+        # a range with a number between two ends has the lower end, or begins in between
+        if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= one):
             message = f"{what} is from 0 to 1, and nothing of that is in {self.item.covered}"
             hint = "is the range of the model in percent? Write `uom: percent` there"
             self.problems.append(warning("K052", message, self._place(self._given_by), hint))

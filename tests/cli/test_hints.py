@@ -70,8 +70,18 @@ def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
     (cart / "cart.yml").write_text(without)
     told = run("check", "cart_config.yml", cwd=cart)
     assert (told.status, "[K052]" in told.err, "`uom: percent`" in told.err) == (0, True, True)
-    (cart / "cart.yml").write_text(without.replace("start: 20", "start: 0.999"))
-    assert "[K052]" not in run("check", "cart_config.yml", cwd=cart).err
+    for ends, is_told in (
+        ("start: 0.999, end: 100", False),
+        ("start: 0.50001, end: 0.50002", False),
+        ("start: -3, end: 0", False),
+        ("start: -3, end: -0.1", True),
+        ("start: 1, end: 1", False),
+        ("start: 1.0000001, end: 2", True),
+    ):
+        assert "start: 20, end: 100" in without
+        (cart / "cart.yml").write_text(without.replace("start: 20, end: 100", ends))
+        told = run("check", "cart_config.yml", cwd=cart)
+        assert ("[K052]" in told.err) is is_told, ends
 
 
 def test_help_and_version_may_be_words(cart: Path) -> None:

@@ -73,6 +73,7 @@ def _evidence(evidence: Evidence) -> ModelInput:
         description=evidence.description,
         covered=covered,
         is_good=good,
+        starts=tuple(one.start.value for one in dimension.covered),
         uses=(Use(good),),
     )
 
