@@ -5,7 +5,7 @@ of SESAME D7.2 Fig 31; a person may override them in the generated RosNode.
 """
 
 import sys
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import rospy
 
@@ -77,14 +77,20 @@ class MonitorNode(Node):
         expected = self.expected_types()
         refused = dict(self._refusals.heard)
         receipts = self._receipts.latest()
+        shared = set() if watchdog is None else watchdog.shared
         wrong: Dict[str, str] = {}
+        mixed: List[str] = []
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
             if text:
                 wrong[topic] = text
+            elif topic in shared and (topic in seen or topic in refused):
+                _, text = seen.get(topic) or refused[topic]
+                mixed.append(f"a publisher that is registered for {topic} does not fit: {text}")
         state = "not watched" if watchdog is None else watchdog.state
         lost = ("ROS master lost",) if state == LOST else ()
+        warnings = (*lost, *mixed)
         known = None if watchdog is None or lost else watchdog.published
         ages = {source.id: age for source, age in self._silence.quiet(receipts)}
         silent = [
@@ -93,7 +99,7 @@ class MonitorNode(Node):
             if known is not None and name in ages
         ]
         found = self._silence.explained(silent, known or ())
-        return found._replace(values=(("master", state),), warnings=lost, wrong_types=wrong)
+        return found._replace(values=(("master", state),), warnings=warnings, wrong_types=wrong)
 
     def expected_types(self) -> Dict[str, Tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""

@@ -9,7 +9,7 @@ message type does not fit.
 import logging
 import threading
 import time
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
 import rosgraph
 import rospy
@@ -80,6 +80,7 @@ class Watchdog:
         state: of the master.
         wrong_types: topic -> when it was found; the type expected, and that of its publisher.
         published: topics with a publisher -> type, when the master was asked last.
+        shared: topics with more than one publisher, then.
     """
 
     def __init__(
@@ -95,6 +96,7 @@ class Watchdog:
         self.state = OK
         self.wrong_types: Dict[str, Tuple[float, str]] = {}
         self.published: Optional[Dict[str, Optional[str]]] = None
+        self.shared: Set[str] = set()
         self._node = str(rospy.get_name())
         self._own_uri = str(rospy.get_node_uri())
         self._master = Peer(master_uri, self._node)
@@ -153,6 +155,7 @@ class Watchdog:
         elif self.state == LOST:
             LOG.info("the ROS master answers again and still knows this node")
             self.state = OK
+        self.shared = {topic for topic, names in nodes.items() if len(names) > 1}
         self._check_types({topic: types.get(topic) for topic, names in nodes.items() if names})
 
     def _return(self) -> None:
