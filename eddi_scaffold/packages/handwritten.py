@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.message_types import TIMES, known_messages
 from eddi_scaffold.deployments.wiring.lifetimes import limit_of
 from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
+from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
@@ -223,13 +224,10 @@ def doubts_of(package: Path) -> Doubts:
         config = None
     if config is None:
         return doubtful_names
-    known = known_messages()
-    messages = {
-        attribute(one.id): (one.type, known[one.type])
-        for one in config.config.SimulatorOutputs
-        if one.type in known and one.type not in config.config.MessageTypes
-    }
-    return partial(doubtful_names, messages=messages)
+    partly = {*config.config.MessageTypes, *TIMES}
+    whole = {name: of for name, of in known_messages().items() if name not in partly}
+    types = {attribute(one.id): one.type for one in config.config.SimulatorOutputs}
+    return partial(doubtful_names, messages=Messages(types, whole))
 
 
 def inventory(folder: Path) -> Sequence[HandwrittenRegion]:

@@ -5,17 +5,28 @@ from __future__ import annotations
 import ast
 import builtins
 import symtable
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TypeGuard
+from typing import NamedTuple, TypeGuard
 
+from eddi_scaffold.config.message_types import element
 from eddi_scaffold.problems import did_you_mean, listed, nearest
 
-Messages = Mapping[str, tuple[str, Collection[str]]]
-"""Name of a parameter -> type of its messages, and the fields of these."""
 _KNOWN = {*dir(builtins), "__file__", "__class__"}
 _INDIRECT = {"exec", "eval", "globals", "setattr", "vars", "__dict__"}
 _PREFIX = "process_"
+
+
+class Messages(NamedTuple):
+    """What is known of messages.
+
+    Attributes:
+        types: name of a parameter -> type of its messages.
+        fields: type of a message that is known whole -> field -> its type.
+    """
+
+    types: Mapping[str, str] = {}
+    fields: Mapping[str, Mapping[str, str]] = {}
 
 
 class Inputs:
@@ -43,7 +54,7 @@ class Inputs:
         Args:
             function: the qualified name of its method.
             lines: of the body.
-            messages: parameter -> type of the message and its fields, where they are known.
+            messages: what is known of those that parameters are given.
         """
         method = self._methods.get(function)
         if method is None:
@@ -141,18 +152,44 @@ def _no_fields(
 ) -> Iterator[str]:
     """Yield what is read of a message as if it were a field, and is none."""
     bound = {one.id for one in nodes if isinstance(one, ast.Name) and _is_stored(one)}
-    known = {one.arg for one in method.args.args} & messages.keys() - bound
+    types = {
+        one.arg: messages.types[one.arg]
+        for one in method.args.args
+        if one.arg in messages.types and one.arg not in bound
+    }
     called = {id(one.func) for one in nodes if isinstance(one, ast.Call)}
     for one in nodes:
-        if not (isinstance(one, ast.Attribute) and isinstance(one.value, ast.Name)):
+        if not isinstance(one, ast.Attribute) or one.attr.startswith("_"):
             continue
-        if one.value.id not in known or one.attr.startswith("_"):
+        message = _type_of(one.value, types, messages.fields) or ""
+        fields = messages.fields.get(message)
+        if fields is None or _field_type(fields, one.attr) is not None:
             continue
-        message, fields = messages[one.value.id]
-        is_field = one.attr.lower() in map(str.lower, fields)  # of CameraInfo, ROS 2 has `k`
-        if not is_field and not one.attr.isupper() and id(one) not in called:  # constant, method
+        if not one.attr.isupper() and id(one) not in called:  # constant, method
             hint = did_you_mean(one.attr, fields) or f"its fields: {listed(fields)}"
-            yield f"'{one.value.id}.{one.attr}': {message} has no such field; {hint}"
+            yield f"'{ast.unparse(one)}': {message} has no such field; {hint}"
+
+
+def _type_of(
+    node: ast.expr, types: Mapping[str, str], fields: Mapping[str, Mapping[str, str]]
+) -> str | None:
+    """Return the type of a message, of a field of one, or of an element; ``None``: not known."""
+    steps: list[ast.Attribute | ast.Subscript] = []
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        steps.append(node)
+        node = node.value
+    found = types.get(node.id) if isinstance(node, ast.Name) else None
+    for step in reversed(steps):
+        if isinstance(step, ast.Attribute):
+            found = _field_type(fields.get(found or "", {}), step.attr)
+        else:
+            found = None if isinstance(step.slice, ast.Slice) else element(found or "")
+    return found
+
+
+def _field_type(fields: Mapping[str, str], name: str) -> str | None:
+    """Return the type of a field, in any case of letters: of CameraInfo, ROS 2 has `k`."""
+    return next((of for field, of in fields.items() if field.lower() == name.lower()), None)
 
 
 def _is_stored(name: ast.Name) -> bool:

@@ -10,7 +10,7 @@ from eddi_scaffold.packages.mistakes import Inputs, Messages
 from eddi_scaffold.regions.marked_file import Region
 from eddi_scaffold.regions.python_text import parse_python
 
-NO_MESSAGES: Messages = {}
+NO_MESSAGES = Messages()
 _BASE = "EDDIInputBase"
 _INHERITED = (
     *("bind", "begin_step", "end_step", "expression", "processing", "states"),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pytest
 
+from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.regions.marked_file import parse
 
@@ -29,9 +32,12 @@ class EDDIInput(EDDIInputBase):
 """
 
 
-def doubts(body: str, file: str = FILE) -> tuple[str, ...]:
+def doubts(
+    body: str, file: str = FILE, messages: Mapping[str, Mapping[str, str]] | None = None
+) -> tuple[str, ...]:
     text = file.replace("BODY", body.replace("\n", "\n        "))
-    return doubtful_names(text, parse(text)[0].regions.values()).get("input:Charge", ())
+    known = Messages({"battery": "sensor_msgs/BatteryState"}, messages or {})
+    return doubtful_names(text, parse(text)[0].regions.values(), known).get("input:Charge", ())
 
 
 @pytest.mark.parametrize(
@@ -51,6 +57,43 @@ def doubts(body: str, file: str = FILE) -> tuple[str, ...]:
 def test_a_mistake_is_named_once(body: str, said: str) -> None:
     (found,) = doubts(body)
     assert said in found
+
+
+KNOWN = {
+    "sensor_msgs/BatteryState": {"header": "std_msgs/Header", "cells": "my_msgs/Cell[]"},
+    "std_msgs/Header": {"stamp": "time", "frame_id": "string"},
+    "my_msgs/Cell": {"pose": "geometry_msgs/Pose", "other": "my_msgs/Unknown"},
+    "geometry_msgs/Pose": {"orientation": "geometry_msgs/Quaternion"},
+    "geometry_msgs/Quaternion": {"x": "float64", "w": "float64"},
+}
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("battery.header.stmp", "'battery.header.stmp': std_msgs/Header has no such field; did y"),
+        ("battery.cells[0].pose.orientation.q", "'battery.cells[0].pose.orientation.q': geometry"),
+        ("battery.cells[-1].poise", "'battery.cells[-1].poise': my_msgs/Cell has no such field"),
+        ("battery.heder.stamp", "'battery.heder': sensor_msgs/BatteryState has no such field"),
+    ],
+)
+def test_a_field_is_compared_as_deep_as_types_are_known(body: str, said: str) -> None:
+    (found,) = doubts(f"self.Charge = {body}", messages=KNOWN)
+    assert found.startswith(said)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "battery.cells[0].pose.orientation.w",
+        "battery.cells[0].other.anything.at.all",
+        "battery.header.stamp.to_sec() + battery.header.stamp.secs",
+        "battery.header.frame_id.strip().upper().lower",
+        "battery.cells.append(1) or battery.cells[0:2].whatever",
+    ],
+)
+def test_what_may_be_a_field_is_not_named(body: str) -> None:
+    assert doubts(f"self.Charge = {body}", messages=KNOWN) == ()
 
 
 CALLS = """
