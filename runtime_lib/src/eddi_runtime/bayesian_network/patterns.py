@@ -193,7 +193,8 @@ class _Arrays:
             return
         self._changing.add(self._home[out])
         rows, length = result.size, first.shape[-1]
-        if name == "matmul" and len(result) == 1:  # a single product of matrices
+        if name == "matmul" and len(result) == 1 and result.flags.c_contiguous:
+            # a single product of matrices, which dot writes only where numbers lie in order
             one, other, out = (self._like(k, self._own(k)[1:]) for k in (one, other, out))
             function = self._numpy.dot
         elif self._own(one) == (rows, length) and rows * length > _GEMV and name == "dot":
