@@ -147,7 +147,8 @@ class Sets:
         cuts: List[Group] = [()]
         truncated = False
         for path in self._true_paths(one):
-            cuts = _minimal([tuple(sorted({*cut, name})) for cut in cuts for name in path])
+            grown = [tuple(sorted({*cut, name})) for cut in cuts for name in path]
+            cuts = _minimal(grown, MAX_SETS + 1)
             truncated = truncated or len(cuts) > MAX_SETS
             del cuts[MAX_SETS:]
         return cuts, truncated
@@ -166,8 +167,8 @@ class Sets:
         return [path for path in one.paths if self._true.issuperset(path)]
 
 
-def _minimal(groups: List[Group]) -> List[Group]:
-    """Return the groups that contain no other one, by size, then by ids."""
+def _minimal(groups: List[Group], most: int = 0) -> List[Group]:
+    """Return the groups that contain no other one, by size, then by ids; 0: however many."""
     if len(groups) < 2:
         return groups
     kept: List[Group] = []
@@ -177,4 +178,6 @@ def _minimal(groups: List[Group]) -> List[Group]:
         if not any(map(names.issuperset, inside)):
             kept.append(group)
             inside.append(names)
+            if len(kept) == most:
+                break
     return kept
