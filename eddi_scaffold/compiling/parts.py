@@ -61,6 +61,11 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 needs them.
 """
 
+CORE = "core"
+"""What is always there. Answers that do not name it are of a release before parts were split in two
+of which a monitor may need one (``SPLIT`` in ``copier_templates/parts.jinja``): they get both.
+"""
+
 EARLIER = {"consert: 2": "consert/search"}
 """Format of a part for which monitors were compiled -> what of it is a part of its own by now."""
 
@@ -75,7 +80,7 @@ HOST = "transports/ros1/host"
 
 
 def needed_by(text: str) -> tuple[str, ...]:
-    """Return the parts of the runtime that a compiled monitor needs, sorted.
+    """Return the parts of the runtime that a compiled monitor needs, with ``CORE``, sorted.
 
     Args:
         text: of ``compiled.py``.
@@ -88,7 +93,7 @@ def needed_by(text: str) -> tuple[str, ...]:
             runtime, _, part = node.module.partition(".")
             if runtime == "eddi_runtime":
                 wanted += [f"{part}/{one.name}" if part else one.name for one in node.names]
-    return with_needed(one for one in wanted if one in PARTS)
+    return tuple(sorted({CORE, *with_needed(one for one in wanted if one in PARTS)}))
 
 
 def with_needed(parts: Iterable[str]) -> tuple[str, ...]:
@@ -99,5 +104,5 @@ def with_needed(parts: Iterable[str]) -> tuple[str, ...]:
         part = waiting.pop()
         if part not in found:
             found.add(part)
-            waiting += PARTS[part]
+            waiting += PARTS.get(part, ())  # what is always there needs none
     return tuple(sorted(found))

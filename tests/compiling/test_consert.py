@@ -137,8 +137,8 @@ class Monitor(consert.ConSert):
 
 
 def test_a_monitor_of_the_format_before_runs_with_what_is_a_part_by_now(monkeypatch):
-    assert needed_by(FORMER) == ("consert", "consert/search")
-    assert needed_by(compile_model(check_document(nested_document()))) == ("consert",)
+    assert needed_by(FORMER) == ("consert", "consert/search", "core")
+    assert needed_by(compile_model(check_document(nested_document()))) == ("consert", "core")
     monitor = module_of(FORMER, "Former").Monitor()
     assert monitor.execute_step(give(a=True)) == [{"id": "g", "active": True}]
     assert monitor.explain("g").single_losses == ("a",)
@@ -155,7 +155,7 @@ def test_sets_that_are_too_many_to_read_are_searched_by_a_part():
     made = document(ids, [], [f"or{gate}|" for gate in range(4)], ["G"], edges, specs={})
     text = compile_model(check_document(made))
     assert objections(text) == ""
-    assert needed_by(text) == ("consert", "consert/search")
+    assert needed_by(text) == ("consert", "consert/search", "core")
     assert "    graph = search.Graph(\n" in text
     assert "paths=" not in text
 

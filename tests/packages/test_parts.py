@@ -5,21 +5,22 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import jinja2
 import pytest
 
-from eddi_scaffold.compiling.parts import HOST, LIFE_CYCLE, PARTS, with_needed
+from eddi_scaffold.compiling.parts import CORE, HOST, LIFE_CYCLE, PARTS, with_needed
 from eddi_scaffold.regions.check import list_regions
 from tests.cli.command import run
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 RUNTIME = ROOT / "runtime_lib" / "src" / "eddi_runtime"
-CORE = {"access", "compatibility", "inputs", "monitor", "node", "plain_values"}
-CORE |= {"__init__", "__pycache__", "py", "ros1", "transports"}
+ALWAYS = {"access", "compatibility", "inputs", "monitor", "node", "plain_values"}
+ALWAYS |= {"__init__", "__pycache__", "py", "ros1", "transports"}
 """What of the runtime is always there."""
 OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
 
@@ -32,7 +33,7 @@ def generate(place: Path, example: str, model: str, config: str) -> None:
 
 def parts(packages: Path) -> set[str]:
     runtime = packages / "eddi_runtime" / "src" / "eddi_runtime"
-    return {path.stem for path in runtime.iterdir()} - CORE
+    return {path.stem for path in runtime.iterdir()} - ALWAYS
 
 
 def messages(packages: Path) -> set[str]:
@@ -99,15 +100,21 @@ def template() -> Any:
 
 @pytest.mark.parametrize("part", PARTS)
 def test_answers_of_an_older_release_get_what_their_parts_import_now(part: str) -> None:
+    def paths(left_out: Iterable[str]) -> list[str]:
+        return [f"/eddi_runtime/{one}{ending}" for one in left_out for ending in ("", ".py")]
+
+    needed = with_needed([part])
+    left_out = template().others([part, CORE], "/eddi_runtime").split()
+    assert left_out == paths(one for one in PARTS if one not in needed)
+    split = {one for whole in needed for one in template().SPLIT.get(whole, ())}
     left_out = template().others([part], "/eddi_runtime").split()
-    others = [f"/eddi_runtime/{one}" for one in PARTS if one not in with_needed([part])]
-    assert left_out == [path + ending for path in others for ending in ("", ".py")]
+    assert left_out == paths(one for one in PARTS if one not in {*needed, *with_needed(split)})
 
 
 def test_the_templates_know_the_same_parts() -> None:
     known = template().ALL
     assert {part: tuple(needs) for part, needs in known.items()} == dict(PARTS)
-    assert {path.stem for path in RUNTIME.iterdir()} - CORE == {p for p in PARTS if "/" not in p}
+    assert {path.stem for path in RUNTIME.iterdir()} - ALWAYS == {p for p in PARTS if "/" not in p}
     assert all((RUNTIME / f"{part}.py").is_file() for part in PARTS if "/" in part)
 
 
