@@ -124,6 +124,14 @@ def test_qos_and_either_spelling_of_a_type() -> None:
     assert published["more"].strip() == "qos={'depth': 2, 'lifespan': 5.0},"
 
 
+def test_the_readme_names_a_test_that_runs_without_ros(workspace: Path) -> None:
+    package = workspace / "src/eddi_monitor/consertb"
+    named = re.search(r"`python3 (-m unittest [^`]+)`", (package / "README.md").read_text("utf-8"))
+    assert named is not None
+    assert f"`python3 {named[1]}`" in (package / "test/test_monitor.py").read_text("utf-8")
+    subprocess.run([sys.executable, *named[1].split()], cwd=package, check=True)
+
+
 def test_a_life_cycle_concerns_only_what_starts_the_node(workspace: Path, tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
     config = tmp_path / "consert_b_config.yml"
