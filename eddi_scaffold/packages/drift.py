@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.packages.assembly import without_limits
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import doubts_of
+from eddi_scaffold.packages.moved import moved_out, way_back
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
@@ -103,4 +104,12 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
     links = (
         Drift(group.shown(link.name), [], [], {}, [linked_package(link)]) for link in group.links
     )
-    return [*reports, *links]
+    return [*reports, *links, *_moved(group)]
+
+
+def _moved(group: PackageGroup) -> Iterator[Drift]:
+    """Yield the packages that a person moved to another place of the workspace."""
+    moved = moved_out(group.root) if group.within is not None and group.root != group.within else {}
+    for name, place in moved.items():
+        finding = f"it was moved to {place}: {way_back(place, group.root / name)}"
+        yield Drift(group.shown(name), [], [], {}, [finding])

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.platforms import Platform
+from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.bases import BASES, FORMER, bases_of, read_bases
 from eddi_scaffold.regions.files import read_regular
@@ -26,37 +28,38 @@ def committed_base(target: Path, path: str, commit: str = "HEAD") -> str | None:
     return bases.get(path) or committed_text(target, f"{FORMER}/{path}", commit)
 
 
-def moved_packages(top: Path, platform: Platform | None = None) -> Iterator[tuple[Path, str]]:
-    """Yield monitors that are not in a folder of their name, or not in that of all packages.
+def moved_out(root: Path) -> dict[str, Path]:
+    """Return the monitors of a workspace that were moved out of the folder of all packages.
 
     Args:
-        top: workspace, or folder of all packages.
-        platform: of these; without one, those of any platform, wherever they are.
+        root: that folder, directly in the one of the sources.
 
-    Yields:
-        The folder, and the name that the package was generated with.
+    Returns:
+        Name of the package -> where it is; none of which another one is in its place.
     """
+    templates = {one.templates.monitor for one in platforms().values() if one.workspace is not None}
+    return {
+        answers["package"]: place
+        for place, answers in _monitors_below(root.parent)
+        if str(answers["template"]) in templates
+        and place.parent != root
+        and not (root / answers["package"]).exists()
+    }
+
+
+def _monitors_below(top: Path) -> Iterator[tuple[Path, Mapping[str, Any]]]:
+    """Yield the packages of monitors near the top of a folder, with their answers."""
     for root, folders, files in os.walk(top):
         here = Path(root)
-        deep = len(here.relative_to(top).parts) >= _DEPTH
-        is_package = ANSWERS_FILE in files
-        folders[:] = (
-            []
-            if deep or is_package
-            else sorted(one for one in folders if one[0] != "." and one not in _SKIPPED)
-        )
-        if not is_package:
-            continue
-        try:
-            answers = read_answers(here) or {}
-        except EddiError:  # told where the package is used
-            continue
-        if "model_json" not in answers or not isinstance(name := answers.get("package"), str):
-            continue
-        if platform is None or (
-            platform.owns(str(answers["template"])) and here.parent != top / platform.root
-        ):
-            yield here, name
+        found = ANSWERS_FILE in files
+        if found or len(here.relative_to(top).parts) >= _DEPTH:
+            folders.clear()
+        folders[:] = sorted(one for one in folders if one[0] != "." and one not in _SKIPPED)
+        if found:
+            with suppress(EddiError):  # told where the package is used
+                answers = read_answers(here) or {}
+                if "model_json" in answers and isinstance(answers.get("package"), str):
+                    yield here, answers
 
 
 def way_back(place: Path, target: Path) -> str:
@@ -76,8 +79,8 @@ def gone(root: Path, folder: str, top: Path) -> str | None:
     """
     target = root / folder
     end = "its hand-written lines are not in the new package"
-    for place, name in moved_packages(top):
-        if name == folder and place != target and _own_lines(place):
+    for place, answers in _monitors_below(top):
+        if answers["package"] == folder and place != target and _own_lines(place):
             command = f"{shlex.join(['rm', '-r', str(target)])} && {way_back(place, target)}"
             where = f"{folder} was here and is gone (moved to {place}?)"
             return f"{where}: {end}; `{command}` brings them back"

@@ -27,6 +27,7 @@ from eddi_scaffold.packages.assembly import (
     with_choices,
 )
 from eddi_scaffold.packages.handwritten import until_written
+from eddi_scaffold.packages.moved import moved_out, way_back
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
@@ -133,6 +134,9 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
         hint = "name a workspace with -w, or the folder of a package"
         if above is not None:
             hint = f"name the workspace above: -w {above}"
+        for root in _roots(place):
+            for name, moved in moved_out(root).items() if root != place else ():
+                hint = f"{name} was moved; move it back: {way_back(moved, root / name)}"
         raise EddiError(
             error("U001", "there are no generated packages here", Place(str(place)), hint)
         )

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.checkouts import git
-from tests.cli.command import example, run
+from tests.cli.command import Result, example, run
 
 pytestmark = pytest.mark.slow
 
@@ -126,3 +126,32 @@ def test_a_package_that_a_rename_has_moved_is_not_missed(folder: Path) -> None:
     (folder / CONFIG).write_text(config)
     result = run(*PLAIN, cwd=folder)
     assert "is gone" not in result.err
+
+
+def check_refused(result: Result, folder: Path) -> None:
+    assert result.status == 2, result.err
+    assert "this is the package that eddi-scaffold generated for conserta; it was moved" in (
+        result.err
+    )
+    assert "choose another" not in result.err
+    status = run("status", "-w", "ws", cwd=folder)
+    assert status.status in {1, 2}
+    assert "was moved" in status.out + status.err
+    (line,) = [line for line in result.err.splitlines() if "hint: move it back: " in line]
+    command = line.partition("back: ")[2]
+    assert command in status.out + status.err
+    subprocess.run(shlex.split(command), cwd=folder, check=True)
+    assert run(*CATKIN, cwd=folder).status == 0
+    assert HAND in catkin(folder).read_text()
+    assert run("status", "-w", "ws", cwd=folder).status == 0
+
+
+def test_a_package_that_was_moved_out_of_our_folder_is_recognised(folder: Path) -> None:
+    (folder / "ws/src/vehicle").mkdir()
+    git(folder, "mv", f"{OURS}/conserta", "ws/src/vehicle/conserta")
+    check_refused(run(*CATKIN, cwd=folder), folder)
+
+
+def test_our_folder_under_another_name_is_recognised(folder: Path) -> None:
+    git(folder, "mv", f"{OURS}", "ws/src/monitors")
+    check_refused(run(*CATKIN, cwd=folder), folder)
