@@ -76,6 +76,7 @@ class Inputs:
             if isinstance(node, ast.Assign) and _is_decimal_comma(node.value):
                 yield f"'{self._line(node)}' makes a tuple; a decimal number has a point"
         yield from dict.fromkeys(_no_fields(method, nodes, messages))
+        yield from _overwritten(method, lines, own)
         for name in dict.fromkeys(_assigned(nodes)):
             if name != own and name in self._inputs:
                 yield f"'self.{name}' is another input, and assigned here; meant 'self.{own}'?"
@@ -190,6 +191,29 @@ def _type_of(
 def _field_type(fields: Mapping[str, str], name: str) -> str | None:
     """Return the type of a field, in any case of letters: of CameraInfo, ROS 2 has `k`."""
     return next((of for field, of in fields.items() if field.lower() == name.lower()), None)
+
+
+def _overwritten(method: ast.FunctionDef, lines: range, own: str) -> Iterator[str]:
+    """Yield that what was written above the line of the template has no effect.
+
+    Not where the function may end before that line, or something may read the value until then.
+    """
+    *above, last = [one for one in method.body if one.lineno in lines] or [ast.Pass()]
+    if not isinstance(last, ast.Assign) or ast.unparse(last) != f"self.{own} = None":
+        return
+    sets = [number for number, one in enumerate(above) if own in _assigned(ast.walk(one))]
+    between = [node for one in above[sets[-1] + 1 :] for node in ast.walk(one)] if sets else []
+    is_read = any(
+        isinstance(one, ast.Attribute) and one.attr == own and isinstance(one.ctx, ast.Load)
+        for statement in above
+        for one in ast.walk(statement)
+    )
+    ends = any(isinstance(one, ast.Return) for statement in above for one in ast.walk(statement))
+    if sets and not is_read and not ends and not any(map(_is_self, between)):
+        yield (
+            f"'self.{own}' is assigned, then overwritten by the placeholder in line {last.lineno}: "
+            "delete that line"
+        )
 
 
 def _is_stored(name: ast.Name) -> bool:

@@ -50,6 +50,14 @@ def doubts(
         ("pass", "nothing here assigns 'self.Charge', so the input stays unknown"),
         ("level = battery.level\nprint(level)", "nothing here assigns 'self.Charge'"),
         ("self.Charge = battery.level - 0,5", "makes a tuple; a decimal number has a point"),
+        (
+            "self.Charge = battery.level - 0.05\nself.Charge = None",
+            "'self.Charge' is assigned, then overwritten by the placeholder in line 19: delete",
+        ),
+        (
+            "if battery.level < 1:\n    self.Charge = battery.level\n# later\nself.Charge = None",
+            "overwritten by the placeholder in line 21",
+        ),
         ("self.Upright = True\nself.Charge = 1", "'self.Upright' is another input, and assigned"),
         ("self.Upright = battery.level > 0.2", "'self.Upright' is another input, and assigned"),
     ],
@@ -118,6 +126,12 @@ def test_a_method_that_nobody_calls_is_named_with_the_one_that_is_called() -> No
 @pytest.mark.parametrize(
     "body",
     [
+        "self.Charge = None",
+        "self.Charge = None\nself.Charge = battery.level",
+        "if battery.level < 1:\n    self.Charge = battery.level\n    return\nself.Charge = None",
+        "self.Charge = battery.level\nif self.Charge > 1:\n    self.Charge = None",
+        "self.Charge = battery.level\nprint(self.Charge)\nself.Charge = None",
+        "self.Charge = battery.level\nself.process_Charge(None)\nself.Charge = None",
         "self.Charge = math.sqrt(battery.level) if __name__ else min(1, 2)",
         "import numpy as np\nself.Charge = np.clip(battery.level, 0, 1)",
         "self.Charge = sum(cell.level for cell in battery.cells)",
