@@ -31,7 +31,7 @@ from eddi_scaffold.packages.workspace import linked_package, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.bases import BASES, FORMER, bases_of, read_bases, write_bases
-from eddi_scaffold.regions.check import broken_files, needs_a_look, unfit_files
+from eddi_scaffold.regions.check import RegionStatus, broken_files, open_edits, unfit_files
 from eddi_scaffold.regions.files import entries, stays
 from eddi_scaffold.regions.generated import GENERATED, listed_generated
 from eddi_scaffold.regions.git import committed_text, former_texts
@@ -139,7 +139,9 @@ def write_packages(
             elif package.folder not in renames.involved and is_current(
                 target, package, template, source
             ):
-                work.attention = work.attention or needs_a_look(target)
+                still_open = [_open(package, one) for one in open_edits(target)]
+                work.notes += still_open
+                work.attention = work.attention or bool(still_open)
                 continue
             else:
                 progress(package.folder)
@@ -236,7 +238,8 @@ class _Merged:
 
     Attributes:
         changes: path -> new state, ``None`` for a removed file.
-        look: inputs without their sources or age limits, files that do not fit their base.
+        look: inputs without their sources or age limits, files that do not fit their base, what is
+            left to do since an earlier run.
         report: what happened to hand edits.
         is_open: a person must look at hand edits, because of this run or of an earlier one.
     """
@@ -317,8 +320,21 @@ def _merged(
             if one.file not in skipped
         ),
     ]
-    is_open = bool(look) or report.needs_attention or needs_a_look(staged)
+    still_open = {(one.id, one.file): one for one in open_edits(staged)}
+    is_open = bool(look) or report.needs_attention or bool(still_open)
+    said = [note.text for note in report.notes]
+    look += [
+        _open(package, still_open[one.id, one.file])
+        for one in open_edits(target)
+        if (one.id, one.file) in still_open and not any(repr(one.id) in text for text in said)
+    ]
     return _Merged(changed, look, report, is_open)
+
+
+def _open(package: PackageAnswers, left: RegionStatus) -> str:
+    id_ = left.id if left.state != "rejected" else ""
+    words = (f"{package.folder}/{left.file}", id_, "; ".join(left.notes))
+    return ": ".join(filter(None, words))
 
 
 def _written_anew(

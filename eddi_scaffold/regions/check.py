@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -97,24 +97,28 @@ def list_regions(root: Path, doubts: Doubts = _no_doubts) -> tuple[RegionStatus,
     found += [
         one for one in unfit_files(root, partial(former_texts, root)) if one.file not in broken
     ]
+    return (*found, *_saved(root), *_conflicts(root, broken))
+
+
+def open_edits(root: Path) -> list[RegionStatus]:
+    """Return what a merge reported and is still open: not accepted, placed or removed."""
+    linked = linked_folders(root)
+    if linked:
+        return [_broken(refusal) for refusal in linked]
+    return [*_saved(root), *(status for status in _regions(root) if _OTHER in status.notes)]
+
+
+def _saved(root: Path) -> Iterator[RegionStatus]:
+    """Yield the bodies and edits that have no place in the files."""
     for path, orphan in load_orphans(root).items():
         place = path.relative_to(root).as_posix()
         file = orphan.file if is_relative(orphan.file) else place
         note = f"saved in {place}; delete it if it is not needed{way_back(orphan.id)}"
-        found.append(RegionStatus(orphan.id, file, None, "orphaned", (note,), review=True))
+        yield RegionStatus(orphan.id, file, None, "orphaned", (note,), review=True)
     for name in files_below(root / EDDI / "rejects"):
         note = "put the edit where it belongs now, then delete this file"
         file = f"{EDDI}/rejects/{name}"
-        found.append(RegionStatus(name, file, None, "rejected", (note,), review=True))
-    return (*found, *_conflicts(root, broken))
-
-
-def needs_a_look(root: Path) -> bool:
-    """Return whether what a merge reported is still open: nobody accepted, placed or removed it."""
-    if linked_folders(root):
-        return True
-    saved = load_orphans(root) or files_below(root / EDDI / "rejects")
-    return bool(saved) or any(_OTHER in status.notes for status in _regions(root))
+        yield RegionStatus(name, file, None, "rejected", (note,), review=True)
 
 
 def regions_of(root: Path) -> list[RegionStatus]:

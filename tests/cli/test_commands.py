@@ -376,6 +376,12 @@ def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
     again = run("upgrade", package, "-m", "v2.xml", cwd=folder)
     assert again.status == 3, again.err
     assert "hand edits need a look" in again.err
+    told = f"note: consertb/{path.name}: input:RtE_A_E0: saved in .eddi/orphans/"
+    assert told not in result.err  # that it goes there is told already
+    assert again.err.count(told) == 1
+    (package / "EDDIMonitor.py").unlink()  # rendered again, and nothing new happens to hand edits
+    rendered = run("upgrade", package, "-m", "v2.xml", cwd=folder)
+    assert (rendered.status, rendered.err.count(told)) == (3, 1), rendered.err
     assert run("regions", package, "--check", cwd=folder).status == 3
     assert "bool(RtE_A_E0)" in "".join(
         data.decode() for name, data in files_below(package).items() if "orphans" in name
