@@ -28,12 +28,12 @@ _TAKEN = _C_WORDS | _C_TYPES | {word.lower() for word in RESERVED}
 _C_INTEGER = re.compile(r"u?int(_least|_fast)?[0-9]+")
 
 
-def unique_names(names: Iterable[str], prefix: str = "") -> list[str]:
+def unique_names(names: Iterable[str]) -> list[str]:
     """Return an identifier for each name, in order; ``a.b`` and ``a_b`` get different ones."""
     taken: set[str] = set()
     found = []
     for name in names:
-        base = prefix + re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
+        base = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")
         if not base or base[0].isdigit():
             base = f"v_{base}"
         word, number = base, 2

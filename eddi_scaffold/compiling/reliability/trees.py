@@ -20,7 +20,6 @@ from eddi_scaffold.compiling.text import (
 
 WRITTEN_OUT = 4000
 """Nodes of a diagram up to which its sums are written out; a loop is slower, but has no text."""
-_Nodes = Sequence[tuple[int, int, int]]
 
 
 def class_lines(

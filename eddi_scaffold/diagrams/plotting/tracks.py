@@ -84,11 +84,11 @@ def stretches(track: Track, end: float) -> list[tuple[float, float, Value]]:
     return found
 
 
-def ticks(low: float, high: float, about: int = 8) -> list[float]:
+def ticks(low: float, high: float) -> list[float]:
     """Return round numbers between two bounds, both included where they are round."""
     if not high > low:
         return [low]
-    rough = (high - low) / about
+    rough = (high - low) / 8
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough)
     first = math.ceil(low / step - 1e-9)

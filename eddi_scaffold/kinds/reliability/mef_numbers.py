@@ -83,11 +83,11 @@ class Numbers:
         of, values = feature_of(parts[0]).lower(), arguments(parts[0])
         times = self._missions(values[-1], path) if values else None
         if of == "exponential" and len(values) == 2:
-            rate = self._at_least(0.0, values[0], path)
+            rate = self._not_negative(values[0], path)
             if times is not None:
                 self._unit(values[0], path, "1/h")
                 return Law("exponential", (rate * times,))
-            time = self._at_least(0.0, values[1], path)
+            time = self._not_negative(values[1], path)
             return Law("fixed", (-math.expm1(-rate * time),))
         if of == "weibull" and len(values) == 4 and times == 1.0:
             scale, shape, start = (self.number(one, path) for one in values[:3])
@@ -108,7 +108,7 @@ class Numbers:
         others = [one for one in parts if feature_of(one) != _MISSION]
         if len(others) != len(parts) - 1:
             return None
-        return math.prod(self._at_least(0.0, one, path) for one in others)
+        return math.prod(self._not_negative(one, path) for one in others)
 
     def number(self, element: Element, path: tuple[str, ...], depth: int = 0) -> float:
         """Return the value of an expression, in hours and 1/h where it has a unit.
@@ -176,10 +176,10 @@ class Numbers:
             raise self._fault("R001", f"there is no parameter {name!r}", element)
         return found
 
-    def _at_least(self, least: float, element: Element, path: tuple[str, ...]) -> float:
+    def _not_negative(self, element: Element, path: tuple[str, ...]) -> float:
         found = self.number(element, path)
-        if found < least:
-            raise self._fault("R002", f"{found:g} is below {least:g}", element)
+        if found < 0.0:
+            raise self._fault("R002", f"{found:g} is below 0", element)
         return found
 
     def _unit(self, element: Element, path: tuple[str, ...], assumed: str) -> None:
