@@ -227,7 +227,7 @@ def _written(folder: Path) -> Made:
     return samples, attempt
 
 
-def _exported(folder: Path, suffix: str) -> list[Sample]:
+def _exported(suffix: str) -> list[Sample]:
     found = []
     for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(SHARED.glob("bn/net_[abc].xml"))):
         for model in read_models(read_source(path)).models:
@@ -240,7 +240,7 @@ def _exported(folder: Path, suffix: str) -> list[Sample]:
 def _networks(suffix: str) -> Callable[[Path], Made]:
     def make(folder: Path) -> Made:
         _, attempt = _models()(folder)
-        return _exported(folder, suffix), attempt
+        return _exported(suffix), attempt
 
     return make
 

@@ -33,7 +33,6 @@ INPUTS = {
 NUMBERS = ("x", "y", "z.range[0]", "w")
 TRUTHS = ("a", "b")
 NUMERIC_WINDOWS = ("AVERAGE", "SUM", "MAX", "MIN", "MEDIAN", "STDDEV", "RATE")
-NOT_MONOTONE = ("KNOWN", "AGE", "COVERAGE")
 
 
 @dataclass

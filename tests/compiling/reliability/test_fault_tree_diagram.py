@@ -19,7 +19,7 @@ def interval(diagram, low, high):
     return compiled(diagram).interval(low, high)
 
 
-def happens(gates, events, state):
+def happens(gates, state):
     values = list(state)
     for gate in gates:
         below = [values[i] for i in gate.of]
@@ -38,7 +38,7 @@ def happens(gates, events, state):
 def enumerated(gates, q):
     total = 0.0
     for state in product((False, True), repeat=len(q)):
-        if happens(gates, len(q), state):
+        if happens(gates, state):
             weight = 1.0
             for p, is_true in zip(q, state, strict=True):
                 weight *= p if is_true else 1.0 - p
@@ -99,7 +99,7 @@ def test_minimal_cut_sets_equal_brute_force():
         failing = [
             frozenset(i for i, is_true in enumerate(state) if is_true)
             for state in product((False, True), repeat=events)
-            if happens(gates, events, state)
+            if happens(gates, state)
         ]
         minimal = {one for one in failing if not any(other < one for other in failing)}
         assert set(found) == minimal

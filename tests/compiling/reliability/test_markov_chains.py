@@ -45,9 +45,9 @@ def chain_of(states, arcs, fail):
     return markov.Chain(tuple(map(str, range(states))), 0, tuple(fail), tuple(arcs))
 
 
-def random_chain(states, seed, exponents=(-3, 1)):
+def random_chain(states, seed):
     chance = np.random.default_rng(seed)
-    q = 10.0 ** chance.uniform(*exponents, (states, states))
+    q = 10.0 ** chance.uniform(-3, 1, (states, states))
     q[chance.random((states, states)) < 0.5] = 0.0
     arcs = [(i, j, float(q[i, j])) for i in range(states) for j in range(states)]
     return chain_of(states, arcs, [states - 1])

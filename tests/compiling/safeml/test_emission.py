@@ -33,7 +33,7 @@ def signed(made):
     return dict(made, sha256=digest_of(made))
 
 
-def filed(made, key="sample"):
+def filed(made):
     """Return a document whose reference lies in a file, and the file."""
     numbers = np.array(made["model"]["sample"])
     data = numbers.astype("<f8").tobytes()
