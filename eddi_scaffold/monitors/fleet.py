@@ -7,13 +7,16 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Any
 
 from eddi_scaffold.compiling.program.instructions import BUFFERED, STARTS
+from eddi_scaffold.config.fields import Attribute, ByKey, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, SimulatorOutput
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.identifiers import attribute, full_topic
 from eddi_scaffold.kinds import JsonValue, Kind, Model
+from eddi_scaffold.language.uses import inputs_of
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.expression_names import head_of
+from eddi_scaffold.monitors.expression_names import head_of, path_behind
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.problems import Problem, error
 
 MESSAGE = "eddi_messages/RobotGuarantees"
@@ -61,6 +64,40 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
         if fleet.robot in source.peers.robots and source.peers.robots != "any":
             text = f"the robot {fleet.robot!r} would rely on its own word"
             yield error("K080", text, place, "read the topic of that monitor, or name other robots")
+    yield from _check_guarantees(monitor, config)
+
+
+def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
+    """Find inputs whose value is not that of the guarantee by which their word is chosen (K081)."""
+    wanted = {s.id: s.peers.guarantee for s in config.config.SimulatorOutputs if s.peers}
+    by_name = {attribute(id_): guarantee for id_, guarantee in wanted.items()}
+    bound = {one.model.id: one for one in monitor.inputs}
+    for index, entry in enumerate(config.config.EDDIInputs):
+        computed = bound[entry.id].computed
+        if computed is not None:
+            key = next(key for key in EXPRESSION_KEYS if getattr(entry, key) is not None)
+            names = [name for name in _names(computed) if head_of(name) in by_name]
+            reads = [(path_behind(name), by_name[head_of(name)]) for name in names]
+        else:
+            key, path = "field", parse_field(entry.field) if entry.field is not None else ()
+            reads = [(path, wanted[name]) for name in entry.requires if name in wanted]
+        for path, guarantee in dict.fromkeys(reads):
+            if path[:1] == (Attribute("guarantees"),) and not (
+                len(path) > 1 and isinstance(path[1], ByKey) and path[1].wanted == guarantee
+            ):
+                text = (
+                    f"the word is chosen by its guarantee {guarantee!r}, and {entry.id!r} reads "
+                    "another one of it"
+                )
+                hint = f"write guarantees[{guarantee}].active, or another `guarantee` in `peers:`"
+                yield error("K081", text, config.place("EDDIInputs", index, key), hint)
+
+
+def _names(computed: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the names of fields and inputs that an expression reads."""
+    for part in computed["parts"]:
+        for variable in part["form"]["variables"]:
+            yield from inputs_of(variable)
 
 
 def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -> Iterator[Problem]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from eddi_scaffold.kinds import DeclaredInput, InputType, JsonValue, Options
@@ -97,6 +98,7 @@ class _Entry:
         order = self._order()
         bins = self._bins(order)
         numbers = self._numbers()
+        self._hysteresis(bins, numbers)
         self._choices()
         of = self._type(source)
         mapping = self._map(of)
@@ -213,6 +215,19 @@ class _Entry:
                 case _:
                     self._error("B404", "`range` must be two ascending numbers", "range")
         return found
+
+    def _hysteresis(self, bins: Sequence[float] | None, numbers: Mapping[str, Any]) -> None:
+        """Report a hysteresis with which a bin would be passed over, or never left."""
+        band, edges = numbers.get("hysteresis", 0.0), list(bins or ())
+        if "range" in numbers:
+            scale, offset = numbers.get("scale", 1.0), numbers.get("offset", 0.0)
+            low, high = sorted(one * scale + offset for one in numbers["range"])
+            edges = [low, *(one for one in edges if low < one < high), high]
+        width = min((b - a for a, b in pairwise(edges)), default=math.inf)
+        if 0 < width <= band:
+            message = f"a `hysteresis` of {band:g} is not less than the narrowest bin, {width:g}"
+            hint = f"write less than {width:g}, or 0: else a state is kept that was left long ago"
+            self._error("B404", message, "hysteresis", hint=hint)
 
     def _choices(self) -> None:
         for key, known in _CHOICES.items():

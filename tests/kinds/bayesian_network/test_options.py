@@ -95,6 +95,14 @@ MISTAKES: dict[str, tuple[object, str]] = {
     "no number": ({NODE: {**ENTRY, "offset": "1"}}, "`offset` must be a finite number"),
     "nothing left": ({NODE: {**ENTRY, "scale": 0}}, "`scale` must not be 0"),
     "negative": ({NODE: {**ENTRY, "hysteresis": -1}}, "`hysteresis` must not be negative"),
+    "as wide as a bin": (
+        {NODE: {**ENTRY, "hysteresis": 1}},
+        "a `hysteresis` of 1 is not less than the narrowest bin, 1",
+    ),
+    "as wide as the range leaves": (
+        {NODE: {**ENTRY, "scale": -2, "range": [-1.25, 0], "hysteresis": 0.5}},
+        "a `hysteresis` of 0.5 is not less than the narrowest bin, 0.5",
+    ),
     "descending": ({NODE: {**ENTRY, "range": [3, 1]}}, "`range` must be two ascending numbers"),
     "other word": ({NODE: {**ENTRY, "closed": "both"}}, "`closed` must be right or left"),
     "no truth": ({NODE: {**ENTRY, "allow_inf": 1}}, "`allow_inf` must be true or false"),
