@@ -225,9 +225,12 @@ class _Entry:
             edges = [low, *(one for one in edges if low < one < high), high]
         width = min((b - a for a, b in pairwise(edges)), default=math.inf)
         if 0 < width <= band:
-            message = f"a `hysteresis` of {band:g} is not less than the narrowest bin, {width:g}"
-            hint = f"write less than {width:g}, or 0: else a state is kept that was left long ago"
-            self._error("B404", message, "hysteresis", hint=hint)
+            message = (
+                f"discretisation of {self.node.id!r}: a `hysteresis` of {band:g} is not less than "
+                f"the narrowest bin, {width:g}: a state beside it is kept that was left long ago"
+            )
+            place, hint = self.at("hysteresis"), f"write less than {width:g}, or 0"
+            self.problems.append(warning("B404", message, place, hint))
 
     def _choices(self) -> None:
         for key, known in _CHOICES.items():

@@ -95,14 +95,6 @@ MISTAKES: dict[str, tuple[object, str]] = {
     "no number": ({NODE: {**ENTRY, "offset": "1"}}, "`offset` must be a finite number"),
     "nothing left": ({NODE: {**ENTRY, "scale": 0}}, "`scale` must not be 0"),
     "negative": ({NODE: {**ENTRY, "hysteresis": -1}}, "`hysteresis` must not be negative"),
-    "as wide as a bin": (
-        {NODE: {**ENTRY, "hysteresis": 1}},
-        "a `hysteresis` of 1 is not less than the narrowest bin, 1",
-    ),
-    "as wide as the range leaves": (
-        {NODE: {**ENTRY, "scale": -2, "range": [-1.25, 0], "hysteresis": 0.5}},
-        "a `hysteresis` of 0.5 is not less than the narrowest bin, 0.5",
-    ),
     "descending": ({NODE: {**ENTRY, "range": [3, 1]}}, "`range` must be two ascending numbers"),
     "other word": ({NODE: {**ENTRY, "closed": "both"}}, "`closed` must be right or left"),
     "no truth": ({NODE: {**ENTRY, "allow_inf": 1}}, "`allow_inf` must be true or false"),
@@ -123,6 +115,26 @@ def test_each_mistake_in_a_discretisation_is_told(case: str) -> None:
     assert found, problems
     assert found[0].code in ("B403", "B404")
     assert found[0].place.line is not None
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"hysteresis": 1}, "a `hysteresis` of 1 is not less than the narrowest bin, 1"),
+        (
+            {"scale": -2, "range": [-1.25, 0], "hysteresis": 0.5},
+            "a `hysteresis` of 0.5 is not less than the narrowest bin, 0.5",
+        ),
+        ({"hysteresis": 0.9}, ""),
+    ],
+)
+def test_a_hysteresis_as_wide_as_a_bin_is_a_warning(more: dict[str, object], message: str) -> None:
+    text = config({"discretisation": {NODE: {**ENTRY, **more}}})
+    monitor, problems = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
+    found = [one for one in problems if "`hysteresis`" in one.message]
+    assert monitor is not None
+    assert [(one.level, one.code) for one in found] == [("warning", "B404")] * bool(message)
+    assert all(message in one.message for one in found)
 
 
 def test_keys_of_a_map_are_of_the_type_of_the_input() -> None:
