@@ -54,7 +54,31 @@ def edit(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new))
 
 
+def test_a_renamed_model_does_not_publish_beside_its_package(folder: Path) -> None:
+    before = files_below(folder)
+    result = run(*GENERATE, cwd=folder)
+    assert result.status == 2
+    assert "Rover and the package conserta that is there publish the same topic" in result.err
+    assert "if the model has a new name, add `--rename conserta=rover`" in result.err
+    assert files_below(folder) == before
+
+
+def test_the_same_topic_of_two_packages_is_told_by_status_and_upgrade(
+    folder: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "other/src").mkdir(parents=True)
+    assert run(*GENERATE, "-w", tmp_path / "other", cwd=folder).status == 0
+    shutil.copytree(tmp_path / "other" / PACKAGES.relative_to("ws") / "rover", folder / NEW)
+    for command in (("status",), ("upgrade", "--dry-run")):
+        result = run(*command, "-w", "ws", cwd=folder)
+        assert result.status == 2
+        assert "conserta and" in result.err.lower()
+        assert "publish the same topic" in result.err
+        assert "--rename" not in result.err
+
+
 def test_a_renamed_model_does_not_leave_its_package_without_a_word(folder: Path) -> None:
+    edit(folder / CONFIG_A, "conserta/guarantees", "rover/guarantees")
     result = run(*GENERATE, cwd=folder)
     assert result.status == 3
     assert (
@@ -157,6 +181,7 @@ def test_renames_that_cannot_be_made(folder: Path, words: tuple[str, ...], about
 
 
 def test_nothing_that_was_written_is_moved_over(folder: Path) -> None:
+    edit(folder / CONFIG_A, "conserta/guarantees", "rover/guarantees")
     assert run(*GENERATE, cwd=folder).status == 3
     own = folder / NEW / "src/rover/own.py"
     own.write_text("")

@@ -10,8 +10,9 @@ from eddi_scaffold.deployments.wiring.deployment import (
     Publisher,
     kind_of_message,
 )
+from eddi_scaffold.deployments.wiring.support import Participant
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, publications, read_respelt
-from eddi_scaffold.problems import Problem, error, nearest, warning
+from eddi_scaffold.problems import Place, Problem, error, nearest, warning
 
 
 def check_topics(deployment: Deployment) -> Iterator[Problem]:
@@ -21,6 +22,7 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
         for other in publishers[1:]:
             if other.member is not publishers[0].member:
                 yield _shared(topic, publishers[0], other)
+    yield from _shared_with_others(deployment)
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
@@ -88,6 +90,37 @@ def _shared(topic: str, first: Publisher, second: Publisher) -> Problem:
         message = f"two robots share {topic}: {message}"
         hint = f"write {relative}, relative to the namespace of each robot"
     return error("D005", message, second.publication.place, hint)
+
+
+def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
+    """Report topics that a package which is there publishes as well."""
+    first: dict[str, tuple[Participant, Place]] = {}
+    new = {member.monitor.package for member in deployment.members}
+    for topic, found in deployment.publishers.items():
+        publisher = next((o for o in found if o.publication.of == "" or o.publication.path), None)
+        if publisher is not None:
+            first[topic] = publisher.member.participant, publisher.publication.place
+    for other in deployment.others:
+        own = {
+            other.topic(output.topic): other.config.place("EDDIOutputs", index, "topic")
+            for index, output in enumerate(other.config.config.EDDIOutputs)
+        }
+        for topic, at in own.items():
+            one, place = first.setdefault(topic, (other, at))
+            if place is at:
+                continue
+            message = (
+                f"{one.name} and the package {other.package} that is there publish the same "
+                f"topic {topic}"
+            )
+            hint = "give each a topic of its own"
+            if one.package in new:
+                hint += (
+                    f"; if the model has a new name, add `--rename {other.package}={one.package}`"
+                )
+            yield error(
+                "D005", message, place, f"{hint}; else remove the package that is of no use"
+            )
 
 
 def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
