@@ -19,7 +19,6 @@ from eddi_scaffold.connect.owners import chosen_model, refuse_other, unknown_inp
 from eddi_scaffold.connect.reading import (
     content,
     declared_types,
-    items,
     model_id,
     section_of,
     synonyms_of,
@@ -33,7 +32,7 @@ from eddi_scaffold.identifiers import free_name, full_topic, package_name
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, Skeleton, kinds
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.mros.ids import slug
-from eddi_scaffold.positioned_yaml.nodes import Map
+from eddi_scaffold.positioned_yaml.nodes import Map, items_of
 from eddi_scaffold.problems import EddiError, in_order, with_excerpts
 from eddi_scaffold.source import Source, read_source
 
@@ -93,7 +92,7 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     unknown = with_excerpts(unknown_inputs(root, ids), before or "")
     left = undecided(content(ConfigText(document.name, after, 0, 0)))
     kept = frozenset(
-        text_of(one, "id") or "" for one in items(root.get("EDDIInputs")) if not undecided(one)
+        text_of(one, "id") or "" for one in items_of(root.get("EDDIInputs")) if not undecided(one)
     )
     problems = in_order([*robot.problems, *unknown])
     return Connected(document.name, package, before, after, decisions, kept, problems, len(left))
@@ -137,7 +136,7 @@ def _skeleton(model: Model, kind: Kind[Model], root: Map) -> Skeleton:
         if configured is None:
             raise EddiError(*problems)
         return Skeleton(kind.functions.inputs(configured))
-    ids = [text_of(one, "id") for one in items(root.get("EDDIInputs"))]
+    ids = [text_of(one, "id") for one in items_of(root.get("EDDIInputs"))]
     inputs = tuple(
         DeclaredInput(id_, None, None, None, model.place) for id_ in ids if id_ is not None
     )

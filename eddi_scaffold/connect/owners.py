@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from eddi_scaffold.config.block import ConfigText
-from eddi_scaffold.connect.reading import items, model_id, text_of
+from eddi_scaffold.connect.reading import model_id, text_of
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import TODO, Model, kinds
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import is_config
-from eddi_scaffold.positioned_yaml.nodes import Map
+from eddi_scaffold.positioned_yaml.nodes import Map, items_of
 from eddi_scaffold.problems import EddiError, Problem, error, listed, nearest, warning
 from eddi_scaffold.source import Source
 
@@ -58,7 +58,7 @@ def refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequenc
 def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
     """Warn of entries that the model has no input for (K061)."""
     entries = root.get("EDDIInputs")
-    there = [(one, text_of(one, "id")) for one in items(entries)]
+    there = [(one, text_of(one, "id")) for one in items_of(entries)]
     new = sorted({*ids} - {id_ for _, id_ in there})
     for one, id_ in there:
         if id_ is None or id_ in ids:

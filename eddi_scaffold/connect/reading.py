@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from eddi_scaffold.config.block import ConfigText
@@ -10,7 +10,7 @@ from eddi_scaffold.config.message_types import Fields, declared
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.connect.words import Synonyms, words
 from eddi_scaffold.kinds import TODO
-from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, Scalar, read_map, value_11
+from eddi_scaffold.positioned_yaml.nodes import Map, Node, Scalar, items_of, read_map, value_11
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.source import Source
 
@@ -43,14 +43,9 @@ def model_id(root: Map) -> str | None:
     return name if name and name != TODO else None
 
 
-def items(node: Node | None) -> Sequence[Node]:
-    """Return the items of a list, none of anything else."""
-    return node.items if isinstance(node, Items) else ()
-
-
 def open_inputs(root: Map, *keys: str) -> frozenset[str]:
     """Return the ids of the inputs of which one of some keys is still to be decided."""
-    entries = items(root.get("EDDIInputs"))
+    entries = items_of(root.get("EDDIInputs"))
     found = ((text_of(one, "id"), [text_of(one, key) for key in keys]) for one in entries)
     return frozenset(id_ for id_, values in found if id_ is not None and TODO in values)
 
@@ -65,7 +60,7 @@ def topics_of(root: Map) -> list[RobotTopic]:
     """Return the topics of a configuration, the first of each id."""
     section = root.get("SimulatorOutputs") or root.get("SimulatorOutput")
     found: dict[str, RobotTopic] = {}
-    for one in items(section):
+    for one in items_of(section):
         id_, type_, topic = (text_of(one, key) for key in ("id", "type", "topic"))
         if id_ and type_ and topic:
             name = type_.replace("/msg/", "/").replace(".", "/")
@@ -89,10 +84,10 @@ def declared_types(root: Map) -> dict[str, Fields]:
 def synonyms_of(root: Map) -> Synonyms:
     """Return the words that a configuration says mean the same."""
     section = root.get("connect")
-    groups = items(section.get("synonyms")) if isinstance(section, Map) else ()
+    groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
     return frozenset(
         frozenset(
-            word for one in items(group) if isinstance(one, Scalar) for word in words(one.text)
+            word for one in items_of(group) if isinstance(one, Scalar) for word in words(one.text)
         )
         for group in groups
     )

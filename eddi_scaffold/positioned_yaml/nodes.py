@@ -113,6 +113,11 @@ def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
     return node, problems
 
 
+def items_of(node: Node | None) -> tuple[Node, ...]:
+    """Return the items of a list, none of anything else."""
+    return node.items if isinstance(node, Items) else ()
+
+
 def value_11(node: Node) -> Any:
     """Return the plain value of a node as YAML 1.1 has it, with dates and binary data as text.
 

@@ -13,7 +13,7 @@ from eddi_scaffold.config.file import about_file
 from eddi_scaffold.config.fleet.schema import FleetForm, MonitorEntry, known_keys
 from eddi_scaffold.config.plain_values import Places, plain_values
 from eddi_scaffold.config.violations import violations
-from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, read_map
+from eddi_scaffold.positioned_yaml.nodes import Map, items_of, read_map
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, in_order
 from eddi_scaffold.readers.xml_text import looks_like_xml
 from eddi_scaffold.source import Source, beside
@@ -101,16 +101,12 @@ def read_fleet(source: Source) -> tuple[FleetFile | None, list[Problem]]:
 
 
 def _overrides(document: Map) -> Iterator[tuple[tuple[int, int], Map]]:
-    for robot, entry in enumerate(_items(document.get(ROBOTS))):
+    for robot, entry in enumerate(items_of(document.get(ROBOTS))):
         monitors = entry.get("monitors") if isinstance(entry, Map) else None
-        for number, monitor in enumerate(_items(monitors)):
+        for number, monitor in enumerate(items_of(monitors)):
             override = monitor.get("override") if isinstance(monitor, Map) else None
             if isinstance(override, Map):
                 yield (robot, number), override
-
-
-def _items(node: Node | None) -> tuple[Node, ...]:
-    return node.items if isinstance(node, Items) else ()
 
 
 def _repeated(file: FleetFile) -> Iterator[Problem]:
