@@ -168,6 +168,11 @@ class NearNames:
         return self._hints.get(word) or self._otherwise
 
 
+def counted(number: int, what: str) -> str:
+    """Return a number with its noun, in the plural where it is not one."""
+    return f"{number} {what}{'s' if number != 1 else ''}"
+
+
 def listed(names: Collection[str]) -> str:
     """Return names for a message, not all where they are many."""
     shown = ", ".join(itertools.islice(names, _MOST_LISTED))

@@ -10,7 +10,7 @@ from eddi_scaffold.compiling.program.instructions import BUFFERED, LEAVES, WINDO
 from eddi_scaffold.language.analysis import Analysis
 from eddi_scaffold.language.canonical import duration_text
 from eddi_scaffold.language.scope import Variable
-from eddi_scaffold.problems import has_errors
+from eddi_scaffold.problems import counted, has_errors
 
 _ARRAYS = {"count": 1, "median": 3, "sum": 4, "average": 4, "stddev": 4}
 """Buffered operation -> arrays of 8 bytes per sample in C; 2 for all others."""
@@ -63,11 +63,7 @@ def cost_line(document: Mapping[str, Any]) -> str:
     windows = sum(one.op in WINDOWS for one in done)
     memory = sum(map(_bytes, done))
     size = f"{memory / 1024:.1f} KiB" if memory >= 1024 else f"{memory} bytes"
-    return f"a step: {_counted(operations, 'operation')}, {_counted(windows, 'window')}, {size}"
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'s' if number != 1 else ''}"
+    return f"a step: {counted(operations, 'operation')}, {counted(windows, 'window')}, {size}"
 
 
 def _bytes(one: Operation) -> int:

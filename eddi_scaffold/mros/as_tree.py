@@ -13,6 +13,7 @@ from eddi_scaffold.mros.model import (
     RosNode,
     System,
 )
+from eddi_scaffold.problems import counted
 
 _VERBS: dict[InterfaceKind, str] = {
     "publisher": "publishes",
@@ -51,7 +52,7 @@ def _component(component: Component) -> Iterator[str]:
     for one in component.interfaces:
         yield f"  {_VERBS[one.kind]:{_WIDTH}} {one.name} = {one.ref}"
     if component.parameters:
-        yield f"  {_counted(component.parameters, 'parameter')}"
+        yield f"  {counted(component.parameters, 'parameter')}"
 
 
 def _connection(connection: Connection) -> str:
@@ -81,8 +82,4 @@ def _node(node: RosNode) -> Iterator[str]:
     for one in node.interfaces:
         yield f"{_VERBS[one.kind]:{_WIDTH}} {one.name}: {one.type}"
     if node.parameters:
-        yield _counted(node.parameters, "parameter")
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'s' if number != 1 else ''}"
+        yield counted(node.parameters, "parameter")

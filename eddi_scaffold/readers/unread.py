@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.problems import Place, Problem, error, warning
+from eddi_scaffold.problems import Place, Problem, counted, error, warning
 from eddi_scaffold.readers.classes import CLASSES
 from eddi_scaffold.readers.spelling import fold, local_name
 from eddi_scaffold.readers.survey import MONITORED, kind_of_model
@@ -69,7 +69,7 @@ class Unread:
     def problem(self) -> Problem:
         """Return the warning (X021)."""
         name = local_name(self.class_name)
-        elements = f"{self.elements} element{'s' if self.elements != 1 else ''}"
+        elements = counted(self.elements, "element")
         if self.inside:
             elements += f" with {', '.join(f'{n} {what}' for what, n in self.inside.items())}"
         what = elements if name == self.class_name else f"{self.class_name}, {elements}"
