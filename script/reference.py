@@ -59,7 +59,7 @@ def _entry(name: str, module: str, folder: Path) -> Iterator[str]:
     path = _path(module, folder)
     match node:
         case ast.ClassDef():
-            yield _code(path, *_class_lines(node))
+            yield _code(path, *_class_lines(node, path.read_text("utf-8").splitlines()))
         case ast.FunctionDef():
             yield _code(path, _head(node))
         case _:
@@ -115,12 +115,18 @@ def _text(node: ast.stmt | None) -> str | None:
     return None
 
 
-def _class_lines(node: ast.ClassDef) -> Iterator[tuple[int, int]]:
-    """Yield the lines of the head, of the public fields and of the signature of ``__init__``."""
+def _class_lines(node: ast.ClassDef, lines: list[str]) -> Iterator[tuple[int, int]]:
+    """Yield the lines of the head, of the public fields and of the signature of ``__init__``.
+
+    Comments above a field are its description.
+    """
     yield _head(node)
     for part in node.body:
         if isinstance(part, ast.AnnAssign) and not ast.unparse(part.target).startswith("_"):
-            yield part.lineno, part.end_lineno or part.lineno
+            first = part.lineno
+            while lines[first - 2].lstrip().startswith("#"):
+                first -= 1
+            yield first, part.end_lineno or part.lineno
         if isinstance(part, ast.FunctionDef) and part.name == "__init__":
             yield _head(part)
 

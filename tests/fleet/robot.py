@@ -92,9 +92,9 @@ class Robot(Node):
             word.made = said["made"]
             self._receipts.receive(name, word)
 
-    def _evaluate(self, receipts, new, now, words):
+    def _evaluate(self, receipts, new, now):
         self.began = now  # a word is at least as old as the step in which it was made
-        return super()._evaluate(receipts, new, now, words)
+        return super()._evaluate(receipts, new, now)
 
     def look(self, message):
         """See what is published: is the word that it rests on within its lease?"""

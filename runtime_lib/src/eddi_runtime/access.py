@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from operator import attrgetter
-from typing import Any, Iterable, List, Sequence, TypeVar, Union
+from typing import Any, Iterable, Sequence, TypeVar, Union
 
 T = TypeVar("T")
 Step = Union[str, int, Sequence[Union[str, int]]]
@@ -22,21 +22,16 @@ def by_id(items: Iterable[T], wanted: str) -> T:
     return by_key(items, "id", wanted)
 
 
-def by_key(items: Iterable[T], key: str, wanted: Union[str, int]) -> T:
+def by_key(items: Iterable[T], key: str, wanted: str | int) -> T:
     """Return the only element whose field ``key`` (``title``, ``header.frame_id``) is ``wanted``.
 
     Raises:
         LookupError: no element has that key, or several have: none of them is the one that is
             meant.
     """
-    take = attrgetter(key)
-    keyed = [
-        (take(item) if hasattr(item, key.partition(".")[0]) else None, item) for item in items
-    ]
-    found = [item for one, item in keyed if one == wanted]
-    if len(found) == 1:
-        return found[0]
-    raise _not_one(f"the {key}", wanted, len(found), [str(one) for one, _ in keyed])
+    take, first = attrgetter(key), key.partition(".")[0]
+    keyed = [(take(item) if hasattr(item, first) else None, item) for item in items]
+    return _only(f"the {key}", wanted, keyed)
 
 
 def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
@@ -48,10 +43,7 @@ def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
     """
     if len(values) != len(names):
         raise LookupError(f"{len(values)} values have {len(names)} names")
-    found = [k for k, name in enumerate(names) if name == wanted]
-    if len(found) == 1:
-        return values[found[0]]
-    raise _not_one("the name", wanted, len(found), names)
+    return _only("the name", wanted, list(zip(names, values)))
 
 
 def follow(message: object, path: Iterable[Step]) -> object:
@@ -78,18 +70,22 @@ def follow(message: object, path: Iterable[Step]) -> object:
     return there
 
 
-def _not_one(key: str, wanted: object, count: int, there: Sequence[str]) -> LookupError:
-    what = f"{count} elements have" if count else "no element has"
-    return LookupError(f"{what} {key} {wanted!r}; there: {', '.join(there) or 'nothing'}")
+def _only(key: str, wanted: object, keyed: Sequence[tuple[object, T]]) -> T:
+    found = [item for one, item in keyed if one == wanted]
+    if len(found) == 1:
+        return found[0]
+    what = f"{len(found)} elements have" if found else "no element has"
+    there = ", ".join(str(one) for one, _ in keyed) or "nothing"
+    raise LookupError(f"{what} {key} {wanted!r}; there: {there}")
 
 
-def joined(*parts: object) -> List[float]:
+def joined(*parts: object) -> list[float]:
     """Return the numbers of several parts as one list, in this order.
 
     A part is a number, a sequence of numbers, or a message of ``std_msgs`` with ``layout`` and
     ``data``, whose ``data_offset`` is honoured.
     """
-    numbers: List[float] = []
+    numbers: list[float] = []
     given: Iterable[Any] = parts
     for part in given:
         layout = getattr(part, "layout", None)

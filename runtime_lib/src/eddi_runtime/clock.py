@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Optional
 
 from .plain_values import plain
 
@@ -11,11 +10,10 @@ NO_TIME = "the time of the step is no whole number of nanoseconds"
 _LARGEST = 2**63
 
 
-def step_time(given: object) -> Optional[int]:
+def step_time(given: object) -> int | None:
     """Return the time of a step in nanoseconds; None: what was given is no time. Never raises.
 
-    Args:
-        given: a whole number of 64 bits; None: the machine's monotonic clock.
+    Given is a whole number of 64 bits; None: the machine's monotonic clock.
     """
     if given is None:
         return time.monotonic_ns()

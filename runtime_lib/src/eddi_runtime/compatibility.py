@@ -13,17 +13,13 @@ _MARK = b"\n# sha256 of the lines below: "
 
 
 class ModelError(ValueError):
-    """A monitor cannot run.
-
-    Attributes:
-        path: the file of the compiled monitor, or another name for where it came from.
-        reason: what is wrong, one sentence without a full stop.
-    """
+    """A monitor cannot run."""
 
     def __init__(self, path: str, reason: str) -> None:
         super().__init__(f"{path}: {reason}" if path else reason)
+        # the file of the compiled monitor, or another name for where it came from
         self.path = path
-        self.reason = reason
+        self.reason = reason  # what is wrong, one sentence without a full stop
 
 
 def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
@@ -31,10 +27,6 @@ def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
 
     Each part of the runtime runs its newest format and the one before (``FORMATS``), so that two
     packages of different age work on one runtime.
-
-    Args:
-        file: ``__file__`` of the compiled monitor.
-        formats: part of the runtime -> format that the monitor was compiled for.
 
     Raises:
         ModelError: with what to run.

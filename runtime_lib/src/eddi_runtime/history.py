@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Sequence
 
 from . import inputs
 from .inputs import InputSpec, InputState, Word, aged, invalid
@@ -29,10 +29,10 @@ class EDDIInputBase(inputs.EDDIInputBase):
 
     def __init__(self) -> None:
         super().__init__()
-        self.__new: Optional[Mapping[str, Sequence[object]]] = None
-        self.__expressions: Dict[str, Expression] = {}
+        self.__new: Mapping[str, Sequence[object]] | None = None
+        self.__expressions: dict[str, Expression] = {}
         self.__messages: Mapping[str, object] = {}
-        self.__now: Optional[int] = None
+        self.__now: int | None = None
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
@@ -43,10 +43,10 @@ class EDDIInputBase(inputs.EDDIInputBase):
 
     def begin_step(
         self,
-        ages: Optional[Mapping[str, float]] = None,
-        new: Optional[Mapping[str, Sequence[object]]] = None,
-        t_ns: Optional[int] = None,
-        words: Optional[Mapping[str, Word]] = None,
+        ages: Mapping[str, float] | None = None,
+        new: Mapping[str, Sequence[object]] | None = None,
+        t_ns: int | None = None,
+        words: Mapping[str, Word] | None = None,
     ) -> None:
         """Begin a step, as the base does."""
         super().begin_step(ages, words=words)
@@ -67,7 +67,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
         """
         attribute, _ = self.__spec(input_id)
         before = self.states.get(input_id)
-        values: Optional[Messages] = None
+        values: Messages | None = None
         try:
             messages, after = self.__received(input_id, simulator_outputs, requires)
             if after.state == "ok":
@@ -121,7 +121,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
         value = getattr(self, attribute, None) if after.state == "ok" else None
         self.__leave(input_id, attribute, after, value)
 
-    def expression(self, input_id: str) -> Union[bool, float, str, None]:
+    def expression(self, input_id: str) -> bool | float | str | None:
         """Return what the expression of an input gives in this step, None for UNKNOWN.
 
         Once in a step and only below ``update_expression``: it moves the expression's windows.
@@ -129,8 +129,8 @@ class EDDIInputBase(inputs.EDDIInputBase):
         compiled = self.__expressions.get(input_id)
         if compiled is None:
             return None
-        values: Dict[str, object] = {}
-        ages: Dict[str, float] = {}
+        values: dict[str, object] = {}
+        ages: dict[str, float] = {}
         for word, (kind, name) in compiled.names.items():
             if kind == "message":
                 values[word] = self.__messages.get(name)

@@ -2,52 +2,33 @@
 
 from __future__ import annotations
 
-from typing import (
-    Any,
-    Callable,
-    Dict,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-    Union,
-)
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from .plain_values import one_line
+from .plain_values import Absent, one_line, read
 
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above all limits until the next one comes."""
 
 
 class InputSpec(NamedTuple):
-    """One input of a model.
+    """One input of a model."""
 
-    Attributes:
-        id: as in the model.
-        attribute: name of the attribute of ``EDDIInput`` that holds the value.
-        requires: ids of the SimulatorOutputs that the value is made of.
-        max_age: seconds from receipt after which a message is stale; ``"none"``: never, on
-            purpose; ``None``: never, because nothing was configured.
-        factor: numerator and denominator: a given number times this is in the model's unit.
-        default: value before the first message.
-        every_message: the attribute holds the list of all values since the last step.
-        expression: class of ``compiled.py`` that computes what ``expression`` gives
-            (``eddi_runtime.expressions.expression``).
-        accepts: keys by which the configuration accepts a value of it that is not confirmed;
-            ``max_age: none`` is not repeated here.
-    """
-
-    id: str
-    attribute: str
-    requires: Tuple[str, ...] = ()
-    max_age: Union[float, str, None] = None
-    factor: Optional[Tuple[int, int]] = None
-    default: object = None
-    every_message: bool = False
-    expression: Optional[Callable[[], Any]] = None
-    accepts: Tuple[str, ...] = ()
+    id: str  # as in the model
+    attribute: str  # name of the attribute of ``EDDIInput`` that holds the value
+    requires: tuple[str, ...] = ()  # ids of the SimulatorOutputs that the value is made of
+    # seconds from receipt after which a message is stale; ``"none"``: never, on purpose; ``None``:
+    # never, because nothing was configured
+    max_age: float | str | None = None
+    # numerator and denominator: a given number times this is in the model's unit
+    factor: tuple[int, int] | None = None
+    default: object = None  # value before the first message
+    every_message: bool = False  # the attribute holds the list of all values since the last step
+    # class of ``compiled.py`` that computes what ``expression`` gives
+    # (``eddi_runtime.expressions.expression``)
+    expression: Callable[[], Any] | None = None
+    # keys by which the configuration accepts a value of it that is not confirmed; ``max_age:
+    # none`` is not repeated here
+    accepts: tuple[str, ...] = ()
 
 
 UNSAFE_DEFAULT = "allow_unsafe_default: true"
@@ -55,88 +36,75 @@ UNSAFE_DEFAULT = "allow_unsafe_default: true"
 
 
 class InputState(NamedTuple):
-    """How the last ``processing`` went for one input.
+    """How the last ``processing`` went for one input."""
 
-    Attributes:
-        state: ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``) or
-            ``invalid`` (the method raised or left the value at None).
-        reason: one line for people, empty when ok.
-        age: seconds since the oldest required message, ``None`` when one is missing.
-        detail: traceback of the present reason, empty when there is none.
-        robots: whose words the value is made of, where it is made of those of other robots.
-    """
-
+    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``) or ``invalid`` (the
+    # method raised or left the value at None)
     state: str
-    reason: str = ""
-    age: Optional[float] = None
-    detail: str = ""
-    robots: Tuple[str, ...] = ()
+    reason: str = ""  # one line for people, empty when ok
+    # seconds since the oldest required message, ``None`` when one is missing
+    age: float | None = None
+    detail: str = ""  # traceback of the present reason, empty when there is none
+    # whose words the value is made of, where it is made of those of other robots
+    robots: tuple[str, ...] = ()
 
 
 _NEW = InputState("missing", "no message yet")
 
 
 class Word(NamedTuple):
-    """Whose word a message is, among robots.
+    """Whose word a message is, among robots."""
 
-    Attributes:
-        robot: its name, empty where none was heard.
-        unfit: why it does not count, empty when it does.
-    """
-
-    robot: str
-    unfit: str = ""
+    robot: str  # its name, empty where none was heard
+    unfit: str = ""  # why it does not count, empty when it does
 
 
-def accepted(specs: Sequence[InputSpec], eddi_input: object) -> Tuple[str, ...]:
+def accepted(specs: Sequence[InputSpec], eddi_input: object) -> tuple[str, ...]:
     """Return ``input: key`` for each key of the inputs that is in use in this step; never raises.
 
     Where the messages are not watched (``states``), no input is known to rest on such a key.
-
-    Args:
-        specs: of a monitor.
-        eddi_input: what its step was given.
     """
-    found: List[str] = []
+    found: list[str] = []
+    states = states_of(eddi_input)
     for spec in specs:
-        if spec.max_age == "none" or spec.accepts:
-            found += [f"{spec.id}: {key}" for key in _keys_in_use(spec, eddi_input)]
+        limitless = spec.max_age == "none"
+        if not (limitless or spec.accepts) or spec.id not in states:
+            continue
+        value = read(eddi_input, spec.attribute, spec.id)
+        if value is None or type(value) is Absent:
+            continue
+        default = states[spec.id].state == "missing"  # is what it holds
+        keys = [key for key in spec.accepts if (key == UNSAFE_DEFAULT) == default]
+        keys = ["max_age: none", *keys] if limitless and not default else keys
+        found += [f"{spec.id}: {key}" for key in keys]
     return tuple(found)
 
 
-def _keys_in_use(spec: InputSpec, eddi_input: Any) -> List[str]:
-    try:
-        state = eddi_input.states[spec.id].state
-        if getattr(eddi_input, spec.attribute) is None:
-            return []
-    except Exception:  # noqa: BLE001 - any object may be given as input
-        return []
-    if state == "missing":  # what it holds is the default
-        return [key for key in spec.accepts if key == UNSAFE_DEFAULT]
-    limitless = ["max_age: none"] if spec.max_age == "none" else []
-    return [*limitless, *(key for key in spec.accepts if key != UNSAFE_DEFAULT)]
+def states_of(eddi_input: object) -> Mapping[str, InputState]:
+    """Return the ``states`` of an ``EDDIInput``, none of any other object; never raises."""
+    found = read(eddi_input, "states", "states")
+    if type(found) is dict and all(type(one) is InputState for one in found.values()):
+        return found
+    return {}
 
 
 class EDDIInputBase:
-    """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None.
+    """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None."""
 
-    Attributes:
-        processing: takes the latest messages by SimulatorOutput id; generated classes have it.
-        states: input id -> how the last ``processing`` went. For reports only: monitors decide
-            by the values of the attributes.
-    """
-
+    # generated classes have it: takes the latest messages by SimulatorOutput id
     processing: Callable[[Mapping[str, object]], object]
+    # how the last ``processing`` went for each input, for reports only: monitors decide by values
+    states: dict[str, InputState]
 
     # Two underscores: an input may be called anything else, `_ages` as well.
 
     def __init__(self) -> None:
-        self.states: Dict[str, InputState] = {}
-        self.__specs: Dict[str, InputSpec] = {}
+        self.states = {}
+        self.__specs: dict[str, InputSpec] = {}
         self.__ages: Mapping[str, float] = {}
         self.__words: Mapping[str, Word] = {}
-        self.__defaults: Dict[str, object] = {}
-        self.__unknown: Dict[str, object] = {}
+        self.__defaults: dict[str, object] = {}
+        self.__unknown: dict[str, object] = {}
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
@@ -146,16 +114,15 @@ class EDDIInputBase:
 
     def begin_step(
         self,
-        ages: Optional[Mapping[str, float]] = None,
-        new: Optional[Mapping[str, Sequence[object]]] = None,
-        t_ns: Optional[int] = None,
-        words: Optional[Mapping[str, Word]] = None,
+        ages: Mapping[str, float] | None = None,
+        new: Mapping[str, Sequence[object]] | None = None,
+        t_ns: int | None = None,
+        words: Mapping[str, Word] | None = None,
     ) -> None:
         """Begin a step.
 
         Args:
-            ages: SimulatorOutput id -> age of its latest message in seconds, ``UNKNOWN_AGE`` when
-                it can be of any; absent means fresh.
+            ages: SimulatorOutput id -> age of its latest message in seconds; absent means fresh.
             new: SimulatorOutput id -> the messages since the last step, oldest first, for inputs
                 that take every message; None: the latest message is the only new one.
             t_ns: time of the step in nanoseconds, for expressions; None: the monotonic clock.
@@ -209,14 +176,14 @@ class EDDIInputBase:
         else:
             self.__unknown[attribute] = value
 
-    def __spec(self, input_id: str) -> Tuple[str, Union[float, str, None]]:
+    def __spec(self, input_id: str) -> tuple[str, float | str | None]:
         """Return the attribute of an input and how old its messages may be."""
         spec = self.__specs.get(input_id)
         return (input_id, None) if spec is None else (spec.attribute, spec.max_age)
 
     def __received(
         self, input_id: str, simulator_outputs: Mapping[str, object], requires: Sequence[str]
-    ) -> Tuple[List[object], InputState]:
+    ) -> tuple[list[object], InputState]:
         """Return the latest messages, and whether they are there and fresh."""
         messages = [simulator_outputs.get(name) for name in requires]
         absent = [name for name, message in zip(requires, messages) if message is None]
@@ -227,21 +194,17 @@ class EDDIInputBase:
         return messages, state._replace(robots=self.__robots(requires))
 
     def __absence(self, absent: Sequence[str]) -> InputState:
-        unfit = [
-            (self.__words[name].unfit, name in self.__ages)
-            for name in absent
-            if name in self.__words
-        ]
+        unfit = [self.__words[name].unfit for name in absent if name in self.__words]
         if not unfit:
             return InputState("missing", f"no message of {', '.join(absent)}")
-        heard = len(unfit) == len(absent) and all(was for _, was in unfit)
-        return InputState("stale" if heard else "missing", "; ".join(why for why, _ in unfit))
+        heard = all(name in self.__words and name in self.__ages for name in absent)
+        return InputState("stale" if heard else "missing", "; ".join(unfit))
 
-    def __robots(self, requires: Sequence[str]) -> Tuple[str, ...]:
+    def __robots(self, requires: Sequence[str]) -> tuple[str, ...]:
         return tuple(self.__words[name].robot for name in requires if name in self.__words)
 
 
-def aged(ages: Sequence[float], limit: Union[float, str, None]) -> InputState:
+def aged(ages: Sequence[float], limit: float | str | None) -> InputState:
     """Return whether messages of these ages are fresh."""
     age = max(ages, default=0.0)
     # "<=" for each and not ">" for the oldest: an age of NaN is no proof of freshness.
@@ -253,7 +216,7 @@ def aged(ages: Sequence[float], limit: Union[float, str, None]) -> InputState:
     return InputState("stale", reason, age)
 
 
-def invalid(problem: Exception, before: Optional[InputState]) -> InputState:
+def invalid(problem: Exception, before: InputState | None) -> InputState:
     """Return the state of an input whose method raised; its traceback is made once."""
     reason = one_line(problem)
     if before is not None and before.state == "invalid" and before.reason == reason:

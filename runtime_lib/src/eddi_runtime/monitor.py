@@ -2,19 +2,7 @@
 
 from __future__ import annotations
 
-from typing import (
-    Iterable,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Protocol,
-    Sequence,
-    Tuple,
-    TypeVar,
-    Union,
-    cast,
-)
+from typing import Iterable, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union, cast
 
 from .inputs import InputSpec, accepted
 
@@ -33,55 +21,38 @@ Value = Union[bool, float, str, None]
 
 
 class Standing(NamedTuple):
-    """What one guarantee, threshold or event came to in the last step, for people.
+    """What one guarantee, threshold or event came to in the last step, for people."""
 
-    Attributes:
-        what: word for it, ``guarantee``; empty where its id shows it.
-        id: as in the model.
-        active: as it is published.
-        lacks: inputs that keep it from being otherwise, each with the reason in words.
-        reason: what else does, empty for nothing.
-    """
-
-    what: str
-    id: str
-    active: bool
-    lacks: Tuple[Tuple[str, str], ...] = ()
-    reason: str = ""
+    what: str  # word for it, ``guarantee``; empty where its id shows it
+    id: str  # as in the model
+    active: bool  # as it is published
+    # inputs that keep it from being otherwise, each with the reason in words
+    lacks: tuple[tuple[str, str], ...] = ()
+    reason: str = ""  # what else does, empty for nothing
 
 
 class Steps(Protocol):
     """What a node steps: the generated ``EDDIMonitor``, or a monitor itself."""
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> object:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> object:
         """Evaluate once, see ``Monitor``."""
 
 
 class Monitor(Protocol[Output]):
-    """One compiled model. Not thread-safe: the thread that steps it also asks it.
+    """One compiled model. Not thread-safe: the thread that steps it also asks it."""
 
-    Attributes:
-        model_id: id of the model.
-        digest: SHA-256 of the model file's content.
-        kind: name of the kind (``consert``).
-        inputs: what ``execute_step`` reads, one attribute each.
-    """
+    model_id: str  # id of the model
+    digest: str  # SHA-256 of the model file's content
+    kind: str  # name of the kind (``consert``)
+    inputs: tuple[InputSpec, ...]  # what ``execute_step`` reads, one attribute each
+    _source: object = None  # what the last step was given
+    _output_faults: tuple[str, ...] = ()
 
-    model_id: str
-    digest: str
-    kind: str
-    inputs: Tuple[InputSpec, ...]
-    _source: object = None
-    """What the last step was given."""
-    _output_faults: Tuple[str, ...] = ()
-
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are.
 
-        Args:
-            eddi_input: holds one attribute per input.
-            t_ns: time of the step in nanoseconds, by any clock that the caller keeps to; None: the
-                machine's monotonic clock. Kinds that know no time ignore it.
+        ``t_ns``: time of the step in nanoseconds, by any clock that the caller keeps to; None: the
+        machine's monotonic clock. Kinds that know no time ignore it.
         """
 
     def as_json(self, output: Output) -> Json:
@@ -98,18 +69,18 @@ class Monitor(Protocol[Output]):
         """
         return self.series(output)
 
-    def message(self, output: object) -> Union[Tree, List[Tree], None]:
+    def message(self, output: object) -> Tree | list[Tree] | None:
         """Return what ``execute_step`` gave as a message tree with checked values.
 
         A list of trees when one step gives several messages; None when nothing is to be published.
         It never raises, whatever a person's code has made of the output.
         """
 
-    def output_faults(self) -> Tuple[str, ...]:
+    def output_faults(self) -> tuple[str, ...]:
         """Return what was wrong with the output that ``message`` was given last."""
         return self._output_faults
 
-    def status_message(self) -> Optional[Tree]:
+    def status_message(self) -> Tree | None:
         """Return the facts behind the last step, without a header; ``None`` if there are none.
 
         A kind that publishes more messages beside its result has a method for each, called as the
@@ -117,12 +88,11 @@ class Monitor(Protocol[Output]):
         """
         return None
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
         """Return input id -> outputs that are not given because this input is not known now.
 
-        Args:
-            not_known: inputs that count as not known whatever they hold, such as one that still
-                has its default because no message has come.
+        ``not_known``: inputs that count as not known whatever they hold, such as one that still
+        has its default because no message has come.
         """
 
     def standings(self) -> Sequence[Standing]:

@@ -15,19 +15,7 @@ from __future__ import annotations
 import math
 import os
 from collections import deque
-from typing import (
-    Any,
-    Deque,
-    Dict,
-    FrozenSet,
-    Iterable,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-)
+from typing import Any, Iterable, Mapping, NamedTuple, Sequence, Tuple
 
 from .inputs import Word
 from .monitor import Tree
@@ -49,47 +37,28 @@ Name = Tuple[str, str, str]
 
 
 class Source(NamedTuple):
-    """A ``SimulatorOutputs`` entry that is the word of some other robot.
+    """A ``SimulatorOutputs`` entry that is the word of some other robot."""
 
-    Attributes:
-        id: of the entry.
-        robots: whose word counts, the first of equals first; empty: that of any other robot.
-        model: id of the ConSert that must have given it.
-        digest: SHA-256 of that ConSert's data.
-        guarantee: id of the guarantee that is wanted, as it is published.
-    """
-
-    id: str
-    robots: Tuple[str, ...]
-    model: str
-    digest: str
-    guarantee: str
+    id: str  # of the entry
+    # whose word counts, the first of equals first; empty: that of any other robot
+    robots: tuple[str, ...]
+    model: str  # id of the ConSert that must have given it
+    digest: str  # SHA-256 of that ConSert's data
+    guarantee: str  # id of the guarantee that is wanted, as it is published
 
     def described(self, topic: str) -> str:
-        """Return what it is, for people.
-
-        Args:
-            topic: full name of the topic of all words.
-        """
+        """Return what it is, for people."""
         return f"{self.model}/{self.guarantee} of {_robots(self)} on {topic}"
 
 
 class Fleet(NamedTuple):
-    """The ``Fleet`` section of eddi_config.yml.
+    """The ``Fleet`` section of eddi_config.yml."""
 
-    Attributes:
-        robot: name of this robot; the parameter ``robot`` wins.
-        topic: of all words.
-        type: message class ``RobotGuarantees`` of the transport.
-        lease: seconds after which a word counts as unknown, those told and those heard.
-        sources: what of the words of others is wanted.
-    """
-
-    robot: str
-    topic: str
-    type: Any
-    lease: float
-    sources: Tuple[Source, ...] = ()
+    robot: str  # name of this robot; the parameter ``robot`` wins
+    topic: str  # of all words
+    type: Any  # message class ``RobotGuarantees`` of the transport
+    lease: float  # seconds after which a word counts as unknown, those told and those heard
+    sources: tuple[Source, ...] = ()  # what of the words of others is wanted
 
     def words(self) -> Input:
         """Return the subscription to the words of all.
@@ -99,63 +68,35 @@ class Fleet(NamedTuple):
         return Input(_WORDS, self.topic, self.type, every_message=True, wakes=False)
 
     def described(self, topics: Mapping[str, str]) -> Mapping[str, str]:
-        """Return topics by id of their source, with what those of other robots are, for people.
-
-        Args:
-            topics: id of a source -> full name of its topic.
-        """
+        """Return topics by id of their source, with what those of other robots are, for people."""
         topic = topics.get(_WORDS, self.topic)
         return {**topics, **{one.id: one.described(topic) for one in self.sources}}
 
     def joined(self, robot: str, model_id: str, digest: str) -> Peers:
-        """Return the words of a node of this fleet, and those it hears.
-
-        Args:
-            robot: name of this robot, empty for the configured one.
-            model_id: of the monitor.
-            digest: of its model.
-        """
+        """Return the words of a node of this fleet, and those it hears."""
         name = (robot or self.robot, model_id, os.urandom(8).hex())
         return Peers(name, digest, self.lease, self.sources)
 
 
 class Found(NamedTuple):
-    """The word that counts for a source.
+    """The word that counts for a source."""
 
-    Attributes:
-        word: whose it is, and why it is not fresh.
-        receipt: the message; received when it cannot have been made before; ``None``: none came.
-    """
-
-    word: Word
-    receipt: Optional[Receipt] = None
+    word: Word  # whose it is, and why it is not fresh
+    # the message; received when it cannot have been made before; ``None``: none came
+    receipt: Receipt | None = None
 
 
 class _Speaker(NamedTuple):
-    """What was heard of one node.
+    """What was heard of one node."""
 
-    Attributes:
-        message: its last word.
-        made_after: seconds of this node's clock, ``-inf`` while it echoes nothing.
-        heard_at: seconds of this node's clock.
-        received: words so far.
-    """
-
-    message: Any
-    made_after: float
-    heard_at: float
-    received: int
+    message: Any  # its last word
+    made_after: float  # seconds of this node's clock, ``-inf`` while it echoes nothing
+    heard_at: float  # seconds of this node's clock
+    received: int  # words so far
 
 
 class Peers:
-    """What one node tells the others, and what it has heard of them.
-
-    Args:
-        name: of the node.
-        digest: of its model.
-        lease: see ``Fleet``.
-        sources: see ``Fleet``.
-    """
+    """What one node tells the others, and what it has heard of them."""
 
     def __init__(self, name: Name, digest: str, lease: float, sources: Sequence[Source]) -> None:
         self.name = name
@@ -163,20 +104,14 @@ class Peers:
         self._lease = lease
         self._sources = tuple(sources)
         self._number = 0
-        self._told: Deque[Tuple[int, float]] = deque(maxlen=_MOST_TOLD)
-        self._speakers: Dict[Name, _Speaker] = {}
-        self._behind: Dict[str, FrozenSet[str]] = {}
+        self._told: deque[tuple[int, float]] = deque(maxlen=_MOST_TOLD)
+        self._speakers: dict[Name, _Speaker] = {}
+        self._behind: dict[str, frozenset[str]] = {}
 
     def take(
-        self, receipts: Dict[str, Receipt], new: Dict[str, List[object]], now: float
+        self, receipts: dict[str, Receipt], new: dict[str, list[object]], now: float
     ) -> Mapping[str, Word]:
-        """Put the words that count in place of all that came; return whose they are.
-
-        Args:
-            receipts: of the node, by id of their source.
-            new: messages since the last step.
-            now: monotonic seconds.
-        """
+        """Put the words that count in place of all that came; return whose they are."""
         for message in new.pop(_WORDS, ()):
             self.hear(message, now)
         receipts.pop(_WORDS, None)
@@ -185,18 +120,12 @@ class Peers:
         return {name: one.word for name, one in found.items()}
 
     def told(self, message: object, monitor: Any, now: float) -> Tree:
-        """Return the word about a message that was published, as ``word`` does.
-
-        Args:
-            message: a ``ConSertOutput`` of the transport; no other kind has guarantees.
-            monitor: that it is of.
-            now: monotonic seconds.
-        """
+        """Return the word about a message that was published, as ``word`` does."""
         given = getattr(message, "guarantees", ())
         robots = ((one, monitor.robots(one.id) if one.active else ()) for one in given)
         return self.word([(one.id, one.active, by) for one, by in robots], now)
 
-    def word(self, guarantees: Iterable[Tuple[str, bool, Iterable[str]]], now: float) -> Tree:
+    def word(self, guarantees: Iterable[tuple[str, bool, Iterable[str]]], now: float) -> Tree:
         """Return the next word as a ``RobotGuarantees`` tree; it must be told after ``now``.
 
         Args:
@@ -209,7 +138,7 @@ class Peers:
         while now - self._told[0][1] > LONGEST_LEASE:
             self._told.popleft()
         robot, model, session = self.name
-        told: List[Tree] = [
+        told: list[Tree] = [
             ("RobotGuarantee", {"id": id_, "active": active, "rests_on": self._all(robots)})
             for id_, active, robots in guarantees
         ]
@@ -229,17 +158,12 @@ class Peers:
             ],
         }
 
-    def _all(self, robots: Iterable[str]) -> List[str]:
+    def _all(self, robots: Iterable[str]) -> list[str]:
         """Return the monitors behind the words of robots that are used."""
         return sorted({one for robot in robots for one in self._behind.get(robot, ())})
 
     def hear(self, message: Any, now: float) -> None:
-        """Take a word over, of whatever age and in whatever order it comes.
-
-        Args:
-            message: a ``RobotGuarantees`` of the transport.
-            now: monotonic seconds.
-        """
+        """Take a word over, of whatever age and in whatever order it comes."""
         name = (str(message.robot), str(message.model_id), str(message.session))
         if name == self.name:
             return
@@ -267,22 +191,18 @@ class Peers:
         return -math.inf
 
     def find(self, now: float) -> Mapping[str, Found]:
-        """Return the word that counts for each source: one that grants it, then the freshest.
-
-        Args:
-            now: monotonic seconds.
-        """
+        """Return the word that counts for each source: one that grants it, then the freshest."""
         self._behind = {}
-        nodes: Dict[Tuple[str, str], List[_Speaker]] = {}
+        nodes: dict[tuple[str, str], list[_Speaker]] = {}
         for (robot, model, _), one in self._speakers.items():
             nodes.setdefault((robot, model), []).append(one)
         return {source.id: self._find(source, nodes, now) for source in self._sources}
 
     def _find(
-        self, source: Source, nodes: Mapping[Tuple[str, str], Sequence[_Speaker]], now: float
+        self, source: Source, nodes: Mapping[tuple[str, str], Sequence[_Speaker]], now: float
     ) -> Found:
         order = {robot: place for place, robot in enumerate(source.robots)}
-        candidates: List[Tuple[Tuple[Any, ...], Found]] = []
+        candidates: list[tuple[tuple[Any, ...], Found]] = []
         for (robot, model), sessions in nodes.items():
             if model != source.model or (robot not in order if order else robot == self.name[0]):
                 continue
@@ -318,15 +238,7 @@ class Peers:
         sessions: Sequence[_Speaker],
         now: float,
     ) -> str:
-        """Return why the word of a node does not count, empty when it does.
-
-        Args:
-            source: for which it would count.
-            one: the node.
-            told: the wanted guarantee, as often as it is in the word.
-            sessions: all nodes of that name.
-            now: monotonic seconds.
-        """
+        """Return why the word of a node does not count, empty when it does."""
         message, age = one.message, now - one.made_after
         robot = message.robot
         limit = min(self._lease, message.lease)
@@ -357,7 +269,7 @@ def _monitor(robot: str, model: str) -> str:
     return f"{robot}/{model}"
 
 
-def _of(message: Any, guarantee: str) -> List[Any]:
+def _of(message: Any, guarantee: str) -> list[Any]:
     """Return a guarantee in a word, as often as it is there."""
     return [one for one in message.guarantees if one.id == guarantee]
 

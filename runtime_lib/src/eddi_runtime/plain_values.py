@@ -7,10 +7,10 @@ are asked here, by methods that they cannot override.
 from __future__ import annotations
 
 import sys
-from typing import Any, Union
+from typing import Any
 
 
-def plain(raw: object) -> Union[bool, int, float, str, None]:
+def plain(raw: object) -> bool | int | float | str | None:
     """Return a bool, int, float or str of exactly that type; None for every other; never raises.
 
     Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
@@ -34,13 +34,19 @@ def plain(raw: object) -> Union[bool, int, float, str, None]:
     return None
 
 
-def _plain_numpy(raw: Any, kind: type, numpy: Any) -> Union[bool, int, float, str, None]:
+def _plain_numpy(raw: Any, kind: type, numpy: Any) -> bool | int | float | str | None:
     if issubclass(kind, numpy.timedelta64):  # a duration, though numpy calls it an integer
         return None
     item = numpy.generic.item(raw)
     if type(item) is numpy.longdouble:  # it has no Python twin and is its own item
         item = float(item)
     return item if type(item) in (bool, int, float, str) else None
+
+
+def is_nan(raw: object) -> bool:
+    """Return whether a value is the number NaN; never raises."""
+    value = plain(raw)
+    return type(value) is float and value != value  # noqa: PLR0124 - NaN
 
 
 def show(raw: object) -> str:
@@ -70,16 +76,12 @@ def one_line(problem: BaseException) -> str:
 
 
 class Absent:
-    """Represents an attribute that could not be read.
-
-    Attributes:
-        problem: why, empty when the object simply has no such attribute.
-    """
+    """Represents an attribute that could not be read."""
 
     __slots__ = ("problem",)
 
     def __init__(self, problem: str = "") -> None:
-        self.problem = problem
+        self.problem = problem  # empty when the object simply has no such attribute
 
 
 ABSENT = Absent()

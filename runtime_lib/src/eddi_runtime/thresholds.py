@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Optional
+from typing import NamedTuple
 
 
 class Threshold(NamedTuple):
-    """One upper threshold; a lower one is that of the negative value.
+    """One upper threshold; a lower one is that of the negative value."""
 
-    Attributes:
-        id: of the evidence.
-        activate: active once the value is not above this during ``hold_ns``.
-        release: inactive as soon as the value is above this.
-        hold_ns: nanoseconds.
-    """
-
-    id: str
-    activate: float
-    release: float
-    hold_ns: int
+    id: str  # of the evidence
+    activate: float  # active once the value is not above this during ``hold_ns``
+    release: float  # inactive as soon as the value is above this
+    hold_ns: int  # nanoseconds
 
 
 class Evidence:
@@ -27,7 +20,7 @@ class Evidence:
     def __init__(self, threshold: Threshold) -> None:
         self.threshold, self.id = threshold, threshold.id
         self.active = False
-        self._since: Optional[float] = None
+        self._since: float | None = None
 
     def step(self, now: float, value: float, *, usable: bool) -> bool:
         """Return whether the evidence is active.

@@ -4,7 +4,6 @@ import pytest
 from eddi_runtime.node.outputs import (
     MessageError,
     Output,
-    beside,
     channels,
     check_outputs,
     each,
@@ -66,7 +65,7 @@ def test_messages_beside_the_result_have_topics_of_their_own():
         check(old._replace(status_type=WRONG))
     with pytest.raises(MessageError, match=r"no message 'evidence'"):
         check(row._replace(of="evidence"))
-    assert beside(Beside(), "status")[0] == "ConSertOutput"
+    assert converter().beside(Beside(), "status").guarantees[0].id == "H"
 
 
 def test_what_a_step_gives_is_a_list_of_messages():

@@ -24,8 +24,8 @@ def test_everything_can_be_given():
 
 
 def test_all_that_is_wrong_is_told_at_once():
-    bad = {"frequency": float("nan"), "model": 3, "diagnostics": 1, "watchdog_period": -1}
-    bad.update(on_loss=[], queue_size=0, startup_grace=-1)
+    bad = {"frequency": float("nan"), "diagnostics": 1, "watchdog_period": -1, "queue_size": 0}
+    bad.update(startup_grace=-1, on_loss=[], model=3)
     kept, wrong = settings({**bad, "frequency": "fast"}, 10.0, choices=CHOICES)
     assert kept == Settings(10.0)
     assert wrong[0] == "parameter ~frequency: 0.000001 to 1000000 Hz expected, got 'fast'"

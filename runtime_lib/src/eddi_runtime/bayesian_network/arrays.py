@@ -6,7 +6,7 @@ of the message, over its states and, where that may be, "not observed".
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Sequence, Set, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -22,34 +22,26 @@ _EVIDENCE = ("evidence", "prior")
 
 
 class Numbers:
-    """What is known of messages before the first step, and how a product of them is made.
-
-    Args:
-        nodes: number -> (numbers of the parents, table of its probabilities), of the whole file.
-        messages: fields of ``Message``, each behind its parts.
-
-    Attributes:
-        messages: by number.
-        known: number of a message -> its numbers for every case of its inputs.
-        rows: node -> its evidence vector for each state; behind them that for "not observed".
-    """
+    """What is known of messages before the first step, and how a product of them is made."""
 
     def __init__(
         self,
-        nodes: Mapping[int, Tuple[Tuple[int, ...], Rows]],
-        messages: Sequence[Tuple[Any, ...]],
+        nodes: Mapping[int, tuple[tuple[int, ...], Rows]],
+        messages: Sequence[tuple[Any, ...]],
     ) -> None:
         self._nodes = nodes
-        self.messages = [Message(*one) for one in messages]
-        self.known: Dict[int, Array] = {}
-        self.rows: Dict[int, List[List[float]]] = {}
+        self.messages = [Message(*one) for one in messages]  # by number
+        # number of a message -> its numbers for every case of its inputs
+        self.known: dict[int, Array] = {}
+        # node -> its evidence vector for each state; behind them that for "not observed"
+        self.rows: dict[int, list[list[float]]] = {}
         for number, message in enumerate(self.messages):
             if message.known:
                 self.known[number] = self._numbers(message)
             if message.kind in _EVIDENCE:
                 self.rows[message.nodes[0]] = self.known[number].tolist()
 
-    def vector(self, node: int, position: int, states: States, weights: Weights) -> List[float]:
+    def vector(self, node: int, position: int, states: States, weights: Weights) -> list[float]:
         """Return the evidence vector of a node in a step."""
         rows = self.rows[node]
         if position not in weights:
@@ -80,7 +72,7 @@ class Numbers:
         # einsum knows 52 axes only, so they are counted anew for each pair.
         number = {axis: k for k, axis in enumerate(axes)}
 
-        def numbers(part: Message) -> List[int]:
+        def numbers(part: Message) -> list[int]:
             before = part.inputs if cases else ()
             return [number[one] for one in (*(-1 - node for node in before), *part.nodes)]
 
@@ -95,10 +87,6 @@ class Running(Numbers):
         made: what was compiled.
         positions: node -> its place in the states.
         wanted: which of the outputs are asked for; none: the probability of the evidence.
-
-    Attributes:
-        hard: state of each observable node by position (the number of its states: not observed)
-            -> unnormalised rows.
     """
 
     def __init__(
@@ -111,6 +99,8 @@ class Running(Numbers):
         self._flat = np.zeros(sum(sizes))
         self._vectors = dict(zip(self.rows, np.split(self._flat, np.cumsum(sizes)[:-1])))
         self._full = self._step(made.full or made.hard)
+        # state of each observable node by position (the number of its states: not observed) ->
+        # unnormalised rows
         self.hard: Callable[[States], Posteriors] = lambda states: self.soft(states, {})
         if made.hard is not None:
             self.hard = self._step(made.hard) if made.full else self._full
@@ -120,7 +110,7 @@ class Running(Numbers):
 
         Not where nodes are observed in each step.
         """
-        values: List[float] = []
+        values: list[float] = []
         for node in self.rows:
             values += self.vector(node, self._positions[node], states, weights)
         self._flat[:] = values
@@ -132,7 +122,7 @@ class Running(Numbers):
         Each message has the maximum 1, and the widest type of the machine is used: 80 bits on a
         PC, with exponents down to -4950.
         """
-        found: Dict[int, Any] = {}
+        found: dict[int, Any] = {}
         for number, message in enumerate(self.messages):
             if message.kind in _EVIDENCE:
                 (node,) = message.nodes
@@ -153,7 +143,7 @@ class Running(Numbers):
         return [[float(total.sum() > 0.0)]]
 
     def _step(self, steps: Any) -> Callable[[States], Posteriors]:
-        slots: List[Any] = []
+        slots: list[Any] = []
         for row in steps.slots:
             slots.append(self._slot(row, slots))
         if steps.bind is not None:
@@ -174,9 +164,9 @@ class Running(Numbers):
 
         return run
 
-    def _needed(self) -> Set[int]:
+    def _needed(self) -> set[int]:
         """Return the messages that the answers are made of."""
-        found: Set[int] = set()
+        found: set[int] = set()
         waiting = list(self._answers)
         while waiting:
             number = waiting.pop()

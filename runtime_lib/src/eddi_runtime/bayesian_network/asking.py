@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, Sequence, Tuple, Union
+from typing import Mapping, Sequence, Union
 
 from .engine import NodeSpec
 from .evidence import EvidenceError, Finding, finding
@@ -19,7 +19,7 @@ class InconsistentEvidenceError(ValueError):
 
 def posteriors(
     monitor: BayesianNetworkMonitor, evidence: Mapping[str, Evidence]
-) -> Dict[str, Tuple[float, ...]]:
+) -> dict[str, tuple[float, ...]]:
     """Return the posterior of each output, in the order of its states; steps are not touched.
 
     Args:
@@ -43,7 +43,7 @@ def posteriors(
     if not given.findings.keys() <= set(engine.observable):
         engine = monitor.engine_for({*engine.outputs}, {*engine.observable, *given.findings})
     states = list(engine.missing)
-    weights: Dict[int, List[float]] = {}
+    weights: dict[int, list[float]] = {}
     given.put(engine.positions, engine.missing, states, weights)
     rows = engine.infer(states, weights)
     if rows is None:

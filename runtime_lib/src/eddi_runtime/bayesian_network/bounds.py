@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Callable, List, Mapping, Optional, Sequence, Tuple
 
 from .engine import Rows
 
@@ -24,27 +24,16 @@ Infer = Callable[[List[int], Mapping[int, List[float]]], Optional[Rows]]
 
 
 class Bounds:
-    """Bounds of some probabilities, each over all combinations that are possible.
-
-    Args:
-        infer: returns the posteriors for states and likelihoods; None: they are impossible.
-        picks: of the probabilities.
-    """
+    """Bounds of some probabilities, each over all combinations that are possible."""
 
     def __init__(self, infer: Infer, picks: Sequence[Pick]) -> None:
         self._infer, self._picks = infer, picks
-        self._found: Dict[Tuple[Tuple[int, ...], Tuple[Open, ...]], Optional[List[Pair]]] = {}
+        self._found: dict[tuple[tuple[int, ...], tuple[Open, ...]], list[Pair] | None] = {}
 
     def over(
-        self, states: List[int], weights: Mapping[int, List[float]], opened: Sequence[Open]
-    ) -> Optional[List[Pair]]:
-        """Return (lowest, highest) of each probability; None if no combination is possible.
-
-        Args:
-            states: as ``Engine.infer`` takes them; the state of an open node is ignored.
-            weights: likelihoods, as ``Engine.infer`` takes them.
-            opened: the nodes whose states are not known; at most ``COMBINATIONS`` in all.
-        """
+        self, states: list[int], weights: Mapping[int, list[float]], opened: Sequence[Open]
+    ) -> list[Pair] | None:
+        """Return (lowest, highest) of each probability; None if no combination is possible."""
         if weights:
             return self._tried(states, weights, opened)
         key = tuple(states), tuple(opened)
@@ -55,11 +44,11 @@ class Bounds:
         return self._found[key]
 
     def _tried(
-        self, states: List[int], weights: Mapping[int, List[float]], opened: Sequence[Open]
-    ) -> Optional[List[Pair]]:
+        self, states: list[int], weights: Mapping[int, list[float]], opened: Sequence[Open]
+    ) -> list[Pair] | None:
         places = [position for position, _ in opened]
         tried = list(states)
-        cases: List[List[float]] = []
+        cases: list[list[float]] = []
         for case in itertools.product(*(possible for _, possible in opened)):
             for position, state in zip(places, case):
                 tried[position] = state

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Mapping, NamedTuple, Sequence
 
 from ..thresholds import Evidence, Threshold
 from .bounds import COMBINATIONS, Bounds, Infer, Open, Pair, combinations, pick_of
@@ -21,37 +21,22 @@ ERROR = "error"
 
 
 class StateThreshold(NamedTuple):
-    """A threshold of the probability of some states of a node.
+    """A threshold of the probability of some states of a node."""
 
-    Attributes:
-        node: number of the node.
-        states: numbers of the states whose probabilities are added up.
-        at_least: the probability must not be below; else it must not be above.
-        limits: where it begins and ends; of the negative probability for ``at_least``.
-    """
-
-    node: int
-    states: Tuple[int, ...]
-    at_least: bool
-    limits: Threshold
+    node: int  # number of the node
+    states: tuple[int, ...]  # numbers of the states whose probabilities are added up
+    at_least: bool  # the probability must not be below; else it must not be above
+    limits: Threshold  # where it begins and ends; of the negative probability for ``at_least``
 
 
 class Claim(NamedTuple):
-    """Result of a threshold in the last step.
+    """Result of a threshold in the last step."""
 
-    Attributes:
-        id: of the threshold.
-        active: the probability is on the right side for every state that is possible.
-        low: lower bound of the probability; NaN: not computed.
-        high: upper bound.
-        reason: why it is not active; empty when it is, or the probability is on the wrong side.
-    """
-
-    id: str
-    active: bool
-    low: float
-    high: float
-    reason: str
+    id: str  # of the threshold
+    active: bool  # the probability is on the right side for every state that is possible
+    low: float  # lower bound of the probability; NaN: not computed
+    high: float  # upper bound
+    reason: str  # why it is not active; empty when it is, or the probability is on the wrong side
 
     def bounds(self, form: str) -> str:
         """Return the bounds for people, empty where they were not computed."""
@@ -68,11 +53,7 @@ class Claim(NamedTuple):
 
 
 class Claims:
-    """The thresholds of a network with their state.
-
-    Args:
-        thresholds: what is declared.
-    """
+    """The thresholds of a network with their state."""
 
     def __init__(self, thresholds: Sequence[StateThreshold]) -> None:
         self._thresholds = thresholds
@@ -93,31 +74,23 @@ class Claims:
         """Return to inactive."""
         for one in self._evidence:
             one.reset()
-        self._bounds: Optional[Sequence[Pair]] = None
+        self._bounds: Sequence[Pair] | None = None
         self._reason, self._known, self._timely = UNKNOWN_INPUTS, False, True
 
     def step(
         self,
         now: float,
-        rows: Optional[Rows],
-        states: List[int],
-        weights: Mapping[int, List[float]],
+        rows: Rows | None,
+        states: list[int],
+        weights: Mapping[int, list[float]],
         opened: Sequence[Open],
     ) -> None:
-        """Judge every threshold.
-
-        Args:
-            now: nanoseconds; NaN is no time, so nothing that is to be held begins.
-            rows: posteriors for the states and likelihoods; None: they are impossible.
-            states: of the observable nodes.
-            weights: likelihoods of the observable nodes.
-            opened: the nodes whose states are not known.
-        """
+        """Judge every threshold."""
         self._known = not opened
         if opened and combinations(opened) > COMBINATIONS:
             self.lose(TOO_MANY)
             return
-        bounds: Optional[Sequence[Pair]] = None
+        bounds: Sequence[Pair] | None = None
         if opened:
             bounds = self._over.over(states, weights, opened)
         elif rows is not None:
@@ -136,7 +109,7 @@ class Claims:
         for one in self._evidence:
             one.step(0, math.nan, usable=False)
 
-    def rows(self) -> List[Claim]:
+    def rows(self) -> list[Claim]:
         """Return the result of each threshold in the last step."""
         bounds = self._bounds or [(math.nan, math.nan)] * len(self._thresholds)
         return [

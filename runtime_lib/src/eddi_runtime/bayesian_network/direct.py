@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Optional, Sequence, Tuple
+from typing import Any, Callable, Sequence
 
 from ..plain_values import plain, show
 from .evidence import EvidenceError, Finding, Reading, finding
 
 
 class DirectReader:
-    """An input that holds the name of a state, or one likelihood per state; see ``Discretiser``.
-
-    Args:
-        states: names of the states.
-        virtual: see ``finding``.
-    """
+    """An input that holds the name of a state, or one likelihood for each; see ``Discretiser``."""
 
     timed = doubtful = prior_accepted = False
     possible: Sequence[int] = ()
@@ -29,11 +24,11 @@ class DirectReader:
         """Return "not observed"."""
         return len(self._states)
 
-    def known(self, raw: object, reading: Reading) -> Tuple[bool, str]:
+    def known(self, raw: object, reading: Reading) -> tuple[bool, str]:
         """Return whether a value is an observation; nothing is accepted in place of it."""
         return self.read(raw, 0) != len(self._states), ""
 
-    def fault(self, raw: object) -> Optional[str]:
+    def fault(self, raw: object) -> str | None:
         """Return what is wrong with a value."""
         try:
             self._judged(raw)

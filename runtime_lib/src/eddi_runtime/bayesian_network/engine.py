@@ -4,18 +4,7 @@ from __future__ import annotations
 
 import math
 from operator import eq
-from typing import (
-    Any,
-    Dict,
-    FrozenSet,
-    Iterable,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-)
+from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 Rows = Sequence[Sequence[float]]
 States = Sequence[int]
@@ -35,66 +24,50 @@ class NodeSpec(NamedTuple):
     """A node: its name, its states, and its method ``node_<attribute>``."""
 
     id: str
-    states: Tuple[str, ...]
+    states: tuple[str, ...]
     attribute: str
 
 
 class Part(NamedTuple):
-    """A part of a network; no evidence connects it with the others.
+    """A part of a network; no evidence connects it with the others."""
 
-    Attributes:
-        made: its tables or its schedule. Its method ``running`` gives what infers rows that are
-            not normalised: ``hard`` from states alone, ``soft`` with virtual evidence, ``scaled``
-            slowly, but so that none is zero by underflow.
-        inputs: positions of its observable nodes among those of the program.
-        outputs: nodes whose rows it gives; empty for the probability of the evidence alone.
-        least: lower bound of the exponent of any product of its non-zero probabilities.
-    """
-
+    # its tables or its schedule. Its method ``running`` gives what infers rows that are not
+    # normalised: ``hard`` from states alone, ``soft`` with virtual evidence, ``scaled`` slowly,
+    # but so that none is zero by underflow.
     made: Any
-    inputs: Tuple[int, ...]
-    outputs: Tuple[int, ...]
-    least: int
+    inputs: tuple[int, ...]  # positions of its observable nodes among those of the program
+    # nodes whose rows it gives; empty for the probability of the evidence alone
+    outputs: tuple[int, ...]
+    least: int  # lower bound of the exponent of any product of its non-zero probabilities
 
 
 class Program(NamedTuple):
-    """Inference for some outputs and observable nodes.
+    """Inference for some outputs and observable nodes."""
 
-    Attributes:
-        outputs: nodes whose posteriors can be asked for, ascending.
-        observable: nodes that may be observed, ascending; evidence goes by position here.
-        parts: all that can matter.
-        when_observed: in place of them in steps in which each observable node is observed.
-        cases: states -> posteriors, where there are few; None: they are impossible.
-    """
-
-    outputs: Tuple[int, ...]
-    observable: Tuple[int, ...]
-    parts: Tuple[Part, ...]
-    when_observed: Tuple[Part, ...] = ()
+    outputs: tuple[int, ...]  # nodes whose posteriors can be asked for, ascending
+    # nodes that may be observed, ascending; evidence goes by position here
+    observable: tuple[int, ...]
+    parts: tuple[Part, ...]  # all that can matter
+    # in place of them in steps in which each observable node is observed
+    when_observed: tuple[Part, ...] = ()
+    # states -> posteriors, where there are few; None: they are impossible
     cases: Cases = _NO_CASES
 
 
 class _Slot(NamedTuple):
-    """Where the row of an output goes.
+    """Where the row of an output goes."""
 
-    Attributes:
-        output: its place among the outputs, -1 for the probability of the evidence alone.
-        position: its place among the observable nodes, -1 if it is none.
-        card: number of its states.
-    """
-
-    output: int
-    position: int
-    card: int
+    output: int  # its place among the outputs, -1 for the probability of the evidence alone
+    position: int  # its place among the observable nodes, -1 if it is none
+    card: int  # number of its states
 
 
 class _Inference(NamedTuple):
     """What infers one part, the positions of its inputs, and where its rows go."""
 
     running: Any
-    positions: FrozenSet[int]
-    slots: Tuple[_Slot, ...]
+    positions: frozenset[int]
+    slots: tuple[_Slot, ...]
     least: int
 
 
@@ -111,10 +84,6 @@ class Engine:
 
     Attributes:
         program: what was compiled.
-        outputs: numbers of the outputs, ascending.
-        observable: numbers of the observable nodes, ascending; evidence goes by position here.
-        positions: observable node -> its position.
-        missing: "not observed" for each of them: the number of its states.
 
     Raises:
         ImportError: a part needs numpy and it is not installed.
@@ -124,27 +93,31 @@ class Engine:
         self,
         nodes: Sequence[NodeSpec],
         program: Program,
-        outputs: Optional[Iterable[int]] = None,
-        observable: Optional[Iterable[int]] = None,
+        outputs: Iterable[int] | None = None,
+        observable: Iterable[int] | None = None,
     ) -> None:
         self._nodes, self.program = nodes, program
+        # numbers of the outputs, ascending
         self.outputs = program.outputs if outputs is None else tuple(sorted(outputs))
+        # numbers of the observable nodes, ascending; evidence goes by position here
         self.observable = program.observable if observable is None else tuple(sorted(observable))
+        # observable node -> its position
         self.positions = {node: k for k, node in enumerate(self.observable)}
+        # "not observed" for each of them: the number of its states
         self.missing = tuple(len(nodes[node].states) for node in self.observable)
         self._cards = {k: (p, len(nodes[k].states)) for p, k in enumerate(program.observable)}
         self._all_missing = [card for _, card in self._cards.values()]
-        self._places: Optional[List[int]] = None
+        self._places: list[int] | None = None
         if self.observable != program.observable:
             self._places = [self._cards[node][0] for node in self.observable]
-        made: Dict[int, _Inference] = {}
+        made: dict[int, _Inference] = {}
         for part in (*program.parts, *program.when_observed):
             if id(part) not in made:
                 made[id(part)] = self._inference(part)
         self._parts = [made[id(part)] for part in program.parts]
         self._when_observed = [made[id(part)] for part in program.when_observed]
 
-    def infer(self, states: States, weights: Weights = _NO_WEIGHTS) -> Optional[Posteriors]:
+    def infer(self, states: States, weights: Weights = _NO_WEIGHTS) -> Posteriors | None:
         """Return the posterior of each output, None if the evidence has probability zero.
 
         Args:
@@ -211,7 +184,7 @@ def _weighted(
     return [one if k == state else 0.0 for k, one in enumerate(row)]
 
 
-def _exponent(positions: FrozenSet[int], weights: Weights) -> float:
+def _exponent(positions: frozenset[int], weights: Weights) -> float:
     """Return the least exponent of any product of the likelihoods of a part."""
     given = (weights[position] for position in positions.intersection(weights))
     return sum(math.log2(min(one for one in weight if one > 0.0)) for weight in given)

@@ -7,7 +7,7 @@ GeNIe; a posterior cannot be forced.
 from __future__ import annotations
 
 import math
-from typing import Any, List, Mapping, Optional, Sequence, Union
+from typing import Any, List, Mapping, Sequence, Union
 
 from ..plain_values import plain, show
 
@@ -99,6 +99,6 @@ def _number(value: object, state: str) -> float:
     return float(number)
 
 
-def _as_in_d72(numbers: Sequence[float]) -> Optional[int]:
+def _as_in_d72(numbers: Sequence[float]) -> int | None:
     sure = [k for k, number in enumerate(numbers) if abs(number - 1.0) <= _EPSILON]
     return sure[0] if len(sure) == 1 and abs(sum(numbers) - 1.0) <= _EPSILON else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Dict, Mapping, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Mapping, NamedTuple
 
 from ..monitor import Tree
 from .engine import Rows
@@ -14,23 +14,17 @@ if TYPE_CHECKING:
 
 
 class Explanation(NamedTuple):
-    """Explanation of the posteriors of one step.
+    """Explanation of the posteriors of one step."""
 
-    Attributes:
-        evidence: observed node -> its state, or its likelihoods (the largest is 1).
-        unobserved: nodes of which nothing is known.
-        relevance: observed node -> total variation distance between the posterior with all
-            evidence and without that of this node, 0 to 1; the largest over the outputs. Empty if
-            the evidence has probability zero.
-        facts: which inputs are known, and what is accepted for others.
-        claims: the result of each threshold.
-    """
-
+    # observed node -> its state, or its likelihoods (the largest is 1)
     evidence: Mapping[str, Known]
-    unobserved: Tuple[str, ...]
+    unobserved: tuple[str, ...]  # nodes of which nothing is known
+    # observed node -> total variation distance between the posterior with all evidence and without
+    # that of this node, 0 to 1; the largest over the outputs. Empty if the evidence has
+    # probability zero.
     relevance: Mapping[str, float]
-    facts: Facts
-    claims: Tuple[Claim, ...]
+    facts: Facts  # which inputs are known, and what is accepted for others
+    claims: tuple[Claim, ...]  # the result of each threshold
 
     def text(self) -> str:
         """Return the explanation for people, the most relevant node first."""
@@ -64,9 +58,9 @@ class Explaining(BayesianNetworkMonitor):
         names, values = list(found), list(found.values())
         return name, {**fields, "relevance_nodes": names, "relevance": values}
 
-    def _relevance(self) -> Dict[str, float]:
+    def _relevance(self) -> dict[str, float]:
         last = self._last
-        found: Dict[str, float] = {}
+        found: dict[str, float] = {}
         all_known = self._tried(last.states, last.weights)
         for position, node in enumerate(self.engine.observable if all_known is not None else ()):
             states, weights = list(last.states), dict(last.weights)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Mapping, NamedTuple, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
 from .engine import NodeSpec, Rows
@@ -22,60 +22,39 @@ class Source(NamedTuple):
 
     node: int
     spec: InputSpec
-    reader: Union[Discretiser, DirectReader]
+    reader: Discretiser | DirectReader
 
 
 class Step:
-    """What the last step saw.
-
-    Attributes:
-        now: its time in nanoseconds.
-        raw: the value of each source.
-        states: of each observable node.
-        weights: likelihoods, by position.
-        answer: of the methods.
-        rows: posteriors; None: the evidence has probability zero.
-        problem: what kept the step from being done.
-    """
+    """What the last step saw."""
 
     __slots__ = ("answer", "now", "problem", "raw", "rows", "states", "weights")
 
     def __init__(self, missing: Sequence[int]) -> None:
-        self.now: float = 0
-        self.raw: Sequence[object] = ()
-        self.states = list(missing)
-        self.weights: Dict[int, List[float]] = {}
-        self.answer = NO_ANSWER
-        self.rows: Optional[Rows] = ()
-        self.problem = ""
+        self.now: float = 0  # its time in nanoseconds
+        self.raw: Sequence[object] = ()  # the value of each source
+        self.states = list(missing)  # of each observable node
+        self.weights: dict[int, list[float]] = {}  # likelihoods, by position
+        self.answer = NO_ANSWER  # of the methods
+        self.rows: Rows | None = ()  # posteriors; None: the evidence has probability zero
+        self.problem = ""  # what kept the step from being done
 
 
 class Facts(NamedTuple):
-    """What is known about the inputs of a step.
+    """What is known about the inputs of a step."""
 
-    Attributes:
-        valid: all of them are known, and so are the states of their nodes.
-        unknown_inputs: inputs without a usable value, whatever is accepted in their place; the
-            node where only a method observes it.
-        undecided: node -> states that it may be in, when there are several; the posterior takes
-            the first.
-        accepted: ``input: key`` for each key of the configuration that was needed.
-    """
-
-    valid: bool
-    unknown_inputs: Tuple[str, ...]
-    undecided: Mapping[str, Tuple[str, ...]]
-    accepted: Tuple[str, ...]
+    valid: bool  # all of them are known, and so are the states of their nodes
+    # inputs without a usable value, whatever is accepted in their place; the node where only a
+    # method observes it
+    unknown_inputs: tuple[str, ...]
+    # node -> states that it may be in, when there are several; the posterior takes the first
+    undecided: Mapping[str, tuple[str, ...]]
+    accepted: tuple[str, ...]  # ``input: key`` for each key of the configuration that was needed
 
 
-def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> Tuple[Dict[str, Known], List[str]]:
-    """Return observed node -> its state, or its likelihoods; and the nodes that are not observed.
-
-    Args:
-        step: what it saw.
-        nodes: the observable ones.
-    """
-    found: Dict[str, Known] = {}
+def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> tuple[dict[str, Known], list[str]]:
+    """Return observed node -> its state, or its likelihoods; and the nodes that are not."""
+    found: dict[str, Known] = {}
     for position, (node, state) in enumerate(zip(nodes, step.states)):
         if position in step.weights:
             found[node.id] = tuple(step.weights[position])
@@ -88,19 +67,12 @@ def facts_of(
     step: Step,
     observable: Sequence[int],
     nodes: Sequence[NodeSpec],
-    fed: Mapping[int, Tuple[int, Source]],
+    fed: Mapping[int, tuple[int, Source]],
 ) -> Facts:
-    """Return what was known in a step.
-
-    Args:
-        step: what it saw.
-        observable: numbers of the observable nodes.
-        nodes: of the network.
-        fed: node -> number of the source that feeds it, and the source.
-    """
-    unknown: List[str] = []
-    accepted: List[str] = []
-    undecided: Dict[str, Tuple[str, ...]] = {}
+    """Return what was known in a step."""
+    unknown: list[str] = []
+    accepted: list[str] = []
+    undecided: dict[str, tuple[str, ...]] = {}
     for position, node in enumerate(observable):
         if node in step.answer.findings:
             continue

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Callable, Sequence
 
 from ..inputs import InputSpec
 from .readers import ABSENT, Declaration, Discretiser
@@ -31,9 +31,9 @@ class Hysteresis:
 
     def lose(self) -> None:
         """Take note of a gap: the next value is in its bare bin or was kept in another one."""
-        self._previous: Optional[int] = None
+        self._previous: int | None = None
         self._before: Sequence[int] = self._all
-        self.possible: Tuple[int, ...] = ()
+        self.possible: tuple[int, ...] = ()
 
     def leave(self) -> None:
         """Take note of a value in no bin: the next one is in its bare bin for sure."""
@@ -86,7 +86,7 @@ class Remembering(Discretiser):
     def reset(self) -> None:
         """Forget former values."""
         self._lose()
-        self._last: Tuple[int, float, Sequence[int]] = (self._declared.missing, 0, ())
+        self._last: tuple[int, float, Sequence[int]] = (self._declared.missing, 0, ())
 
     def _lose(self) -> None:
         self.possible = ()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence, Set, Tuple
+from typing import Any, Callable, Mapping, NoReturn, Optional, Sequence, Tuple
 
 from ..plain_values import one_line
 from .engine import NodeSpec
@@ -15,36 +15,25 @@ _Method = Tuple[int, str, Tuple[str, ...], Optional[Callable[[], Any]]]
 
 
 class Answer:
-    """Results of the methods of one step.
-
-    Attributes:
-        findings: node -> its evidence; nodes that were left at zero are not in it.
-        outputs: nodes that were flagged as outputs.
-        problems: node -> why its method gave nothing.
-    """
+    """Results of the methods of one step."""
 
     __slots__ = ("findings", "outputs", "problems")
 
-    def __init__(self, known: Optional[Answer] = None) -> None:
-        self.findings: Dict[int, Reading] = {} if known is None else known.findings.copy()
-        self.outputs: Set[int] = set() if known is None else known.outputs.copy()
-        self.problems: Dict[int, str] = {}
+    def __init__(self, known: Answer | None = None) -> None:
+        # node -> its evidence; nodes that were left at zero are not in it
+        self.findings: dict[int, Reading] = {} if known is None else known.findings.copy()
+        # nodes that were flagged as outputs
+        self.outputs: set[int] = set() if known is None else known.outputs.copy()
+        self.problems: dict[int, str] = {}  # node -> why its method gave nothing
 
     def put(
         self,
         positions: Mapping[int, int],
         missing: Sequence[int],
-        states: List[int],
-        weights: Dict[int, List[float]],
+        states: list[int],
+        weights: dict[int, list[float]],
     ) -> None:
-        """Replace what was declared by the results of the methods.
-
-        Args:
-            positions: node -> its position among the observable ones.
-            missing: "not observed" for each of them.
-            states: of the observable nodes; changed.
-            weights: likelihoods, by position; changed.
-        """
+        """Replace what was declared by the results of the methods."""
         for node in self.problems:  # it would have set what is not known
             if node in positions:
                 states[positions[node]] = missing[positions[node]]
@@ -63,19 +52,16 @@ class Methods:
 
     A method that can read nothing, mostly one without hand-written code, is asked once: it says
     the same in each step. Every other one counts as an observation of its node.
-
-    Attributes:
-        observed: nodes that a method observes, or may observe.
-        outputs: nodes that are flagged as outputs, as far as that is known before the first step.
     """
 
     def __init__(self, hooks: object, nodes: Sequence[NodeSpec], *, virtual: bool) -> None:
         self._hooks: Any = hooks
         self._virtual = virtual
         self._data = SimpleNamespace(data=None)  # D7.2's methods take `.data` of it
-        self._asked: List[_Method] = []
+        self._asked: list[_Method] = []
         self._constant = Answer()
-        self.outputs: Set[int] = set()
+        # nodes that are flagged as outputs, as far as that is known before the first step
+        self.outputs: set[int] = set()
         for node, spec in enumerate(nodes):
             name = f"node_{spec.attribute}"
             method: Any = getattr(hooks, name, None)
@@ -91,6 +77,7 @@ class Methods:
             self._asked.append((node, name, spec.states, None))
             if code is not None and any(one is True for one in code.co_consts):
                 self.outputs.add(node)
+        # nodes that a method observes, or may observe
         self.observed = {*self._constant.findings, *(node for node, *_ in self._asked)}
         self.outputs |= self._constant.outputs
 

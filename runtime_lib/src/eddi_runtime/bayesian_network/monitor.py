@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Dict, Iterable, List, Optional, Set, Tuple, Union
+from typing import TYPE_CHECKING, Dict, Iterable, List, Union
 
 from ..clock import step_time
 from ..compatibility import ModelError
@@ -31,32 +31,20 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
     """What the class ``Monitor`` of a compiled Bayesian network inherits.
 
     Not thread-safe: the thread that steps it also asks it.
-
-    Attributes, beside those of ``eddi_runtime.Monitor``:
-        nodes: of the network, in the order of the file.
-        given: nodes whose posterior is always given.
-        foreseen: inference for what the model declares.
-        everything: inference for any node; None where it would be too wide.
-        virtual: several non-zero outcomes are likelihoods; False: D7.2's rule.
-        on_inconsistent: the result on evidence of probability zero: ``silent``, ``prior`` or
-            ``hold``.
-        remembered: cases of states whose posteriors are kept at most.
     """
 
     kind = "bayesian_network"
-    nodes: Tuple[NodeSpec, ...]
-    given: Tuple[int, ...]
-    foreseen: Program
-    everything: Optional[Program] = None
-    virtual = True
+    nodes: tuple[NodeSpec, ...]  # of the network, in the order of the file
+    given: tuple[int, ...]  # nodes whose posterior is always given
+    foreseen: Program  # inference for what the model declares
+    everything: Program | None = None  # inference for any node; None where it would be too wide
+    virtual = True  # several non-zero outcomes are likelihoods; False: D7.2's rule
+    # the result on evidence of probability zero: ``silent``, ``prior`` or ``hold``
     on_inconsistent = "silent"
-    remembered = 1024
+    remembered = 1024  # cases of states whose posteriors are kept at most
 
-    def __init__(self, hooks: Optional[object] = None) -> None:
+    def __init__(self, hooks: object | None = None) -> None:
         """Make the monitor.
-
-        Args:
-            hooks: instance of the package's ``BayesianNetworkConfig``; None: declarations only.
 
         Raises:
             ModelError: numpy is needed and not installed, or a method observes a node that was not
@@ -83,29 +71,25 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         """Forget former steps."""
         for source in self._sources:
             source.reader.reset()
-        self._good: Optional[Tuple[Rows, Set[int]]] = None
+        self._good: tuple[Rows, set[int]] | None = None
         self._output_faults, self._source = (), None
         self._last = Step(self._missing)
 
-    def sources(self) -> Tuple[Source, ...]:
+    def sources(self) -> tuple[Source, ...]:
         """Return the declared ways from inputs to nodes, by node, with readers of their own."""
         return ()
 
-    def read(self, eddi_input: object) -> Tuple[object, ...]:
+    def read(self, eddi_input: object) -> tuple[object, ...]:
         """Return the value of each source; compiled monitors write this out."""
         found = [read(eddi_input, one.spec.attribute, one.spec.id) for one in self._sources]
         return tuple([None if type(value) is Absent else value for value in found])
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Evaluate once; never raises an Exception.
 
         Reads one attribute per input and calls every method of a person. Absent, None, NaN and
-        whatever is no value for an input leave its node unobserved, so that its prior speaks.
-
-        Args:
-            eddi_input: holds one attribute per input; ``data`` of what the methods get.
-            t_ns: time in nanoseconds, for ``missing: hold``; what is no whole number is no time,
-                and nothing is held then.
+        whatever is no value for an input leave its node unobserved, so that its prior speaks. A
+        time that is no whole number is none, and nothing is held then.
 
         Returns:
             One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
@@ -127,7 +111,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
                     last.answer, last.problem = answer, problem
                     return []
         states = list(self._missing)
-        weights: Dict[int, List[float]] = {}
+        weights: dict[int, list[float]] = {}
         raw = self.read(eddi_input)
         last.now, last.answer, last.problem, last.raw = now, answer, "", raw
         for (position, judge, absent), value in zip(self._readers, raw):
@@ -157,12 +141,12 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             rows, flagged = self._good
         return [] if rows is None else self._output(rows, flagged)
 
-    def _tried(self, states: States, weights: Weights) -> Optional[Rows]:
+    def _tried(self, states: States, weights: Weights) -> Rows | None:
         """Return the posteriors of a case that is only thought of: it is not worth remembering."""
         rows = _UNKNOWN if weights else self._known_rows.get(tuple(states), _UNKNOWN)
         return self.engine.infer(states, weights) if rows is _UNKNOWN else rows
 
-    def as_json(self, output: Output) -> Optional[List[Dict[str, Json]]]:
+    def as_json(self, output: Output) -> list[dict[str, Json]] | None:
         """Return an output as JSON; None when no posterior was given."""
         return [one.as_json() for one in output] or None
 
@@ -189,12 +173,12 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         found.update((one.id, one.active) for one in self.claims())
         return {**found, "status": self.status_name()}
 
-    def message(self, output: object) -> Union[Tree, List[Tree], None]:
+    def message(self, output: object) -> Tree | list[Tree] | None:
         """Return an output as a ``BayesianNetworkOutput`` tree, None without a posterior."""
         tree, self._output_faults = out.output_message(output)
         return tree
 
-    def output_faults(self) -> Tuple[str, ...]:
+    def output_faults(self) -> tuple[str, ...]:
         """Return what kept posteriors from being published, and which methods failed."""
         last = self._last
         problems = sorted(set(last.answer.problems.values()))
@@ -226,19 +210,19 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         _, unobserved = self._evidence()
         return out.status_message(self.model_id, self.status(), unobserved, self.facts())
 
-    def claims(self) -> List[Claim]:
+    def claims(self) -> list[Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
         return []
 
-    def standings(self) -> List[Standing]:
+    def standings(self) -> list[Standing]:
         """Return nothing: raw posteriors claim nothing."""
         return []
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return nothing: a node that is not observed keeps no posterior from being given."""
         return {}
 
-    def accepted(self) -> Tuple[str, ...]:
+    def accepted(self) -> tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         return self.facts().accepted
 
@@ -250,9 +234,9 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             further = (*further, f"on_inconsistent: {self.on_inconsistent}")
         return facts._replace(accepted=(*facts.accepted, *further))
 
-    def faults(self) -> Dict[str, str]:
+    def faults(self) -> dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
-        found: Dict[str, str] = {}
+        found: dict[str, str] = {}
         for source, value in zip(self._sources, self._last.raw):
             try:
                 reason = source.reader.fault(value)
@@ -262,7 +246,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
                 found.setdefault(source.spec.id, reason)
         return found
 
-    def _grow(self, flagged: Set[int]) -> str:
+    def _grow(self, flagged: set[int]) -> str:
         """Take outputs in that a method has flagged; return why nothing can infer them."""
         try:
             self._prepare({*self.engine.outputs, *flagged}, {*self.engine.observable})
@@ -271,7 +255,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         self._good = None
         return ""
 
-    def engine_for(self, outputs: Set[int], observed: Set[int]) -> Engine:
+    def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
         """Return inference for some nodes: as foreseen, else for any nodes, which takes longer.
 
         Raises:
@@ -293,13 +277,13 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             for key, one in sorted(further)
         )
 
-    def _prepare(self, outputs: Set[int], observed: Set[int]) -> None:
+    def _prepare(self, outputs: set[int], observed: set[int]) -> None:
         """Get ready for some outputs and observable nodes."""
         engine, nodes = self.engine_for(outputs, observed), self.nodes
         self.engine = engine
         self._missing, self._positions = engine.missing, engine.positions
         self._known = frozenset(engine.outputs)
-        self._known_rows: Dict[Tuple[int, ...], Optional[Rows]] = {}
+        self._known_rows: dict[tuple[int, ...], Rows | None] = {}
         if engine.program is self.foreseen:
             self._known_rows.update(self.foreseen.cases)
         else:
@@ -315,7 +299,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             for one in self._sources
         ]
 
-    def _shown_with(self, flagged: Set[int]) -> List[Tuple[int, str, Tuple[str, ...]]]:
+    def _shown_with(self, flagged: set[int]) -> list[tuple[int, str, tuple[str, ...]]]:
         """Return (place, title, states) of each output that is given in a step."""
         return [
             (place, title, states)
@@ -323,10 +307,10 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             if node in self.given or node in flagged
         ]
 
-    def _output(self, rows: Rows, flagged: Set[int]) -> Output:
+    def _output(self, rows: Rows, flagged: set[int]) -> Output:
         shown = self._shown_with(flagged) if flagged else self._shown
         nodes = [Node(title, list(map(Outcome, states, rows[k]))) for k, title, states in shown]
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
-    def _evidence(self) -> Tuple[Dict[str, Known], List[str]]:
+    def _evidence(self) -> tuple[dict[str, Known], list[str]]:
         return evidence_of(self._last, [self.nodes[one] for one in self.engine.observable])

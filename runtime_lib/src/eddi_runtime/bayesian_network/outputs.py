@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Sequence
 
 from ..monitor import Field, Json, Tree
 from ..plain_values import plain
@@ -20,7 +20,7 @@ class _Record:
     def __eq__(self, other: object) -> bool:
         return vars(self) == vars(other) if type(other) is type(self) else NotImplemented
 
-    def as_json(self) -> Dict[str, Json]:
+    def as_json(self) -> dict[str, Json]:
         """Return the values by name, as ``json`` can write them."""
         return {
             name: [one.as_json() for one in value] if isinstance(value, list) else value
@@ -45,7 +45,7 @@ class Outcome(_Record):
 class Node(_Record):
     """The posterior of one output; the title is the name of the node."""
 
-    def __init__(self, title: str, outcomes: List[Outcome]) -> None:
+    def __init__(self, title: str, outcomes: list[Outcome]) -> None:
         self.title = title
         self.outcomes = outcomes
 
@@ -53,7 +53,7 @@ class Node(_Record):
 class BayesianNetworkOutput(_Record):
     """The posteriors of all outputs, in the order of the network."""
 
-    def __init__(self, actor_id: int, bayesian_network_id: str, output_nodes: List[Node]) -> None:
+    def __init__(self, actor_id: int, bayesian_network_id: str, output_nodes: list[Node]) -> None:
         self.actor_id = actor_id
         self.bayesian_network_id = bayesian_network_id
         self.output_nodes = output_nodes
@@ -62,7 +62,7 @@ class BayesianNetworkOutput(_Record):
 class Monitor:
     """The base class of D7.2's monitors."""
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> object:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> object:
         """Evaluate once.
 
         Raises:
@@ -71,15 +71,15 @@ class Monitor:
         raise NotImplementedError
 
 
-def output_message(output: object) -> Tuple[Union[Tree, List[Tree], None], Tuple[str, ...]]:
+def output_message(output: object) -> tuple[Tree | list[Tree] | None, tuple[str, ...]]:
     """Return the ``BayesianNetworkOutput`` tree of an output and what was wrong; never raises.
 
     None when no posterior is given; what a person's code has spoilt is left out and named.
     """
     if not (issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple))):
         return None, ("the output is not a list; nothing is published",)
-    faults: List[str] = []
-    trees: List[Tree] = []
+    faults: list[str] = []
+    trees: list[Tree] = []
     for one in output:
         try:
             nodes = [_node_tree(node) for node in one.output_nodes]
@@ -92,7 +92,7 @@ def output_message(output: object) -> Tuple[Union[Tree, List[Tree], None], Tuple
 
 def status_message(network_id: str, status: int, unobserved: Sequence[str], facts: Facts) -> Tree:
     """Return the ``BayesianNetworkStatus`` tree without header."""
-    fields: Dict[str, Field] = {
+    fields: dict[str, Field] = {
         "bayesian_network_id": network_id,
         "status": status,
         "unobserved": list(unobserved),

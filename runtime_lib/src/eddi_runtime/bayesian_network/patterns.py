@@ -9,20 +9,7 @@ from __future__ import annotations
 
 import math
 from operator import eq, itemgetter
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Callable,
-    Collection,
-    Dict,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Set,
-    Tuple,
-)
+from typing import TYPE_CHECKING, Any, Callable, Collection, Mapping, NamedTuple, Sequence, Tuple
 
 from .engine import Posteriors, States, Weights
 from .schedule import Schedule, Steps
@@ -42,21 +29,14 @@ Cards = Mapping[int, Tuple[int, int]]
 
 
 class Adapted(NamedTuple):
-    """A wide part with operations that are fewer the more inputs are observed.
+    """A wide part with operations that are fewer the more inputs are observed."""
 
-    Attributes:
-        schedule: for a pattern that comes for the first time, or has too few observed inputs.
-        messages: fields of ``Message``, each behind its parts.
-        steps: the operations; shapes are told as nodes, a tuple for each axis.
-        inputs: nodes that have no axis where they are observed.
-        limit: multiplications up to which it is faster than the schedule.
-    """
-
+    # for a pattern that comes for the first time, or has too few observed inputs
     schedule: Schedule
-    messages: Tuple[Tuple[Any, ...], ...]
-    steps: Steps
-    inputs: Tuple[int, ...]
-    limit: int
+    messages: tuple[tuple[Any, ...], ...]  # fields of ``Message``, each behind its parts
+    steps: Steps  # the operations; shapes are told as nodes, a tuple for each axis
+    inputs: tuple[int, ...]  # nodes that have no axis where they are observed
+    limit: int  # multiplications up to which it is faster than the schedule
 
     def running(self, cards: Cards, wanted: Sequence[int]) -> Patterns:
         """Return the inference by these operations, see ``Part``."""
@@ -64,13 +44,7 @@ class Adapted(NamedTuple):
 
 
 class Patterns:
-    """The inference of a wide part, see ``Running``. Not thread-safe: results stay in place.
-
-    Args:
-        made: what was compiled.
-        cards: observable node -> its position, and the number of its states.
-        wanted: which of the outputs are asked for.
-    """
+    """The inference of a wide part, see ``Running``. Not thread-safe: results stay in place."""
 
     def __init__(self, made: Adapted, cards: Cards, wanted: Sequence[int]) -> None:
         from .arrays import Numbers  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
@@ -81,9 +55,9 @@ class Patterns:
         self._numbers = Numbers(made.schedule.nodes, made.messages)
         self._own = itemgetter(*[cards[node][0] for node in made.inputs])
         self._missing = [cards[node][1] for node in made.inputs]
-        self._met: Set[Pattern] = set()
-        self._steps: Dict[Pattern, Step] = {}
-        self._shared: Dict[Tuple[int, ...], Any] = {}
+        self._met: set[Pattern] = set()
+        self._steps: dict[Pattern, Step] = {}
+        self._shared: dict[tuple[int, ...], Any] = {}
 
     def hard(self, states: States) -> Posteriors:
         """Return unnormalised rows."""
@@ -143,19 +117,19 @@ class _Arrays:
         sizes: Mapping[int, int],
         observed: Collection[int],
         absent: Collection[int],
-        shared: Dict[Tuple[int, ...], Any],
+        shared: dict[tuple[int, ...], Any],
     ) -> None:
         import numpy as np  # noqa: PLC0415 - as above
 
         self._numbers, self._steps, self._cards, self._sizes = numbers, steps, cards, sizes
         self._observed, self._absent, self._shared = observed, absent, shared
         self._numpy = np
-        self._slots: Dict[int, Any] = {}
-        self._home: Dict[int, int] = {}  # slot -> the one whose memory it is
-        self._changing: Set[int] = set()  # of these, those that are written in each step
-        self._chosen: Dict[int, Tuple[int, Any]] = {}  # axes of cases before it, what chooses
-        self._vectors: List[Tuple[int, int, Any]] = []
-        self._operations: List[Tuple[Any, int, int, int]] = []
+        self._slots: dict[int, Any] = {}
+        self._home: dict[int, int] = {}  # slot -> the one whose memory it is
+        self._changing: set[int] = set()  # of these, those that are written in each step
+        self._chosen: dict[int, tuple[int, Any]] = {}  # axes of cases before it, what chooses
+        self._vectors: list[tuple[int, int, Any]] = []
+        self._operations: list[tuple[Any, int, int, int]] = []
         for _, name, one, other, out in steps.operations:
             self._operation(name, one, other, out)
 
@@ -222,9 +196,9 @@ class _Arrays:
         self._add(out, self._reshaped(kept, self._shape(self._steps.slots[out][1])), kept)
         return True
 
-    def _own(self, slot: int) -> Tuple[int, ...]:
+    def _own(self, slot: int) -> tuple[int, ...]:
         """Return the shape of an array behind its cases."""
-        shape: Tuple[int, ...] = self._slots[slot].shape
+        shape: tuple[int, ...] = self._slots[slot].shape
         return shape[self._cases(slot) :]
 
     def _cases(self, slot: int) -> int:
@@ -238,14 +212,14 @@ class _Arrays:
         array = self._slots[slot]
         return array.reshape([*array.shape[: self._cases(slot)], *shape])
 
-    def _add(self, slot: int, array: Any, like: Optional[int] = None) -> int:
+    def _add(self, slot: int, array: Any, like: int | None = None) -> int:
         self._slots[slot] = array
         self._home[slot] = slot if like is None else self._home[like]
         if like in self._chosen:
             self._chosen[slot] = self._chosen[like]
         return slot
 
-    def _shape(self, groups: Sequence[Sequence[int]]) -> List[int]:
+    def _shape(self, groups: Sequence[Sequence[int]]) -> list[int]:
         return [math.prod(self._sizes[node] for node in group) for group in groups]
 
     def _slot(self, slot: int) -> Any:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import sys
 from bisect import bisect_left, bisect_right
-from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, NamedTuple, Sequence
 
 from ..inputs import InputSpec
 from ..plain_values import plain, show
@@ -19,38 +19,26 @@ _LARGEST = sys.float_info.max
 
 
 class Declaration(NamedTuple):
-    """How the values of an input become states of a node.
+    """How the values of an input become states of a node."""
 
-    Attributes:
-        missing: number that represents "not observed": the number of states.
-        edges: of the bins, ascending, in the unit after scale and offset; None: a map.
-        order: state of each bin, from low to high.
-        closed_right: an edge belongs to the bin below it.
-        scaled: ``scale`` and ``offset`` are to be applied.
-        scale: factor of the raw value.
-        offset: is added then.
-        limits: closed interval of usable raw values.
-        clamp: values outside are taken as the nearest limit, otherwise they are unobserved.
-        allow_inf: infinite values fall into the outermost bin.
-        hysteresis: how far beyond the near edge of the previous bin a value keeps it.
-        policy: when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``;
-            ``prior`` is ``unobserved`` by name: thresholds may rest on it.
-        special: pairs of a value and a state: sentinels and the map; the types must agree, too.
-    """
-
-    missing: int
-    edges: Optional[Tuple[float, ...]] = None
-    order: Tuple[int, ...] = ()
-    closed_right: bool = True
-    scaled: bool = False
-    scale: float = 1.0
-    offset: float = 0.0
-    limits: Tuple[float, float] = (-math.inf, math.inf)
+    missing: int  # number that represents "not observed": the number of states
+    # of the bins, ascending, in the unit after scale and offset; None: a map
+    edges: tuple[float, ...] | None = None
+    order: tuple[int, ...] = ()  # state of each bin, from low to high
+    closed_right: bool = True  # an edge belongs to the bin below it
+    scaled: bool = False  # ``scale`` and ``offset`` are to be applied
+    scale: float = 1.0  # factor of the raw value
+    offset: float = 0.0  # is added then
+    limits: tuple[float, float] = (-math.inf, math.inf)  # closed interval of usable raw values
+    # values outside are taken as the nearest limit, otherwise they are unobserved
     clamp: bool = False
-    allow_inf: bool = False
-    hysteresis: float = 0.0
+    allow_inf: bool = False  # infinite values fall into the outermost bin
+    hysteresis: float = 0.0  # how far beyond the near edge of the previous bin a value keeps it
+    # when there is no value: ``unobserved``, ``prior``, ``default`` or ``hold``; ``prior`` is
+    # ``unobserved`` by name: thresholds may rest on it
     policy: str = "unobserved"
-    special: Tuple[Tuple[object, int], ...] = ()
+    # pairs of a value and a state: sentinels and the map; the types must agree, too
+    special: tuple[tuple[object, int], ...] = ()
 
 
 class Discretiser:
@@ -58,23 +46,12 @@ class Discretiser:
 
     The order of evaluation: missing or NaN, special values, infinite, range, scale and offset,
     bins.
-
-    Args:
-        declaration: what is declared.
-        spec: the input: its default and its largest age.
-
-    Attributes:
-        read: value, time in nanoseconds -> state; the number of states for "not observed". It may
-            raise for a hostile value.
-        timed: it needs the time.
-        doubtful: it may leave several states possible.
-        prior_accepted: while the input is unknown, the prior of the node is accepted in its place.
-        possible: states in which the node may be, if there are several, in spite of the one that
-            was returned last.
     """
 
-    timed = False
-    doubtful = False
+    timed = False  # it needs the time
+    doubtful = False  # it may leave several states possible
+    # states in which the node may be, if there are several, in spite of the one that was returned
+    # last
     possible: Sequence[int] = ()
 
     def __init__(self, declaration: Declaration, spec: InputSpec) -> None:
@@ -82,6 +59,7 @@ class Discretiser:
         self._edges, self._order = one.edges or (), one.order
         self._special = {(type(value), value): state for value, state in one.special}
         self._search = bisect_left if one.closed_right else bisect_right
+        # while the input is unknown, the prior of the node is accepted in its place
         self.prior_accepted = one.policy == "prior"
         self._default = one.missing
         if one.policy == "default":
@@ -89,13 +67,15 @@ class Discretiser:
             if number is not None:
                 state = one.order[self._search(self._edges, number)]
             self._default = one.missing if state == ABSENT else state
+        # value, time in nanoseconds -> state; the number of states for "not observed". It may
+        # raise for a hostile value.
         self.read = self._quick()
 
     def absent(self, now: float) -> int:
         """Return the state when there is no value."""
         return self._default
 
-    def known(self, raw: object, reading: Reading) -> Tuple[bool, str]:
+    def known(self, raw: object, reading: Reading) -> tuple[bool, str]:
         """Return whether a value by itself is an observation of the node.
 
         And the key by which it counted as what was read of it, empty for none.
@@ -110,7 +90,7 @@ class Discretiser:
             return True, "allow_inf: true"
         return True, "" if one.limits[0] <= value <= one.limits[1] else "out_of_range: clamp"
 
-    def fault(self, raw: object) -> Optional[str]:
+    def fault(self, raw: object) -> str | None:
         """Return what is wrong with a value; None for a usable or a missing one."""
         value = plain(raw)
         if raw is None or (isinstance(value, float) and math.isnan(value)):
@@ -126,7 +106,7 @@ class Discretiser:
     def reset(self) -> None:
         """Forget former values."""
 
-    def _judged(self, raw: object) -> Tuple[int, Optional[float]]:
+    def _judged(self, raw: object) -> tuple[int, float | None]:
         """Return (state, None), or a number that falls into the bins; remembers nothing."""
         value = raw if type(raw) is float else plain(raw)
         if self._special:

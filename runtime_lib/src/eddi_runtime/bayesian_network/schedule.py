@@ -2,17 +2,7 @@
 
 from __future__ import annotations
 
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Callable,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-)
+from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Sequence
 
 from .engine import Posteriors, Rows, States
 
@@ -21,21 +11,15 @@ if TYPE_CHECKING:
 
 
 class Message(NamedTuple):
-    """A message of a join tree.
+    """A message of a join tree."""
 
-    Attributes:
-        kind: ``product``, ``table``, ``evidence``, ``prior`` (evidence with it) or ``unit``.
-        parts: numbers of the messages that are multiplied; of a ``table``, its node.
-        nodes: it has an axis for each; what the parts have beyond them is summed out.
-        inputs: observable nodes that known numbers depend on, one axis each before the nodes.
-        known: its numbers are made when the monitor starts, for every case of its inputs.
-    """
-
-    kind: str
-    parts: Tuple[int, ...]
-    nodes: Tuple[int, ...]
-    inputs: Tuple[int, ...]
-    known: bool
+    kind: str  # ``product``, ``table``, ``evidence``, ``prior`` (evidence with it) or ``unit``
+    parts: tuple[int, ...]  # numbers of the messages that are multiplied; of a ``table``, its node
+    # it has an axis for each; what the parts have beyond them is summed out
+    nodes: tuple[int, ...]
+    # observable nodes that known numbers depend on, one axis each before the nodes
+    inputs: tuple[int, ...]
+    known: bool  # its numbers are made when the monitor starts, for every case of its inputs
 
 
 class Steps(NamedTuple):
@@ -50,45 +34,35 @@ class Steps(NamedTuple):
     - ``result`` shape: where an operation writes to; ``ones`` length;
     - ``view`` slot, order of axes, shape: the same memory as that slot;
     - ``piece`` slot, axis, first, last: a part of it, or of each of its cases.
-
-    Attributes:
-        slots: a row for each array.
-        bind: (numpy, arrays) -> the step: states -> a row for each output.
-        operations: (message, function, slot, ...), where there is no ``bind``.
-        answers: slot with the row of each output, where there is no ``bind``.
     """
 
-    slots: Tuple[Tuple[Any, ...], ...]
-    bind: Optional[Callable[..., Callable[[States], Posteriors]]] = None
-    operations: Tuple[Tuple[Any, ...], ...] = ()
-    answers: Tuple[int, ...] = ()
+    slots: tuple[tuple[Any, ...], ...]  # a row for each array
+    # (numpy, arrays) -> the step: states -> a row for each output
+    bind: Callable[..., Callable[[States], Posteriors]] | None = None
+    # (message, function, slot, ...), where there is no ``bind``
+    operations: tuple[tuple[Any, ...], ...] = ()
+    answers: tuple[int, ...] = ()  # slot with the row of each output, where there is no ``bind``
 
 
 class Schedule(NamedTuple):
-    """The operations of a large part.
+    """The operations of a large part."""
 
-    Attributes:
-        nodes: number -> (numbers of the parents, table of its probabilities), of the whole file.
-        messages: fields of ``Message``, each behind its parts.
-        answers: the message that gives the row of each output; without outputs, the messages whose
-            product, summed, is the probability of the evidence.
-        hard: for steps without virtual evidence: messages of few inputs are looked up.
-        full: for any evidence; None where each observable node is observed.
-    """
+    # number -> (numbers of the parents, table of its probabilities), of the whole file
+    nodes: Mapping[int, tuple[tuple[int, ...], Rows]]
+    messages: tuple[tuple[Any, ...], ...]  # fields of ``Message``, each behind its parts
+    # the message that gives the row of each output; without outputs, the messages whose product,
+    # summed, is the probability of the evidence
+    answers: tuple[int, ...]
+    hard: Steps | None  # for steps without virtual evidence: messages of few inputs are looked up
+    full: Steps | None  # for any evidence; None where each observable node is observed
 
-    nodes: Mapping[int, Tuple[Tuple[int, ...], Rows]]
-    messages: Tuple[Tuple[Any, ...], ...]
-    answers: Tuple[int, ...]
-    hard: Optional[Steps]
-    full: Optional[Steps]
-
-    def running(self, cards: Mapping[int, Tuple[int, int]], wanted: Sequence[int]) -> Running:
+    def running(self, cards: Mapping[int, tuple[int, int]], wanted: Sequence[int]) -> Running:
         """Return the inference by these operations, see ``Part``."""
         from .arrays import Running  # noqa: PLC0415 - numpy takes 0.1 s and 25 MB
 
         return Running(self, {node: position for node, (position, _) in cards.items()}, wanted)
 
 
-def rows_of(text: str) -> List[List[float]]:
+def rows_of(text: str) -> list[list[float]]:
     """Return the rows of a large table, one in a line: tuples would take long to import."""
     return [list(map(float, line.split())) for line in text.splitlines()]

@@ -8,52 +8,39 @@ from __future__ import annotations
 
 import itertools
 from operator import mul
-from typing import Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 from .engine import Posteriors, Rows, States, Weights
 
 
 class Table(NamedTuple):
-    """P(output, what is observed) of one output.
+    """P(output, what is observed) of one output."""
 
-    Attributes:
-        strides: (position of an input, distance between the rows of its states).
-        rows: one for each case; a state behind those of an input represents "not observed".
-            Empty where ``total`` gives them.
-        total: vectors of the inputs -> the row, summed over all states; None for a large table.
-    """
-
-    strides: Tuple[Tuple[int, int], ...]
+    # (position of an input, distance between the rows of its states)
+    strides: tuple[tuple[int, int], ...]
+    # one for each case; a state behind those of an input represents "not observed". Empty where
+    # ``total`` gives them.
     rows: Rows = ()
-    total: Optional[Callable[[Sequence[Sequence[float]]], List[float]]] = None
+    # vectors of the inputs -> the row, summed over all states; None for a large table
+    total: Callable[[Sequence[Sequence[float]]], list[float]] | None = None
 
 
 class Tables(NamedTuple):
-    """The tables of a small part, one for each output.
+    """The tables of a small part, one for each output."""
 
-    Attributes:
-        tables: one for each output; one for the evidence if there is no output.
-        priors: position of an input -> its prior, where that is not in the tables.
-        bind: rows of each table -> the look-up: states -> a row of each table.
-    """
-
-    tables: Tuple[Table, ...]
+    tables: tuple[Table, ...]  # one for each output; one for the evidence if there is no output
+    # position of an input -> its prior, where that is not in the tables
     priors: Mapping[int, Sequence[float]]
+    # rows of each table -> the look-up: states -> a row of each table
     bind: Callable[..., Callable[[States], Rows]]
 
-    def running(self, cards: Mapping[int, Tuple[int, int]], wanted: Sequence[int]) -> JointTables:
+    def running(self, cards: Mapping[int, tuple[int, int]], wanted: Sequence[int]) -> JointTables:
         """Return the inference by these tables, see ``Made``."""
         return JointTables(self, dict(cards.values()), wanted or [0])
 
 
 class JointTables:
-    """The inference of a small part, see ``Running``.
-
-    Args:
-        made: what was compiled.
-        cards: position -> number of states of each observable node.
-        wanted: which of the tables are asked for.
-    """
+    """The inference of a small part, see ``Running``."""
 
     def __init__(self, made: Tables, cards: Mapping[int, int], wanted: Sequence[int]) -> None:
         inputs = {position for table in made.tables for position, _ in table.strides}
@@ -92,7 +79,7 @@ class JointTables:
         self, table: Table, states: States, weights: Weights, *, scale: bool = False
     ) -> Sequence[float]:
         offsets = [0]
-        vectors: List[Sequence[float]] = []
+        vectors: list[Sequence[float]] = []
         for position, stride in table.strides:
             steps: Sequence[int] = (states[position] * stride,)
             if position in weights:

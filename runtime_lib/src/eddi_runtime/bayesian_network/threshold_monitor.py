@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from operator import eq
-from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
+from typing import Iterable, Sequence
 
 from ..monitor import Field, Json, Standing, Tree
 from .bounds import Open
@@ -21,21 +21,17 @@ _REASONS = {
 
 
 class ThresholdMonitor(BayesianNetworkMonitor):
-    """What the class ``Monitor`` of a compiled network with thresholds inherits.
+    """What the class ``Monitor`` of a compiled network with thresholds inherits."""
 
-    Attributes:
-        thresholds: the evidence for ConSerts.
-    """
+    thresholds: tuple[StateThreshold, ...]  # the evidence for ConSerts
 
-    thresholds: Tuple[StateThreshold, ...]
-
-    def __init__(self, hooks: Optional[object] = None) -> None:
+    def __init__(self, hooks: object | None = None) -> None:
         self._claims = Claims(self.thresholds)
         super().__init__(hooks)
         self._timed |= any(one.limits.hold_ns for one in self.thresholds)
         self._doubtful = [one.reader for one in self._sources if one.reader.doubtful]
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Output:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Evaluate once; see ``BayesianNetworkMonitor``."""
         output = super().execute_step(eddi_input, t_ns)
         last = self._last
@@ -49,7 +45,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
     def evidence_message(self) -> Tree:
         """Return the thresholds as a ``BayesianNetworkEvidence`` without header."""
         facts = self.facts()
-        fields: Dict[str, Field] = {
+        fields: dict[str, Field] = {
             "bayesian_network_id": self.model_id,
             "valid": facts.valid,
             "unknown_inputs": list(facts.unknown_inputs),
@@ -57,11 +53,11 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         }
         return "BayesianNetworkEvidence", fields
 
-    def claims(self) -> List[Claim]:
+    def claims(self) -> list[Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
         return self._claims.rows()
 
-    def beside_json(self) -> Dict[str, Json]:
+    def beside_json(self) -> dict[str, Json]:
         """Return the results in addition to the posteriors, as ``json`` can write them.
 
         A bound that was not computed is None.
@@ -76,17 +72,17 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             "evidence": rows,
         }
 
-    def standings(self) -> List[Standing]:
+    def standings(self) -> list[Standing]:
         """Return every threshold after the last step."""
         facts = self.facts()
         return [
             Standing("threshold", one.id, one.active, *_why(one, facts)) for one in self.claims()
         ]
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return input id -> thresholds that are not active; see ``Monitor``."""
         rows = self.claims()
-        found: Dict[str, Tuple[str, ...]] = {}
+        found: dict[str, tuple[str, ...]] = {}
         if lost := tuple(one.id for one in rows if one.reason in UNKNOWN):
             found = dict.fromkeys(self.facts().unknown_inputs, lost)
         if inactive := tuple(one.id for one in rows if not one.active):
@@ -99,7 +95,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         super().reset()
         self._claims.reset()
 
-    def _prepare(self, outputs: Set[int], observed: Set[int]) -> None:
+    def _prepare(self, outputs: set[int], observed: set[int]) -> None:
         super()._prepare(outputs, observed)
         self._claims.prepare(self.engine.outputs, self._tried)
         readers = {node: source.reader for node, (_, source) in self._fed.items()}
@@ -114,7 +110,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         doubt = self._doubtful and any(reader.possible for reader in self._doubtful)
         if not doubt and True not in map(eq, last.states, missing):
             return ()
-        found: List[Open] = []
+        found: list[Open] = []
         for position, node, every, reader in self._places:
             by_method = node in last.answer.findings or node in last.answer.problems
             if last.states[position] == missing[position]:
@@ -126,7 +122,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         return found
 
 
-def _why(one: Claim, facts: Facts) -> Tuple[Tuple[Tuple[str, str], ...], str]:
+def _why(one: Claim, facts: Facts) -> tuple[tuple[tuple[str, str], ...], str]:
     """Return what a threshold lacks, and why else it is not active, in words for people."""
     if one.active:
         return (), ""
@@ -139,7 +135,7 @@ def _why(one: Claim, facts: Facts) -> Tuple[Tuple[Tuple[str, str], ...], str]:
     return (), f"the probability is {bounds}" if bounds else ""
 
 
-def _lacks(facts: Facts) -> Dict[str, str]:
+def _lacks(facts: Facts) -> dict[str, str]:
     """Return input or node -> why its state is not known and not accepted either."""
     accepted = {text.partition(": ")[0] for text in facts.accepted}
     found = {name: "not known" for name in facts.unknown_inputs if name not in accepted}

@@ -7,7 +7,7 @@ sets) describe it completely. They are found when the package is generated, and 
 
 from __future__ import annotations
 
-from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Mapping, NamedTuple, Sequence, Tuple
 
 from .values import FALSE, TRUE, UNKNOWN
 
@@ -19,43 +19,31 @@ Group = Tuple[str, ...]
 
 
 class Reason(NamedTuple):
-    """Why an input is not TRUE now.
+    """Why an input is not TRUE now."""
 
-    Attributes:
-        kind: ``false``, ``missing``, ``stale``, ``invalid``, ``nan``, ``fault`` or ``debouncing``.
-        text: the same for people, with value and range or age.
-    """
-
+    # ``false``, ``missing``, ``stale``, ``invalid``, ``nan``, ``fault`` or ``debouncing``
     kind: str
-    text: str
+    text: str  # the same for people, with value and range or age
 
 
 class Explanation(NamedTuple):
-    """Why one guarantee is as it is after the last step.
+    """Why one guarantee is as it is after the last step."""
 
-    Attributes:
-        guarantee: id as in the model.
-        active: it is active.
-        verdict: ``TRUE``, ``UNKNOWN`` or ``FALSE``.
-        missing: inactive: each minimal set of inputs that are not TRUE now and that would
-            activate it by becoming TRUE, by size, then by ids. Empty when nothing can.
-        single_losses: active: each input whose loss alone would deactivate it, by id.
-        loss_sets: active, when asked for: the minimal sets of inputs that would do so together.
-        reasons: for each input in ``missing``, why it is not TRUE.
-        truncated: there are more sets than are listed; the listed ones suffice but one may then
-            be larger than needed.
-        robots: each input that rests on the words of other robots, with their names.
-    """
-
-    guarantee: str
-    active: bool
-    verdict: str
-    missing: Tuple[Group, ...]
-    single_losses: Group
-    loss_sets: Tuple[Group, ...]
-    reasons: Mapping[str, Reason]
+    guarantee: str  # id as in the model
+    active: bool  # it is active
+    verdict: str  # ``TRUE``, ``UNKNOWN`` or ``FALSE``
+    # inactive: each minimal set of inputs that are not TRUE now and that would activate it by
+    # becoming TRUE, by size, then by ids. Empty when nothing can.
+    missing: tuple[Group, ...]
+    single_losses: Group  # active: each input whose loss alone would deactivate it, by id
+    # active, when asked for: the minimal sets of inputs that would do so together
+    loss_sets: tuple[Group, ...]
+    reasons: Mapping[str, Reason]  # for each input in ``missing``, why it is not TRUE
+    # there are more sets than are listed; the listed ones suffice but one may then be larger than
+    # needed
     truncated: bool
-    robots: Mapping[str, Tuple[str, ...]] = {}
+    # each input that rests on the words of other robots, with their names
+    robots: Mapping[str, tuple[str, ...]] = {}
 
     def text(self) -> str:
         """Return the explanation as lines for people, without a line end behind the last."""
@@ -80,39 +68,26 @@ class Explanation(NamedTuple):
 
 
 class Guarantee(NamedTuple):
-    """One guarantee.
+    """One guarantee."""
 
-    Attributes:
-        id: as in the model.
-        node: its number in the graph of ``search``, where its path sets are too many.
-        published: the id in the output, empty where it is the same.
-        default: holds always, without support.
-        ranking: lowest is best, ``None`` when not given.
-        paths: the minimal sets of inputs of which each gives it, by size, then by ids.
-    """
-
-    id: str
-    node: int = -1
-    published: str = ""
-    default: bool = False
-    ranking: Optional[int] = None
-    paths: Tuple[Group, ...] = ()
+    id: str  # as in the model
+    node: int = -1  # its number in the graph of ``search``, where its path sets are too many
+    published: str = ""  # the id in the output, empty where it is the same
+    default: bool = False  # holds always, without support
+    ranking: int | None = None  # lowest is best, ``None`` when not given
+    # the minimal sets of inputs of which each gives it, by size, then by ids
+    paths: tuple[Group, ...] = ()
 
 
 class Sets:
-    """What follows of the guarantees in one state of the inputs.
-
-    Args:
-        inputs: their ids.
-        leaf_values: their truth values.
-    """
+    """What follows of the guarantees in one state of the inputs, given by their ids."""
 
     def __init__(self, inputs: Sequence[str], leaf_values: Sequence[int]) -> None:
         self.leaf_values = leaf_values
         values = [*zip(inputs, leaf_values)]
         self._true = {name for name, value in values if value == TRUE}
         self._not_false = {name for name, value in values if value != FALSE}
-        self._missing: Dict[str, Tuple[List[Group], bool]] = {}
+        self._missing: dict[str, tuple[list[Group], bool]] = {}
 
     def value(self, one: Guarantee) -> int:
         """Return the truth value of a guarantee."""
@@ -120,7 +95,7 @@ class Sets:
             return TRUE
         return UNKNOWN if any(map(self._not_false.issuperset, one.paths)) else FALSE
 
-    def missing(self, one: Guarantee) -> Tuple[List[Group], bool]:
+    def missing(self, one: Guarantee) -> tuple[list[Group], bool]:
         """Return the minimal sets of inputs that would make it TRUE, and "truncated".
 
         None for one that is TRUE. They cost more than a step, and are found once.
@@ -129,7 +104,7 @@ class Sets:
             self._missing[one.id] = ([], False) if self.value(one) == TRUE else self._lacking(one)
         return self._missing[one.id]
 
-    def _lacking(self, one: Guarantee) -> Tuple[List[Group], bool]:
+    def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
         true = self._true
         left = [tuple([name for name in path if name not in true]) for path in one.paths]
         return _minimal(left), False
@@ -139,12 +114,12 @@ class Sets:
         first, *others = self._true_paths(one)
         return tuple(sorted(set(first).intersection(*others)))
 
-    def loss_sets(self, one: Guarantee) -> Tuple[List[Group], bool]:
+    def loss_sets(self, one: Guarantee) -> tuple[list[Group], bool]:
         """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated".
 
         Each takes an input from every set that gives the guarantee now.
         """
-        cuts: List[Group] = [()]
+        cuts: list[Group] = [()]
         truncated = False
         for path in self._true_paths(one):
             grown = [tuple(sorted({*cut, name})) for cut in cuts for name in path]
@@ -155,24 +130,22 @@ class Sets:
 
     def granting(self, one: Guarantee) -> Group:
         """Return the TRUE inputs that a guarantee can rest on."""
-        return tuple(
-            sorted(name for name in self._true if any(name in path for path in one.paths))
-        )
+        return tuple(sorted(self._true.intersection(name for path in one.paths for name in path)))
 
-    def blocking(self, one: Guarantee) -> FrozenSet[str]:
+    def blocking(self, one: Guarantee) -> frozenset[str]:
         """Return the inputs that keep a guarantee from being TRUE."""
         return frozenset(name for group in self.missing(one)[0] for name in group)
 
-    def _true_paths(self, one: Guarantee) -> List[Group]:
+    def _true_paths(self, one: Guarantee) -> list[Group]:
         return [path for path in one.paths if self._true.issuperset(path)]
 
 
-def _minimal(groups: List[Group], most: int = 0) -> List[Group]:
+def _minimal(groups: list[Group], most: int = 0) -> list[Group]:
     """Return the groups that contain no other one, by size, then by ids; 0: however many."""
     if len(groups) < 2:
         return groups
-    kept: List[Group] = []
-    inside: List[FrozenSet[str]] = []
+    kept: list[Group] = []
+    inside: list[frozenset[str]] = []
     for group in sorted(set(groups), key=lambda one: (len(one), one)):
         names = frozenset(group)
         if not any(map(names.issuperset, inside)):

@@ -6,23 +6,18 @@ A filter is a state and ``apply``: the truth values of all leaves in this step -
 from __future__ import annotations
 
 from collections import deque
-from typing import Deque, Sequence, Tuple
+from typing import Sequence
 
 from .values import FALSE, TRUE, UNKNOWN
 
 
 class LeafFilter:
-    """State of a filter over all leaves.
+    """State of a filter over all leaves."""
 
-    Attributes:
-        accepts: the acceptance that it is, because a loss is late; empty for none.
-        values: what ``apply`` returned last; UNKNOWN before the first step.
-    """
+    accepts = ""  # the acceptance that it is, because a loss is late; empty for none
+    values: tuple[int, ...]  # what ``apply`` returned last; UNKNOWN before the first step
 
-    accepts = ""
-    values: Tuple[int, ...]
-
-    def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
+    def apply(self, raw: Sequence[int]) -> tuple[int, ...]:
         """Take one sample of each leaf and return the filtered values."""
         raise NotImplementedError
 
@@ -47,13 +42,11 @@ class Debounce(LeafFilter):
         self.reset(0)
 
     def reset(self, leaves: int) -> None:
-        """Forget all samples; ``leaves`` are filtered from now on."""
         super().reset(leaves)
         self._in_a_row = [0] * leaves
         self._held = [UNKNOWN] * leaves
 
-    def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
-        """Take one sample of each leaf and return the filtered values."""
+    def apply(self, raw: Sequence[int]) -> tuple[int, ...]:
         in_a_row, held, needed = self._in_a_row, self._held, self.needed
         for k, value in enumerate(raw):
             if value != TRUE:
@@ -67,7 +60,6 @@ class Debounce(LeafFilter):
         return self.values
 
     def waiting(self, leaf: int) -> str:
-        """Return why a leaf whose raw value is TRUE is not TRUE yet, for people."""
         return f"debouncing, {self._in_a_row[leaf]} of {self.needed} good samples"
 
 
@@ -84,14 +76,12 @@ class Majority(LeafFilter):
         self.reset(0)
 
     def reset(self, leaves: int) -> None:
-        """Forget all samples; ``leaves`` are filtered from now on."""
         super().reset(leaves)
-        self._samples: Deque[Sequence[int]] = deque()
+        self._samples: deque[Sequence[int]] = deque()
         self._true = [0] * leaves
         self._not_false = [0] * leaves
 
-    def apply(self, raw: Sequence[int]) -> Tuple[int, ...]:
-        """Take one sample of each leaf and return the filtered values."""
+    def apply(self, raw: Sequence[int]) -> tuple[int, ...]:
         self._count(raw, 1)
         self._samples.append(raw)
         if len(self._samples) > self.window:
@@ -114,5 +104,4 @@ class Majority(LeafFilter):
                     true[k] += sign
 
     def waiting(self, leaf: int) -> str:
-        """Return why a leaf whose raw value is TRUE is not TRUE yet, for people."""
         return f"majority, {self._true[leaf]} of {len(self._samples)} samples good"

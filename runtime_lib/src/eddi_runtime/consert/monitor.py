@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Dict,
-    Iterable,
-    List,
-    Optional,
-    Sequence,
-    Tuple,
-    Union,
-    overload,
-)
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, Tuple, overload
 
 from ..compatibility import ModelError
-from ..inputs import InputSpec, accepted
-from ..monitor import Monitor, Standing, Tree
+from ..inputs import InputSpec, accepted, states_of
+from ..monitor import Field, Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
 from .explain import Explanation, Guarantee, Reason, Sets
-from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf, describe, judge
+from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .filters import LeafFilter
@@ -33,32 +22,22 @@ Nodes = Tuple[Tuple[str, str, Tuple[int, ...]], ...]
 class ConSert(Monitor[Rows]):
     """What the class ``Monitor`` of a compiled ConSert inherits.
 
-    Not thread-safe: the thread that steps it also asks it. Ids in the output of ``execute_step``
-    are those that ``guarantee_ids`` of the configuration asks for; everywhere else they are those
-    of the model.
-
-    Attributes, beside those of ``eddi_runtime.Monitor``:
-        leaves: how each of the inputs is judged.
-        guarantees: in file order.
-        graph: what their sets are searched in, where they are too many to be written down.
-        services: (id of a provided service, ids of its guarantees).
-        filter: of the truth values of the inputs, None for none.
-        raw: values of the inputs in the last step, ``Absent`` where one could not be read.
-        source: the object they were read from.
+    Ids in the output of ``execute_step`` are those that ``guarantee_ids`` of the configuration
+    asks for; everywhere else they are those of the model.
     """
 
     kind = "consert"
-    leaves: Tuple[Leaf, ...]
-    guarantees: Tuple[Guarantee, ...]
-    graph: Optional[Graph] = None
+    leaves: tuple[Leaf, ...]  # how each of the inputs is judged
+    guarantees: tuple[Guarantee, ...]  # in file order
+    graph: Graph | None = None  # where the sets of a guarantee are too many to be written down
     nodes: Nodes = ()  # of format 2
-    services: Tuple[Tuple[str, Tuple[str, ...]], ...] = ()
-    raw: Sequence[object]
-    source: object
-    _found: Optional[Sets]
+    services: tuple[tuple[str, tuple[str, ...]], ...] = ()  # each with ids of its guarantees
+    raw: Sequence[object]  # of the last step, ``Absent`` where an input could not be read
+    source: object  # that it was read from
+    _found: Sets | None
 
-    def __init__(self, leaf_filter: Optional[LeafFilter] = None) -> None:
-        self.filter = leaf_filter
+    def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
+        self.filter = leaf_filter  # of the truth values of the inputs
         if self.nodes:
             self.graph = _graph_of(self.inputs, self.nodes)
         self.guarantee_ids = tuple(one.id for one in self.guarantees)
@@ -68,7 +47,7 @@ class ConSert(Monitor[Rows]):
         self._named.update(zip(self.guarantee_ids, self.guarantees))
         self.reset()
 
-    def step(self, source: object) -> Tuple[bool, ...]:
+    def step(self, source: object) -> tuple[bool, ...]:
         """Evaluate once: active flags in file order; never raises.
 
         Compiled monitors write this out, but for models that are too large for a text.
@@ -80,15 +59,15 @@ class ConSert(Monitor[Rows]):
         sets = self._sets_of(values)
         return tuple([sets.value(one) == TRUE for one in self.guarantees])
 
-    def read(self, source: object) -> Tuple[object, ...]:
+    def read(self, source: object) -> tuple[object, ...]:
         """Return the value of each input, ``Absent`` where it cannot be read; never raises."""
         return tuple([read(source, spec.attribute, spec.id) for spec in self.inputs])
 
     def judge(self, leaf: int, raw: object) -> int:
         """Return the truth value of a raw value."""
-        return judge(self.leaves[leaf], raw)[0]
+        return self.leaves[leaf].judge(raw)[0]
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
         """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
 
         Reads one attribute per input. Absent, None, NaN and whatever is no value for the input
@@ -97,20 +76,20 @@ class ConSert(Monitor[Rows]):
         flags = self.step(eddi_input)
         return [{"id": one, "active": flag} for one, flag in zip(self.published_ids, flags)]
 
-    def series(self, output: Rows) -> Dict[str, Union[bool, float, str, None]]:
+    def series(self, output: Rows) -> dict[str, bool | float | str | None]:
         """Return guarantee id -> is it active."""
         return {str(row["id"]): row["active"] is True for row in output}
 
-    def verdicts(self) -> Dict[str, str]:
+    def verdicts(self) -> dict[str, str]:
         """Return guarantee id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step."""
         sets = self._sets()
         return {one.id: NAMES[sets.value(one)] for one in self.guarantees}
 
-    def input_verdicts(self) -> Dict[str, str]:
+    def input_verdicts(self) -> dict[str, str]:
         """Return input id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step, filtered."""
         return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self._leaf_values())}
 
-    def best_guarantees(self) -> Dict[str, Optional[str]]:
+    def best_guarantees(self) -> dict[str, str | None]:
         """Return provided service id -> its best active guarantee, ``None`` when none is active.
 
         The lowest ``ranking`` is best, then guarantees without one, in file order; a default
@@ -127,19 +106,17 @@ class ConSert(Monitor[Rows]):
     @overload
     def explain(
         self, guarantee_id: None = None, *, loss_sets: bool = False
-    ) -> Tuple[Explanation, ...]: ...
+    ) -> tuple[Explanation, ...]: ...
 
     @overload
     def explain(self, guarantee_id: str, *, loss_sets: bool = False) -> Explanation: ...
 
     def explain(
-        self, guarantee_id: Optional[str] = None, *, loss_sets: bool = False
-    ) -> Union[Explanation, Tuple[Explanation, ...]]:
-        """Return why a guarantee is active or not after the last step.
+        self, guarantee_id: str | None = None, *, loss_sets: bool = False
+    ) -> Explanation | tuple[Explanation, ...]:
+        """Return why a guarantee, by either of its ids, is active or not; None: all of them.
 
-        Args:
-            guarantee_id: as in the model or as published; None: all of them, in file order.
-            loss_sets: find also the sets of several inputs whose loss ends an active guarantee.
+        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee.
 
         Raises:
             LookupError: there is no such guarantee; the message names those there are.
@@ -155,7 +132,7 @@ class ConSert(Monitor[Rows]):
         return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
 
     def _explain(
-        self, one: Guarantee, sets: Sets, reasons: Dict[str, Reason], *, loss_sets: bool
+        self, one: Guarantee, sets: Sets, reasons: dict[str, Reason], *, loss_sets: bool
     ) -> Explanation:
         value, (missing, truncated) = sets.value(one), sets.missing(one)
         active = value == TRUE
@@ -172,26 +149,20 @@ class ConSert(Monitor[Rows]):
             robots=self._robots(one),
         )
 
-    def robots(self, guarantee_id: str) -> Tuple[str, ...]:
-        """Return the other robots on whose words a guarantee may rest after the last step.
-
-        Args:
-            guarantee_id: as published.
-
-        Raises:
-            LookupError: there is no such guarantee.
-        """
+    def robots(self, guarantee_id: str) -> tuple[str, ...]:
+        """Return the other robots on whose words a guarantee may rest after the last step."""
         found = self._robots(self._named[guarantee_id]).values()
         return tuple(sorted({robot for robots in found for robot in robots}))
 
-    def _robots(self, one: Guarantee) -> Dict[str, Tuple[str, ...]]:
+    def _robots(self, one: Guarantee) -> dict[str, tuple[str, ...]]:
         """Return each input of a guarantee that is TRUE by words of other robots, with these."""
-        words = _words(self.source)
+        states = states_of(self.source).items()
+        words = {name: state.robots for name, state in states if state.robots}
         if not words:  # as for most robots: nothing is to be found out
             return {}
         return {name: words[name] for name in self._sets().granting(one) if name in words}
 
-    def reasons(self) -> Dict[str, Reason]:
+    def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
         found = {}
         for k, ((value, why), filtered) in enumerate(zip(self._judgements(), self._leaf_values())):
@@ -199,7 +170,7 @@ class ConSert(Monitor[Rows]):
                 found[self.inputs[k].id] = self._reason(k, value, why)
         return found
 
-    def standings(self) -> Tuple[Standing, ...]:
+    def standings(self) -> tuple[Standing, ...]:
         """Return every guarantee after the last step, and for an inactive one what it lacks.
 
         What is not known comes before what is known to be FALSE: where a guarantee is UNKNOWN,
@@ -216,7 +187,7 @@ class ConSert(Monitor[Rows]):
             found.append(Standing("guarantee", one.id, active, lacks, reason))
         return tuple(found)
 
-    def accepted(self) -> Tuple[str, ...]:
+    def accepted(self) -> tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         found = accepted(self.inputs, self.source)
         if self.filter is None or not self.filter.accepts:
@@ -225,15 +196,11 @@ class ConSert(Monitor[Rows]):
         held = (spec.id for spec, value, (now, _) in rows if value == TRUE and now != TRUE)
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return input id -> inactive guarantees that depend on it, for inputs not known now.
 
-        Not known: missing, stale, NaN, or a value of a wrong type. An input that is well known to
-        be FALSE is not listed: nothing is wrong with it.
-
-        Args:
-            not_known: inputs that count as not known even when they hold FALSE, such as one that
-                still has its default because no message has come.
+        Not known: missing, stale, NaN, of a wrong type, or named in ``not_known``. An input that
+        is well known to be FALSE is not listed: nothing is wrong with it.
         """
         named = set(not_known)
         unknown = [
@@ -246,10 +213,10 @@ class ConSert(Monitor[Rows]):
         found = {name: tuple(id_ for id_, by in blocking if name in by) for name in unknown}
         return {name: ids for name, ids in found.items() if ids}
 
-    def faults(self) -> Dict[str, str]:
+    def faults(self) -> dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
         return {
-            self.inputs[k].id: describe(self.leaves[k], self.raw[k], FAULT)
+            self.inputs[k].id: self.leaves[k].describe(self.raw[k], FAULT)
             for k, (_, why) in enumerate(self._judgements())
             if why == FAULT
         }
@@ -260,7 +227,7 @@ class ConSert(Monitor[Rows]):
         Only a bool is taken as active: a row that a person's code has spoilt is published as not
         active, and ``output_faults`` reports it.
         """
-        faults: List[str] = []
+        faults: list[str] = []
         rows: Sequence[object]
         if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
             rows = output
@@ -274,13 +241,12 @@ class ConSert(Monitor[Rows]):
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
         sets = self._sets()
-        rows: List[Tree] = []
+        rows: list[Tree] = []
         for one in self.guarantees:
-            verdict, (groups, _) = sets.value(one), sets.missing(one)
-            missing = list(groups[0]) if groups else []
-            rows.append(
-                ("GuaranteeStatus", {"id": one.id, "verdict": verdict, "missing": missing})
-            )
+            groups, _ = sets.missing(one)
+            missing = [*groups[0]] if groups else []
+            row: dict[str, Field] = {"id": one.id, "verdict": sets.value(one), "missing": missing}
+            rows.append(("GuaranteeStatus", row))
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,
@@ -297,8 +263,8 @@ class ConSert(Monitor[Rows]):
         self._output_faults = ()
         self._found = None
 
-    def _judgements(self) -> List[Judgement]:
-        return [judge(leaf, raw) for leaf, raw in zip(self.leaves, self.raw)]
+    def _judgements(self) -> list[Judgement]:
+        return [leaf.judge(raw) for leaf, raw in zip(self.leaves, self.raw)]
 
     def _leaf_values(self) -> Sequence[int]:
         if self.filter is not None:
@@ -321,11 +287,10 @@ class ConSert(Monitor[Rows]):
         raw = self.raw[leaf]
         if value == TRUE and self.filter is not None:
             return Reason("debouncing", self.filter.waiting(leaf))
-        if why == MISSING:
-            state = _state(self.source, self.inputs[leaf].id)
-            if state is not None:
-                return state
-        return Reason(why, describe(self.leaves[leaf], raw, why))
+        state = states_of(self.source).get(self.inputs[leaf].id) if why == MISSING else None
+        if state is not None and state.state != "ok":
+            return Reason(state.state, state.reason)
+        return Reason(why, self.leaves[leaf].describe(raw, why))
 
 
 def _graph_of(inputs: Sequence[InputSpec], nodes: Nodes) -> Graph:
@@ -338,27 +303,7 @@ def _graph_of(inputs: Sequence[InputSpec], nodes: Nodes) -> Graph:
     return Graph(inputs, nodes)
 
 
-def _state(source: object, input_id: str) -> Optional[Reason]:
-    """Return the reason of ``EDDIInputBase`` for an input without a value, if any."""
-    try:
-        found = getattr(source, "states", {}).get(input_id)
-        if found is None or found.state == "ok":
-            return None
-        return Reason(str(found.state), str(found.reason))
-    except Exception:  # noqa: BLE001 - any object may be given as input
-        return None
-
-
-def _words(source: object) -> Dict[str, Tuple[str, ...]]:
-    """Return each input that rests on words of other robots, with these, by ``EDDIInputBase``."""
-    try:
-        states = getattr(source, "states", {})
-        return {name: state.robots for name, state in states.items() if state.robots}
-    except Exception:  # noqa: BLE001 - any object may be given as input
-        return {}
-
-
-def _row_tree(row: Any, faults: List[str]) -> Optional[Tree]:
+def _row_tree(row: Any, faults: list[str]) -> Tree | None:
     try:
         name, active = plain(row["id"]), plain(row["active"])
     except Exception:  # noqa: BLE001 - a person's code may have put anything there

@@ -7,7 +7,7 @@ sets that are kept as the bits of whole numbers, of each gate the smallest.
 
 from __future__ import annotations
 
-from typing import Dict, FrozenSet, List, NamedTuple, Sequence, Tuple
+from typing import NamedTuple, Sequence
 
 from ..inputs import InputSpec
 from .explain import MAX_SETS, Group, Guarantee, Sets
@@ -20,15 +20,10 @@ _FEW_SETS = 4
 
 
 class Node(NamedTuple):
-    """An And or Or over other nodes; without inputs an And is TRUE and an Or is FALSE.
+    """An And or Or over other nodes; without inputs an And is TRUE and an Or is FALSE."""
 
-    Attributes:
-        is_and: And, else Or. A guarantee is an And.
-        inputs: numbers of the nodes it reads, in edge order.
-    """
-
-    is_and: bool
-    inputs: Tuple[int, ...]
+    is_and: bool  # And, else Or. A guarantee is an And.
+    inputs: tuple[int, ...]  # numbers of the nodes it reads, in edge order
 
 
 class Graph:
@@ -41,25 +36,21 @@ class Graph:
         inputs: of the monitor.
         nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
             comes first.
-
-    Attributes:
-        names: ids of the leaves.
-        leaves: how many of the nodes are leaves.
-        nodes: gates and guarantees in topological order; node ``k`` has number ``leaves + k``.
-        by_bit: leaves by the number of their bit.
-        position: leaf -> number of its bit.
     """
 
     def __init__(
-        self, inputs: Sequence[InputSpec], nodes: Sequence[Tuple[str, str, Tuple[int, ...]]]
+        self, inputs: Sequence[InputSpec], nodes: Sequence[tuple[str, str, tuple[int, ...]]]
     ) -> None:
-        self.names = tuple(spec.id for spec in inputs)
-        self.leaves = len(inputs)
+        self.names = tuple(spec.id for spec in inputs)  # ids of the leaves
+        self.leaves = len(inputs)  # how many of the nodes are leaves
+        # gates and guarantees in topological order; node ``k`` has number ``leaves + k``
         self.nodes = tuple(Node(gate == "And", read) for _, gate, read in nodes)
+        # leaves by the number of their bit
         self.by_bit = sorted(range(self.leaves), key=lambda k: self.names[k])[::-1]
+        # leaf -> number of its bit
         self.position = {k: position for position, k in enumerate(self.by_bit)}
 
-    def evaluate(self, leaf_values: Sequence[int]) -> List[int]:
+    def evaluate(self, leaf_values: Sequence[int]) -> list[int]:
         """Return the truth value of every node by number, from those of the leaves."""
         values = list(leaf_values)
         for is_and, inputs in self.nodes:
@@ -77,7 +68,7 @@ class Graph:
 class _Family(NamedTuple):
     """Minimal sets of leaves: (size, bits) by size, then by ids."""
 
-    sets: Tuple[Tuple[int, int], ...]
+    sets: tuple[tuple[int, int], ...]
     truncated: bool
 
 
@@ -99,14 +90,12 @@ class Search(Sets):
         self._values = graph.evaluate(leaf_values)
 
     def value(self, one: Guarantee) -> int:
-        """Return the truth value of a guarantee."""
         return self._values[one.node]
 
-    def _lacking(self, one: Guarantee) -> Tuple[List[Group], bool]:
+    def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
         return self._named(self._mocus(one.node, paths=True))
 
-    def loss_sets(self, one: Guarantee) -> Tuple[List[Group], bool]:
-        """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated"."""
+    def loss_sets(self, one: Guarantee) -> tuple[list[Group], bool]:
         return self._named(self._mocus(one.node, paths=False))
 
     def single_losses(self, one: Guarantee) -> Group:
@@ -115,7 +104,7 @@ class Search(Sets):
         Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that
         all of its TRUE inputs fall with.
         """
-        critical: Dict[int, int] = {}
+        critical: dict[int, int] = {}
         for k in self._gates_below(one.node):
             if self._values[k] != TRUE:
                 continue
@@ -128,7 +117,7 @@ class Search(Sets):
             critical[k] = bits
         return self._ids(critical.get(one.node, 0))
 
-    def blocking(self, one: Guarantee) -> FrozenSet[str]:
+    def blocking(self, one: Guarantee) -> frozenset[str]:
         """Return the inputs that are reached from the guarantee through nodes not TRUE."""
         found, seen, stack = [], {one.node}, [one.node]
         while stack:
@@ -145,7 +134,6 @@ class Search(Sets):
         return frozenset(found)
 
     def granting(self, one: Guarantee) -> Group:
-        """Return the TRUE inputs that a guarantee can rest on."""
         nodes = (self._graph.nodes[k - self._graph.leaves] for k in self._gates_below(one.node))
         below = sorted({k for _, inputs in nodes for k in inputs if k < self._graph.leaves})
         return tuple(self._graph.names[k] for k in below if self._values[k] == TRUE)
@@ -154,7 +142,7 @@ class Search(Sets):
         # made when needed: with 100,000 leaves each has 12 kB
         return 1 << self._graph.position[leaf]
 
-    def _gates_below(self, node: int) -> List[int]:
+    def _gates_below(self, node: int) -> list[int]:
         """Return the node and the gates that it depends on; inputs come before their users."""
         seen, stack = {node}, [node]
         while stack:
@@ -173,7 +161,7 @@ class Search(Sets):
         gates = self._gates_below(node)
         users = self._users(gates)
         work = _Work()
-        families: Dict[int, _Family] = {}
+        families: dict[int, _Family] = {}
         for k in gates:
             is_and, inputs = self._graph.nodes[k - self._graph.leaves]
             family = _ALREADY if is_and == paths else _IMPOSSIBLE
@@ -193,15 +181,15 @@ class Search(Sets):
                     families.pop(one, None)
         return families[node]
 
-    def _users(self, gates: List[int]) -> Dict[int, int]:
+    def _users(self, gates: list[int]) -> dict[int, int]:
         """Return how often each node is an input of one of the gates."""
-        users: Dict[int, int] = {}
+        users: dict[int, int] = {}
         for k in gates:
             for one in self._graph.nodes[k - self._graph.leaves].inputs:
                 users[one] = users.get(one, 0) + 1
         return users
 
-    def _named(self, family: _Family) -> Tuple[List[Group], bool]:
+    def _named(self, family: _Family) -> tuple[list[Group], bool]:
         return [self._ids(bits) for _, bits in family.sets], family.truncated
 
     def _ids(self, bits: int) -> Group:
@@ -242,11 +230,11 @@ class _Work:
         unions = {first | second for _, first in one.sets for _, second in other.sets}
         return self._minimal([(_size(bits), bits) for bits in unions], truncated=truncated)
 
-    def _minimal(self, sets: List[Tuple[int, int]], *, truncated: bool) -> _Family:
+    def _minimal(self, sets: list[tuple[int, int]], *, truncated: bool) -> _Family:
         """Return the smallest sets without those that contain another one (absorption)."""
         limit = MAX_SETS if self._done <= _BUDGET else _FEW_SETS
-        kept: List[Tuple[int, int]] = []
-        smaller: List[int] = []  # only a smaller set can be inside; equal ones are equal
+        kept: list[tuple[int, int]] = []
+        smaller: list[int] = []  # only a smaller set can be inside; equal ones are equal
         size_now = 0
         for size, bits in sorted(sets, key=lambda one: (one[0], -one[1])):
             if kept and kept[-1][1] == bits:  # cheaper than a set: hashing reads all bits

@@ -7,7 +7,7 @@ exact types only and everything else is UNKNOWN.
 
 from __future__ import annotations
 
-from typing import Sequence, Tuple, Union
+from typing import Sequence, Tuple
 
 from ..plain_values import ABSENT, Absent, plain, show
 
@@ -20,114 +20,90 @@ GOOD, NOT_COVERED, MISSING, NAN, FAULT = "good", "false", "missing", "nan", "fau
 Judgement = Tuple[int, str]
 """(truth value, why)."""
 
-
 Range = Tuple[float, float, bool]
 """(smallest double inside, the other end, does that lie inside), in the unit of the input."""
 
 
-class Binary:
+class Leaf:
+    """How the value of an input is judged."""
+
+    expected = ""  # what it accepts, for people
+    covered_text = ""  # what of that is TRUE, as in the model
+
+    def judge(self, raw: object) -> Judgement:
+        """Return the truth value of a raw input value and why; never raises.
+
+        None, absent and NaN are UNKNOWN; a value of another type than the leaf expects is UNKNOWN
+        and a fault. Subclasses of the expected types and numpy scalars count by their plain value.
+        """
+        if raw is None or raw is ABSENT:
+            return UNKNOWN, MISSING
+        try:
+            value = plain(raw)
+            if isinstance(value, float) and value != value:  # noqa: PLR0124 - the test for NaN
+                return UNKNOWN, NAN
+            covered = self._covers(value)
+        except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, it is no evidence
+            covered = None
+        if covered is None:
+            return UNKNOWN, FAULT
+        return (TRUE, GOOD) if covered else (FALSE, NOT_COVERED)
+
+    def _covers(self, value: object) -> bool | None:
+        """Return whether a value of an exact Python type is covered, None for another type."""
+        raise NotImplementedError
+
+    def describe(self, raw: object, why: str) -> str:
+        """Return one line for people on why the leaf is not TRUE."""
+        if why == MISSING:
+            return "no value"
+        if why == NAN:
+            return "the value is NaN"
+        if why == FAULT:
+            problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
+            return problem or f"expected {self.expected}, got {show(raw)}"
+        if not self.covered_text:
+            return "the value is False"
+        text = self.covered_text
+        short = text if len(text) <= 200 else f"{text[:197]}..."
+        return f"the value {show(raw)} is not in {short}"
+
+
+class Binary(Leaf):
     """A leaf with the value True or False: binary evidence, or any demand."""
 
-    def judge_plain(self, value: object) -> Judgement:
-        """Judge a value of an exact Python type; see ``judge``."""
-        if isinstance(value, bool):
-            return (TRUE, GOOD) if value else (FALSE, NOT_COVERED)
-        return UNKNOWN, FAULT
+    expected = "True or False"
 
-    def why_false(self, value: object) -> str:
-        """Return why a value that the leaf accepts is FALSE, for people."""
-        return "the value is False"
-
-    def expectation(self) -> str:
-        """Return what the leaf accepts, for people."""
-        return "True or False"
+    def _covers(self, value: object) -> bool | None:
+        return value if isinstance(value, bool) else None
 
 
-class Categorical:
+class Categorical(Leaf):
     """A leaf with a text as value, which should be among the covered ones."""
+
+    expected = "a text"
 
     def __init__(self, *covered: str) -> None:
         self.covered = frozenset(covered)
-        self._text = "{" + ", ".join(covered) + "}"
+        self.covered_text = "{" + ", ".join(covered) + "}"
 
-    def judge_plain(self, value: object) -> Judgement:
-        """Judge a value of an exact Python type; see ``judge``."""
-        if isinstance(value, str):
-            return (TRUE, GOOD) if value in self.covered else (FALSE, NOT_COVERED)
-        return UNKNOWN, FAULT
-
-    def why_false(self, value: object) -> str:
-        """Return why a value that the leaf accepts is FALSE, for people."""
-        return _not_in(value, self._text)
-
-    def expectation(self) -> str:
-        """Return what the leaf accepts, for people."""
-        return "a text"
+    def _covers(self, value: object) -> bool | None:
+        return value in self.covered if isinstance(value, str) else None
 
 
-class Numeric:
-    """A leaf with a number as value, which should lie in one of the ranges.
+class Numeric(Leaf):
+    """A leaf with a number as value, which should lie in a range; the text shows the ranges."""
 
-    Args:
-        ranges: in the unit of the input (a factor is already in the bounds).
-        text: the ranges as in the model, for people.
-    """
+    expected = "a number"
 
     def __init__(self, ranges: Sequence[Range], text: str) -> None:
         self.ranges = ranges
-        self._text = text
+        self.covered_text = text
 
-    def judge_plain(self, value: object) -> Judgement:
-        """Judge a value of an exact Python type; see ``judge``."""
+    def _covers(self, value: object) -> bool | None:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            return UNKNOWN, FAULT
-        inside = any(
+            return None
+        return any(
             start <= value and (value <= end if closed else value < end)
             for start, end, closed in self.ranges
         )
-        return (TRUE, GOOD) if inside else (FALSE, NOT_COVERED)
-
-    def why_false(self, value: object) -> str:
-        """Return why a value that the leaf accepts is FALSE, for people."""
-        return _not_in(value, self._text)
-
-    def expectation(self) -> str:
-        """Return what the leaf accepts, for people."""
-        return "a number"
-
-
-Leaf = Union[Binary, Categorical, Numeric]
-
-
-def judge(leaf: Leaf, raw: object) -> Judgement:
-    """Return the truth value of a raw input value and why; never raises.
-
-    None, absent and NaN are UNKNOWN; a value of another type than the leaf expects is UNKNOWN and
-    a fault. Subclasses of the expected types and numpy scalars count by their plain value.
-    """
-    if raw is None or raw is ABSENT:
-        return UNKNOWN, MISSING
-    try:
-        value = plain(raw)
-        if isinstance(value, float) and value != value:  # noqa: PLR0124 - the test for NaN
-            return UNKNOWN, NAN
-        return leaf.judge_plain(value)
-    except Exception:  # noqa: BLE001 - a hostile object: whatever it raises, it is no evidence
-        return UNKNOWN, FAULT
-
-
-def describe(leaf: Leaf, raw: object, why: str) -> str:
-    """Return one line for people on why the leaf is not TRUE."""
-    if why == MISSING:
-        return "no value"
-    if why == NAN:
-        return "the value is NaN"
-    if why == FAULT:
-        problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
-        return problem or f"expected {leaf.expectation()}, got {show(raw)}"
-    return leaf.why_false(raw)
-
-
-def _not_in(value: object, covered: str) -> str:
-    short = covered if len(covered) <= 200 else f"{covered[:197]}..."
-    return f"the value {show(value)} is not in {short}"

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Union
 
 from ..clock import step_time
 from ..expressions.conditions import Conditions, Value, reduced, scaled, stamp
 from ..inputs import accepted
 from ..monitor import Monitor, Standing, Tree
-from ..plain_values import Absent, plain, read, show
+from ..plain_values import Absent, is_nan, plain, read, show
 
 Rows = List[Dict[str, Any]]
 Verdicts = Dict[str, Union[bool, float, str, None]]
@@ -19,62 +19,46 @@ _WANTED = {"number": "a number", "bool": "True or False", "text": "a text", "lis
 
 
 class Event(NamedTuple):
-    """One event.
+    """One event."""
 
-    Attributes:
-        id: as in the model.
-        hazard: UNKNOWN counts as active.
-        needs: numbers of the inputs that it depends on.
-        accepts: the words by which its text accepts silence.
-    """
-
-    id: str
-    hazard: bool
-    needs: Tuple[int, ...]
-    accepts: Tuple[str, ...] = ()
+    id: str  # as in the model
+    hazard: bool  # UNKNOWN counts as active
+    needs: tuple[int, ...]  # numbers of the inputs that it depends on
+    accepts: tuple[str, ...] = ()  # the words by which its text accepts silence
 
 
 class EventMonitor(Conditions, Monitor[Rows]):
     """What the class ``Monitor`` of compiled events inherits.
 
     Not thread-safe: the thread that steps it also asks it.
-
-    Attributes, beside those of ``eddi_runtime.Monitor``:
-        types: of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or
-            empty where no event reads it.
-        limits: of each input that is a number its RANGE, and whether there is ALLOW INF; empty in
-            packages of older releases.
-        events: in file order.
-        reductions: for each reduction of a list the number of its first input.
-        raw: values of the inputs in the last step, None where there is none.
-        step: evaluates once at a time: 0, 1 or 2 for each event; compiled monitors have it.
     """
 
     kind = "event"
-    types: Tuple[Union[str, Tuple[str, ...]], ...]
-    limits: Tuple[Optional[Tuple[float, float, bool]], ...] = ()
-    events: Tuple[Event, ...]
-    reductions: Tuple[int, ...] = ()
-    raw: Tuple[object, ...]
-    step: Callable[[object, int], Tuple[Value, ...]]
+    # of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or empty where
+    # no event reads it
+    types: tuple[str | tuple[str, ...], ...]
+    # of each input that is a number its RANGE, and whether there is ALLOW INF; empty in packages
+    # of older releases
+    limits: tuple[tuple[float, float, bool] | None, ...] = ()
+    events: tuple[Event, ...]  # in file order
+    reductions: tuple[int, ...] = ()  # for each reduction of a list the number of its first input
+    raw: tuple[object, ...]  # values of the inputs in the last step, None where there is none
+    # evaluates once at a time: 0, 1 or 2 for each event; compiled monitors have it
+    step: Callable[[object, int], tuple[Value, ...]]
     _source: Any
-    _unknown: Tuple[Value, ...]
-    _verdicts: Tuple[Value, ...]
-    _reasons: List[str]
+    _unknown: tuple[Value, ...]
+    _verdicts: tuple[Value, ...]
+    _reasons: list[str]
 
     def __init__(self) -> None:
         self.reset()
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> Rows:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
         """Evaluate once; never raises an Exception.
 
         Reads one attribute per input. Absent, None, NaN and whatever is no value for the variable
-        is UNKNOWN. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE.
-
-        Args:
-            eddi_input: holds one attribute per input; its ``states`` hold the age of each.
-            t_ns: time in nanoseconds; None: the machine's monotonic clock. What is no whole number
-                is no time: all events are UNKNOWN in this step, which the windows do not see.
+        is UNKNOWN. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE. A time that is no
+        whole number is none: all events are UNKNOWN in this step, which the windows do not see.
 
         Returns:
             A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
@@ -103,7 +87,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
             for one, value, last in zip(self.events, now, before)
         ]
 
-    def read(self, source: object) -> Tuple[object, ...]:
+    def read(self, source: object) -> tuple[object, ...]:
         """Return the value of each input, None where it cannot be read; never raises."""
         found = []
         for spec in self.inputs:
@@ -112,9 +96,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
             found.append(value if spec.factor is None else scaled(value, *spec.factor))
         return tuple(found)
 
-    def reduce(
-        self, number: int, function: Callable[..., Union[float, bool]], *raws: object
-    ) -> object:
+    def reduce(self, number: int, function: Callable[..., float | bool], *raws: object) -> object:
         """Return a reduction of lists, and keep why it is not known."""
         value, self._reasons[number] = reduced(function, raws)
         return value
@@ -130,10 +112,10 @@ class EventMonitor(Conditions, Monitor[Rows]):
         """Return event id -> verdict, None for UNKNOWN."""
         return {str(row["id"]): row["verdict"] for row in output}
 
-    def message(self, output: object) -> List[Tree]:
+    def message(self, output: object) -> list[Tree]:
         """Return an output as ``EventOutput`` trees without header; never raises."""
-        faults: List[str] = []
-        trees: List[Optional[Tree]] = []
+        faults: list[str] = []
+        trees: list[Tree | None] = []
         if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
             accepts = self._accepted()
             trees = [_row_tree(row, accepts, faults) for row in output]
@@ -142,9 +124,9 @@ class EventMonitor(Conditions, Monitor[Rows]):
         self._output_faults = tuple(faults)
         return [tree for tree in trees if tree is not None]
 
-    def standings(self) -> List[Standing]:
+    def standings(self) -> list[Standing]:
         """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
-        waits: Dict[str, List[Tuple[str, str]]] = {one.id: [] for one in self.events}
+        waits: dict[str, list[tuple[str, str]]] = {one.id: [] for one in self.events}
         for one, events in self.blocked().items():
             for name in events:
                 waits[name].append((one, "not known"))
@@ -159,38 +141,34 @@ class EventMonitor(Conditions, Monitor[Rows]):
             for one, value in zip(self.events, self._verdicts)
         ]
 
-    def accepted(self) -> Tuple[str, ...]:
+    def accepted(self) -> tuple[str, ...]:
         """Return ``input: key`` for each acceptance that was in use in the last step."""
         return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
 
-    def _accepted(self) -> Dict[str, List[str]]:
+    def _accepted(self) -> dict[str, list[str]]:
         """Return event -> the acceptances in use that it may rest on.
 
         What the text of an event accepts is in use while the event claims something: an EVIDENCE
         that is TRUE, a HAZARD that is FALSE.
         """
-        found: Dict[str, List[str]] = {}
+        found: dict[str, list[str]] = {}
         for one, value in zip(self.events, self._verdicts):
             words = one.accepts if value == (0 if one.hazard else 2) else ()
             of_inputs = accepted([self.inputs[k] for k in one.needs], self._source)
             found[one.id] = [*of_inputs, *(f"{one.id}: {word}" for word in words)]
         return found
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, Tuple[str, ...]]:
-        """Return input id -> events that are UNKNOWN and depend on it, for inputs not known now.
-
-        Args:
-            not_known: inputs that count as not known whatever they hold.
-        """
+    def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
+        """Return input id -> events that are UNKNOWN and depend on it, if it is not known now."""
         unknown = set(not_known)
-        found: Dict[str, Tuple[str, ...]] = {}
+        found: dict[str, tuple[str, ...]] = {}
         for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
             events = tuple(
                 one.id
                 for one, value in zip(self.events, self._verdicts)
                 if value == 1 and k in one.needs
             )
-            if events and (spec.id in unknown or _is_unknown(raw) or self._fault(k)):
+            if events and (spec.id in unknown or raw is None or is_nan(raw) or self._fault(k)):
                 found[spec.id] = events
         return found
 
@@ -224,7 +202,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
         self._source = None
 
 
-def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
+def fault(kind: str | tuple[str, ...], raw: object) -> str:
     """Return what is wrong with a raw value of a type, empty when it is fine or simply missing."""
     if raw is None or kind == "":
         return ""
@@ -243,7 +221,7 @@ def fault(kind: Union[str, Tuple[str, ...]], raw: object) -> str:
     return f"expected {wanted}, got {show(raw)}"
 
 
-def _beyond(limits: Optional[Tuple[float, float, bool]], value: object) -> str:
+def _beyond(limits: tuple[float, float, bool] | None, value: object) -> str:
     if limits is None or not isinstance(value, (int, float)):
         return ""
     low, high, infinite = limits
@@ -254,12 +232,7 @@ def _beyond(limits: Optional[Tuple[float, float, bool]], value: object) -> str:
     return ""
 
 
-def _is_unknown(raw: object) -> bool:
-    value = plain(raw)
-    return raw is None or (type(value) is float and value != value)  # noqa: PLR0124 - NaN
-
-
-def _row_tree(row: Any, accepted: Mapping[str, List[str]], faults: List[str]) -> Optional[Tree]:
+def _row_tree(row: Any, accepted: Mapping[str, list[str]], faults: list[str]) -> Tree | None:
     try:
         name, verdict = plain(row["id"]), plain(row["verdict"])
         flags = {key: plain(row[key]) for key in ("active", "raised", "cleared")}

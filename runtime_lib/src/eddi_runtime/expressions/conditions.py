@@ -7,7 +7,7 @@ are the numbers of its literals, -1 is UNKNOWN.
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Sequence, Union
 
 from ..plain_values import plain
 
@@ -17,20 +17,14 @@ _FAR_NS = 2**64
 
 
 class Conditions:
-    """Represents conditions over time; a compiled class adds ``step`` and what it remembers.
+    """Represents conditions over time; a compiled class adds ``step`` and what it remembers."""
 
-    Attributes:
-        windows: of all functions.
-        last: time of the last step, None before the first. The same time again: the step is
-            ignored. An earlier one: the clock went back, all is forgotten first.
-        since: time of the first sample that the windows may hold.
-        outputs: of the last step.
-    """
-
-    windows: Tuple[Any, ...] = ()
-    last: Optional[int]
-    since: int
-    outputs: Tuple[object, ...]
+    windows: tuple[Any, ...] = ()  # of all functions
+    # time of the last step, None before the first. The same time again: the step is ignored. An
+    # earlier one: the clock went back, all is forgotten first.
+    last: int | None
+    since: int  # time of the first sample that the windows may hold
+    outputs: tuple[object, ...]  # of the last step
 
     def __init__(self) -> None:
         self.restart()
@@ -76,7 +70,7 @@ def scaled(raw: object, num: int, den: int) -> object:
         return None
 
 
-def stamp(t: int, age: Optional[float]) -> int:
+def stamp(t: int, age: float | None) -> int:
     """Return when a sample of an age was made; one whose age is not known counts as new.
 
     One that can be of any age lies in the future: behind no limit, and nothing is asked of it.
@@ -91,14 +85,9 @@ class Unknown(Exception):  # noqa: N818 - no error: a reason
 
 
 def reduced(
-    function: Callable[..., Union[float, bool]], raws: Sequence[object]
-) -> Tuple[Union[float, bool, None], str]:
-    """Return the value of a reduction, None for UNKNOWN, and why it is not known; never raises.
-
-    Args:
-        function: the compiled reduction.
-        raws: for each input the list or the number, None when it is not there.
-    """
+    function: Callable[..., float | bool], raws: Sequence[object]
+) -> tuple[float | bool | None, str]:
+    """Return the value of a reduction, None for UNKNOWN, and why it is not known; never raises."""
     try:
         return function(*raws), ""
     except Unknown as reason:

@@ -6,7 +6,7 @@ The window state lives here, so that a regenerated package and a hand-written re
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Iterator, Mapping, Sequence
 
 from ..access import Step, follow
 from ..plain_values import one_line
@@ -19,23 +19,16 @@ a value is no measurement."""
 
 
 class Expression(Conditions):
-    """Represents one input's expression; compiled classes inherit it. Not thread-safe.
+    """Represents one input's expression; compiled classes inherit it. Not thread-safe."""
 
-    Attributes:
-        type: ``bool``, ``float``, ``int`` or ``state``.
-        hazard: a ``bool`` that is UNKNOWN is True.
-        states: of a ``state``, each with a condition of its own.
-        names: first word of a variable -> ``message`` or ``input``, and its id.
-        reason: why a value could not be read in the last step, empty when all could be.
-        step: evaluates once and returns the value of each condition; compiled classes have it.
-    """
-
-    type: str
-    hazard = False
-    states: Tuple[str, ...] = ()
-    names: Mapping[str, Tuple[str, str]]
-    reason: str
-    step: Callable[[int, Mapping[str, object], Mapping[str, float]], Tuple[Value, ...]]
+    type: str  # ``bool``, ``float``, ``int`` or ``state``
+    hazard = False  # a ``bool`` that is UNKNOWN is True
+    states: tuple[str, ...] = ()  # of a ``state``, each with a condition of its own
+    # first word of a variable -> ``message`` or ``input``, and its id
+    names: Mapping[str, tuple[str, str]]
+    reason: str  # why a value could not be read in the last step, empty when all could be
+    # evaluates once and returns the value of each condition; compiled classes have it
+    step: Callable[[int, Mapping[str, object], Mapping[str, float]], tuple[Value, ...]]
 
     def __init__(self) -> None:
         self.reset()
@@ -43,24 +36,16 @@ class Expression(Conditions):
     def reset(self) -> None:
         """Forget everything of former steps."""
         self.reason = ""
-        self._reduced: Dict[int, Tuple[Any, Any]] = {}
+        self._reduced: dict[int, tuple[Any, Any]] = {}
         self.restart()
 
     def value(
-        self,
-        t: int,
-        messages: Mapping[str, object],
-        ages: Optional[Mapping[str, float]] = None,
-    ) -> Union[bool, float, int, str, None]:
+        self, t: int, messages: Mapping[str, object], ages: Mapping[str, float] | None = None
+    ) -> bool | float | int | str | None:
         """Evaluate once and return the input's value, None for UNKNOWN; never raises.
 
         A boolean HAZARD is True when UNKNOWN. A state is the one whose condition is TRUE while
         all others are FALSE.
-
-        Args:
-            t: time in nanoseconds.
-            messages: first word of a variable -> latest message or value; absent: none yet.
-            ages: the same -> seconds since it was received; absent: fresh.
         """
         self.reason = ""
         found = self.step(t, messages, {} if ages is None else ages)
@@ -97,20 +82,12 @@ class Expression(Conditions):
     def reduce(
         self,
         number: int,
-        function: Callable[..., Union[float, bool]],
+        function: Callable[..., float | bool],
         messages: Mapping[str, object],
         word: str,
         *fields: Sequence[object],
     ) -> object:
-        """Return a reduction of a message; that of the same message as before is not done anew.
-
-        Args:
-            number: of the reduction.
-            function: the compiled reduction.
-            messages: by name.
-            word: name of the message.
-            fields: for each argument its path, and its checks.
-        """
+        """Return a reduction of a message; that of the same message as before is not done anew."""
         message = messages.get(word)
         before, value = self._reduced.get(number, (None, None))
         if message is None or message is not before:
@@ -145,7 +122,7 @@ def _is_measurement(message: object, value: Any, check: Check) -> bool:
     return bool(math.isinf(value) or low <= value <= high)
 
 
-def gather(message: object, path: Sequence[Step]) -> List[object]:
+def gather(message: object, path: Sequence[Step]) -> list[object]:
     """Return all values at the end of a path with ``["*"]``, every element of a list.
 
     ``["*", first, last]`` is a part of a list, both ends included. An element that cannot be
@@ -167,8 +144,8 @@ def gather(message: object, path: Sequence[Step]) -> List[object]:
     return [follow(message, path)]
 
 
-def _part(items: Any, step: Sequence[Union[str, int]]) -> List[object]:
-    there: List[object] = items.tolist() if hasattr(items, "tolist") else list(items)
+def _part(items: Any, step: Sequence[str | int]) -> list[object]:
+    there: list[object] = items.tolist() if hasattr(items, "tolist") else list(items)
     if len(step) == 1:
         return there
     first, last = int(step[1]), int(step[2])

@@ -7,7 +7,7 @@ imports is copied into generated modules unchanged.
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Sequence
 
 from .conditions import Unknown
 
@@ -64,7 +64,7 @@ def root(x: float) -> float:
     return math.sqrt(x) if 0.0 <= x < math.inf else math.nan
 
 
-def column(raw: object, name: str, convert: Callable[[object], float] = number_of) -> List[float]:
+def column(raw: object, name: str, convert: Callable[[object], float] = number_of) -> list[float]:
     """Return a list as a column of floats or truth values.
 
     Raises:
@@ -82,21 +82,15 @@ def column(raw: object, name: str, convert: Callable[[object], float] = number_o
     return list(map(convert, items))
 
 
-def known(values: Sequence[float], *ranges: Tuple[float, float], infinite: bool) -> List[float]:
-    """Return a column with NaN for what does not count.
-
-    Args:
-        values: the column.
-        ranges: those that finite numbers must be in.
-        infinite: infinity counts.
-    """
+def known(values: Sequence[float], *ranges: tuple[float, float], infinite: bool) -> list[float]:
+    """Return a column with NaN for what does not count."""
     found = values if infinite else [x if x - x == 0.0 else math.nan for x in values]
     for low, high in ranges:
         found = [x if low <= x <= high or x - x != 0.0 else math.nan for x in found]
     return list(found)
 
 
-def limited(values: Sequence[float], low: float, high: float) -> List[float]:
+def limited(values: Sequence[float], low: float, high: float) -> list[float]:
     """Return a column with NaN for finite numbers outside of limits of its message.
 
     Raises:
@@ -107,9 +101,7 @@ def limited(values: Sequence[float], low: float, high: float) -> List[float]:
     return known(values, (low, high), infinite=True)
 
 
-def length_of(
-    columns: Sequence[Sequence[object]], wanted: Optional[Tuple[int, int]] = None
-) -> int:
+def length_of(columns: Sequence[Sequence[object]], wanted: tuple[int, int] | None = None) -> int:
     """Return how many elements parallel lists have.
 
     Raises:
@@ -126,7 +118,7 @@ def length_of(
 
 def sector(
     count: int, start: float, end: float, step: float, low: float, high: float
-) -> Tuple[int, int]:
+) -> tuple[int, int]:
     """Return the first element of a scan in the sector, and the one behind the last.
 
     Raises:
@@ -147,7 +139,7 @@ def sector(
 
 
 def aggregate(
-    how: Callable[[List[float]], float], values: Sequence[float], coverage: Optional[float] = None
+    how: Callable[[list[float]], float], values: Sequence[float], coverage: float | None = None
 ) -> float:
     """Return one number for a column.
 
@@ -165,7 +157,7 @@ def aggregate(
     return result
 
 
-def count(values: Sequence[int], coverage: Optional[float] = None) -> float:
+def count(values: Sequence[int], coverage: float | None = None) -> float:
     """Return how many truth values are true.
 
     Raises:
@@ -175,7 +167,7 @@ def count(values: Sequence[int], coverage: Optional[float] = None) -> float:
     return float(values.count(2))
 
 
-def decided(values: Sequence[int], decisive: int, coverage: Optional[float] = None) -> bool:
+def decided(values: Sequence[int], decisive: int, coverage: float | None = None) -> bool:
     """Return ANY (decided by 2) or ALL (decided by 0) of truth values.
 
     Raises:
@@ -187,29 +179,29 @@ def decided(values: Sequence[int], decisive: int, coverage: Optional[float] = No
     return decisive == 0
 
 
-def _enough(there: int, of: int, coverage: Optional[float]) -> None:
+def _enough(there: int, of: int, coverage: float | None) -> None:
     if there < of if coverage is None else not there or there / of < coverage:
         raise Unknown(f"{of - there} of {of} elements are not known")
 
 
-def median(there: List[float]) -> float:
+def median(there: list[float]) -> float:
     """Return the value in the middle, or the mean of the two there."""
     ordered = sorted(there)
     low, high = ordered[(len(ordered) - 1) // 2], ordered[len(ordered) // 2]
     return low if low == high else low / 2 + high / 2
 
 
-def total(there: List[float]) -> float:
+def total(there: list[float]) -> float:
     """Return the sum, rounded once."""
     return finite(math.fsum(there))
 
 
-def average(there: List[float]) -> float:
+def average(there: list[float]) -> float:
     """Return the mean."""
     return finite(math.fsum(there) / len(there))
 
 
-def deviation(there: List[float]) -> float:
+def deviation(there: list[float]) -> float:
     """Return the sample standard deviation, NaN for less than two numbers."""
     if len(there) < 2:
         return math.nan

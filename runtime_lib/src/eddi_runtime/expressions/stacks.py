@@ -10,7 +10,6 @@ The classes are copied into generated modules unchanged (``inspect.getsource``).
 from __future__ import annotations
 
 import math
-from typing import List, Tuple
 
 from .hold import NEVER
 from .window import NAN, Window
@@ -22,12 +21,11 @@ class Stacks(Window):
     __slots__ = ("_back", "_front")
 
     def _clear(self) -> None:
-        self._front: List[Tuple[int, float, float]] = []
-        self._back: List[Tuple[int, float]] = []
+        self._front: list[tuple[int, float, float]] = []
+        self._back: list[tuple[int, float]] = []
         self._start_back()
 
     def expire(self, start: int) -> None:
-        """Drop the samples up to a time."""
         front = self._front
         while front and front[-1][0] <= start:
             front.pop()
@@ -35,7 +33,6 @@ class Stacks(Window):
             self._turn(start)
 
     def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
         if len(self._front) + len(self._back) == self.capacity:
             if not self._front:
                 self._turn(NEVER)
@@ -62,7 +59,7 @@ class Stacks(Window):
     def _gather(self, x: float, count: int) -> None:
         raise NotImplementedError
 
-    def _gathered(self) -> Tuple[float, float]:
+    def _gathered(self) -> tuple[float, float]:
         raise NotImplementedError
 
 
@@ -83,11 +80,10 @@ class Sum(Stacks):
             self._low += (x - total) + high
         self._high = total
 
-    def _gathered(self) -> Tuple[float, float]:
+    def _gathered(self) -> tuple[float, float]:
         return self._high, self._low
 
     def value(self) -> float:
-        """Return the value over the samples."""
         if not self._front:
             total = self._high + self._low
         else:
@@ -107,7 +103,6 @@ class Average(Sum):
     __slots__ = ()
 
     def value(self) -> float:
-        """Return the value over the samples."""
         return Sum.value(self) / (len(self._front) + len(self._back))
 
 
@@ -124,11 +119,10 @@ class Deviation(Stacks):
         self._mean += away / count
         self._squares += away * (x - self._mean)
 
-    def _gathered(self) -> Tuple[float, float]:
+    def _gathered(self) -> tuple[float, float]:
         return self._mean, self._squares
 
     def value(self) -> float:
-        """Return the value over the samples."""
         old, new = len(self._front), len(self._back)
         if old + new < 2:
             return NAN

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Deque, Tuple
 
 from .hold import NEVER
 
@@ -20,38 +19,28 @@ NAN = math.nan
 
 
 class Window:
-    """What all windows share.
-
-    Attributes:
-        length: nanoseconds.
-        need: time since the first sample from which on it is full.
-        bad: time of the last sample that makes it UNKNOWN.
-        capacity: samples that fit; a host may step at twice the rate.
-        overflows: how often the oldest sample had to go too early. The window is UNKNOWN until
-            the time of the overflow has left it.
-    """
+    """What all windows share."""
 
     __slots__ = ("bad", "capacity", "length", "need", "overflows")
 
     def __init__(self, length: int, need: int, capacity: int) -> None:
-        self.length = length
-        self.need = need
-        self.capacity = capacity
+        self.length = length  # nanoseconds
+        self.need = need  # time since the first sample from which on it is full
+        self.capacity = capacity  # samples that fit; a host may step at twice the rate
+        # how often the oldest sample had to go too early. The window is UNKNOWN until the time of
+        # the overflow has left it.
         self.overflows = 0
         self.reset()
 
     def reset(self) -> None:
         """Forget all samples."""
-        self.bad = NEVER
+        self.bad = NEVER  # time of the last sample that makes it UNKNOWN
         self._clear()
 
     def push(self, t: int, age: int, x: float) -> float:
-        """Take a sample and return the value of the window, NaN for UNKNOWN.
+        """Take a sample of a later time and return the value of the window, NaN for UNKNOWN.
 
-        Args:
-            t: time of the step, later than the one before.
-            age: time since the first sample.
-            x: the sample, NaN for UNKNOWN.
+        ``age``: time since the first sample.
         """
         start = t - self.length
         self.expire(start)
@@ -93,7 +82,7 @@ class Covered:
         self._coverage = coverage
         self.capacity = window.capacity
         self.overflows = 0
-        self._samples: Deque[Tuple[int, bool]] = deque()
+        self._samples: deque[tuple[int, bool]] = deque()
         self.reset()
 
     def reset(self) -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from bisect import bisect_left, insort
 from collections import deque
-from typing import Deque, List, Tuple
 
 from .hold import Hold  # noqa: F401 - packages of format 2 find it here
 from .window import NAN, Covered, Window  # noqa: F401 - the same
@@ -19,16 +18,14 @@ class Queue(Window):
     __slots__ = ("_samples",)
 
     def _clear(self) -> None:
-        self._samples: Deque[Tuple[int, float]] = deque()
+        self._samples: deque[tuple[int, float]] = deque()
 
     def expire(self, start: int) -> None:
-        """Drop the samples up to a time."""
         samples = self._samples
         while samples and samples[0][0] <= start:
             samples.popleft()
 
     def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
         samples = self._samples
         if len(samples) == self.capacity:
             samples.popleft()
@@ -42,14 +39,12 @@ class Maximum(Queue):
     __slots__ = ()
 
     def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
         samples = self._samples
         while samples and samples[-1][1] <= x:
             samples.pop()
         Queue.add(self, t, x)
 
     def value(self) -> float:
-        """Return the value over the samples."""
         return self._samples[0][1]
 
 
@@ -59,14 +54,12 @@ class Minimum(Queue):
     __slots__ = ()
 
     def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
         samples = self._samples
         while samples and samples[-1][1] >= x:
             samples.pop()
         Queue.add(self, t, x)
 
     def value(self) -> float:
-        """Return the value over the samples."""
         return self._samples[0][1]
 
 
@@ -76,7 +69,6 @@ class Rate(Queue):
     __slots__ = ()
 
     def value(self) -> float:
-        """Return the value over the samples."""
         first, last = self._samples[0], self._samples[-1]
         if first[0] == last[0]:
             return NAN
@@ -90,12 +82,10 @@ class Count(Queue):
     __slots__ = ()
 
     def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
         if x:
             Queue.add(self, t, x)
 
     def value(self) -> float:
-        """Return the value over the samples."""
         return float(len(self._samples))
 
 
@@ -106,23 +96,20 @@ class Median(Queue):
 
     def _clear(self) -> None:
         super()._clear()
-        self._sorted: List[float] = []
+        self._sorted: list[float] = []
 
     def expire(self, start: int) -> None:
-        """Drop the samples up to a time."""
         samples, ordered = self._samples, self._sorted
         while samples and samples[0][0] <= start:
             del ordered[bisect_left(ordered, samples.popleft()[1])]
 
     def add(self, t: int, x: float) -> None:
-        """Take a known sample."""
         if len(self._samples) == self.capacity:
             del self._sorted[bisect_left(self._sorted, self._samples[0][1])]
         Queue.add(self, t, x)
         insort(self._sorted, x)
 
     def value(self) -> float:
-        """Return the value over the samples."""
         ordered = self._sorted
         middle = len(ordered) // 2
         high = ordered[middle]

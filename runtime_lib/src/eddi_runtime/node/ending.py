@@ -3,12 +3,14 @@
 A transport that talks to others while it ends may never come back from that; a guard limits it.
 """
 
+from __future__ import annotations
+
 import contextlib
 import os
 import sys
 import threading
 import time
-from typing import Callable, List
+from typing import Callable
 
 from .logs import LOG
 from .schedule import Waker
@@ -18,17 +20,12 @@ _FLUSH_S = 0.3
 
 
 class Ending:
-    """The end of the process.
-
-    Attributes:
-        begun: the node must publish nothing more.
-        status: exit status.
-    """
+    """The end of the process."""
 
     def __init__(self) -> None:
-        self.begun = False
-        self.status = 0
-        self._stops: List[Callable[[], None]] = []
+        self.begun = False  # the node must publish nothing more
+        self.status = 0  # exit status
+        self._stops: list[Callable[[], None]] = []
         self._waker = Waker()
 
     def on_end(self, stop: Callable[[], None]) -> None:

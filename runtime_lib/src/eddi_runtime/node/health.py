@@ -1,14 +1,16 @@
 """Facts about the steps of one monitor: logged when they change, kept for the diagnostics."""
 
+from __future__ import annotations
+
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from ..compatibility import __version__
-from ..inputs import EDDIInputBase, InputSpec
+from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Output
-from ..plain_values import one_line, plain, read
+from ..plain_values import is_nan, one_line, read
 from .logs import LOG
 from .receipts import Receipt
 from .report import (
@@ -39,31 +41,19 @@ _REFRESH_S = 0.5  # reasons cost more than a step: only then, or when a state or
 
 
 class _Seen(NamedTuple):
-    """The last step, replaced as a whole: the diagnostics thread needs no lock.
+    """The last step, replaced as a whole: the diagnostics thread needs no lock."""
 
-    Attributes:
-        at: monotonic seconds of its begin.
-        states: of each input: one of the states of a report, and the reason.
-        receipts: what had been received.
-        error: an exception of the step, else empty.
-    """
-
-    at: float
-    states: Tuple[Tuple[str, str], ...] = ()
-    receipts: Mapping[str, Receipt] = {}
-    error: str = ""
+    at: float  # monotonic seconds of its begin
+    # of each input: one of the states of a report, and the reason
+    states: tuple[tuple[str, str], ...] = ()
+    receipts: Mapping[str, Receipt] = {}  # what had been received
+    error: str = ""  # an exception of the step, else empty
 
 
 class Health:
     """What the loop notes after each step and the diagnostics thread reads.
 
     The loop replaces whole values and never changes one in place, so no lock is needed.
-
-    Args:
-        monitor: the runtime monitor (``inputs``, ``faults()``, ``blocked()``, ``standings()``).
-        eddi_input: the generated EDDIInput (``states``).
-        period: seconds between two steps.
-        startup_grace: seconds from the first step in which inputs may wait for a first message.
     """
 
     def __init__(
@@ -83,11 +73,11 @@ class Health:
         self._kinds: Sequence[str] = ()  # states of the inputs when the monitor was asked
         self._asked_at = -_REFRESH_S
         self._changes = Changes()
-        self._errors: Dict[str, int] = {}
-        self._logged: Dict[str, Tuple[str, float]] = {}
+        self._errors: dict[str, int] = {}
+        self._logged: dict[str, tuple[str, float]] = {}
         self._level = OK
         self._steps = 0
-        self._first_step: Optional[float] = None
+        self._first_step: float | None = None
         self._last_step = time.monotonic()
         self._longest = 0.0
         self._reported_overruns = 0
@@ -95,14 +85,7 @@ class Health:
     def after_step(
         self, output: object, receipts: Mapping[str, Receipt], error: str, duration: float
     ) -> bool:
-        """Note a finished step; ``True`` when the level of the inputs changed.
-
-        Args:
-            output: what the monitor gave.
-            receipts: what had been received when the step began.
-            error: exception of the step, else empty.
-            duration: seconds.
-        """
+        """Note a finished step; ``True`` when the level of the inputs changed."""
         now = time.monotonic()
         if self._first_step is None:
             self._first_step = now
@@ -150,17 +133,19 @@ class Health:
 
     def _input_states(
         self, receipts: Mapping[str, Receipt], *, waiting: bool
-    ) -> Tuple[Tuple[str, str], ...]:
+    ) -> tuple[tuple[str, str], ...]:
         faults = self._monitor.faults()
-        found: List[Tuple[str, str]] = []
+        found: list[tuple[str, str]] = []
         for spec in self._inputs:
             known = self._eddi_input.states.get(spec.id)
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
             if spec.id in faults and state in (FRESH, INVALID):
                 state, reason = INVALID, faults[spec.id] if state == FRESH else reason
-            elif state == FRESH and _is_nan(read(self._eddi_input, spec.attribute, spec.id)):
+            elif state == FRESH and is_nan(read(self._eddi_input, spec.attribute, spec.id)):
                 state, reason = INVALID, "the value is NaN"
-            elif state == FRESH and _latched(spec, receipts):
+            elif state == FRESH and any(
+                receipts[name].latched for name in spec.requires if name in receipts
+            ):
                 state = LATCHED
             elif state == NEVER and waiting:
                 state = WAITING
@@ -178,29 +163,30 @@ class Health:
     ) -> Report:
         """Return the present report; called by the diagnostics thread.
 
-        Args:
-            receipts: what has been received.
-            overruns: steps that were left out so far.
-            graph: what the transport knows.
-            periodic: it is not a report because of a new level.
-            topics: id of a source -> full name of its topic.
+        ``periodic``: it is not a report because of a new level.
         """
         now = time.monotonic()
         seen, said = self._seen, self._said
         then = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
         receipts = {**seen.receipts, **receipts}  # the words of other robots are in the first only
         reasons = {**graph.reasons, **graph.wrong_types}
-        facts = [
-            self._fact(spec, state, receipts, now)._replace(
-                blocks=tuple(said.blocks.get(spec.id, ())) if state[0] != FRESH else (),
-                sources=tuple(
-                    SourceFact(topic, then.get(name), reasons.get(topic, ""))
-                    for name in spec.requires
-                    for topic in [topics.get(name, name)]
-                ),
+        facts = []
+        for spec, (state, reason) in zip(self._inputs, seen.states):
+            here = [receipts[name] for name in spec.requires if name in receipts]
+            whole = len(here) == len(spec.requires)
+            named = [(name, topics.get(name, name)) for name in spec.requires]
+            fact = InputFact(
+                id=spec.id,
+                state=state,
+                reason=reason,
+                age=max(receipt.age_at(now) for receipt in here) if here else None,
+                received=min((receipt.received for receipt in here), default=0) if whole else 0,
+                errors=self._errors.get(spec.id, 0),
+                blocks=tuple(said.blocks.get(spec.id, ())) if state != FRESH else (),
+                limit=spec.max_age,
+                sources=tuple(SourceFact(t, then.get(n), reasons.get(t, "")) for n, t in named),
             )
-            for spec, state in zip(self._inputs, seen.states)
-        ]
+            facts.append(fact)
         silent = now - self._last_step
         node = NodeFact(
             steps=self._steps,
@@ -216,43 +202,13 @@ class Health:
         identity = {"model_digest": self._monitor.digest, "runtime_version": __version__}
         return report(identity, facts, said, node)
 
-    def _fact(
-        self, spec: InputSpec, state: Tuple[str, str], receipts: Mapping[str, Receipt], now: float
-    ) -> InputFact:
-        here = [receipts[name] for name in spec.requires if name in receipts]
-        whole = len(here) == len(spec.requires)
-        return InputFact(
-            id=spec.id,
-            state=state[0],
-            reason=state[1],
-            age=max(receipt.age_at(now) for receipt in here) if here else None,
-            received=min((receipt.received for receipt in here), default=0) if whole else 0,
-            errors=self._errors.get(spec.id, 0),
-            limit=spec.max_age,
-        )
-
-
-def _is_nan(raw: object) -> bool:
-    value = plain(raw)
-    return type(value) is float and value != value  # noqa: PLR0124 - NaN
-
-
-def _latched(spec: InputSpec, receipts: Mapping[str, Receipt]) -> bool:
-    return any(name in receipts and receipts[name].latched for name in spec.requires)
-
 
 class Status(NamedTuple):
-    """The report of one monitor, and of what it is.
+    """The report of one monitor, and of what it is."""
 
-    Attributes:
-        report: the text and the values.
-        name: of the status (``<node>: <model id>``).
-        node: full name.
-    """
-
-    report: Report
-    name: str
-    node: str
+    report: Report  # the text and the values
+    name: str  # of the status (``<node>: <model id>``)
+    node: str  # full name
 
 
 Collect = Callable[[bool], Status]
@@ -263,15 +219,12 @@ class Diagnostics:
     """A thread of its own, so that a monitor slower than 1 Hz, or one that hangs, is reported.
 
     Once a second all monitors of the process, and at once those with a new level.
-
-    Args:
-        publish: sends statuses together.
     """
 
-    def __init__(self, publish: Callable[[List[Status]], None]) -> None:
+    def __init__(self, publish: Callable[[list[Status]], None]) -> None:
         self._publish = publish
-        self._sources: List[Collect] = []
-        self._changed: Deque[Collect] = deque()
+        self._sources: list[Collect] = []
+        self._changed: deque[Collect] = deque()
         self._waker = Waker()
         self._stopped = False
 
@@ -309,7 +262,7 @@ class Diagnostics:
             time.sleep(_CALM_S)
             self._waker.wait(due - time.monotonic())
 
-    def _tried(self, function: Callable[[Any], Any], argument: object) -> List[Any]:
+    def _tried(self, function: Callable[[Any], Any], argument: object) -> list[Any]:
         """Return the result of a call; a report must never end the reporting."""
         try:
             return [function(argument)]
@@ -323,7 +276,7 @@ class Changes:
     """Logs which guarantees became active or inactive, at most 20 lines per second."""
 
     def __init__(self) -> None:
-        self._last: Dict[str, bool] = {}
+        self._last: dict[str, bool] = {}
         self._output: object = None
         self._window = -1.0
         self._lines = 0
@@ -352,7 +305,7 @@ class Changes:
             LOG.info("%s is now %s", name, "active" if active else "inactive")
 
 
-def activity(output: object) -> Dict[str, bool]:
+def activity(output: object) -> dict[str, bool]:
     """Return id -> active of an output that is a list of ``{"id", "active"}``, else nothing."""
     if not isinstance(output, (list, tuple)):
         return {}

@@ -4,8 +4,10 @@ Configured, it has its publishers. Active, it listens and steps, as a monitor th
 before; the last that it publishes is that nothing is known, so whoever comes later hears no more.
 """
 
+from __future__ import annotations
+
 import threading
-from typing import Callable, ContextManager, Optional, Protocol
+from typing import Callable, ContextManager, Protocol
 
 from .ending import Ending
 from .logs import LOG
@@ -18,13 +20,9 @@ _STEP_S = 5.0
 
 
 class Managed(Protocol):
-    """The node of one activation; the methods are those of ``Node`` on a transport.
+    """The node of one activation; the methods are those of ``Node`` on a transport."""
 
-    Attributes:
-        ending: of this node.
-    """
-
-    ending: Ending
+    ending: Ending  # of this node
 
     def prepare(self) -> None:
         """Do what can fail before anything is registered."""
@@ -69,8 +67,8 @@ class LifeCycle:
     def __init__(self, place: Place, make: Callable[[], Managed]) -> None:
         self._place = place
         self._make = make
-        self._next: Optional[Managed] = None
-        self._active: Optional[Managed] = None
+        self._next: Managed | None = None
+        self._active: Managed | None = None
         self._waker = Waker()
         self._idle = threading.Event()
         self._idle.set()

@@ -4,50 +4,40 @@ A transport may ask others before it writes a line, or write to a pipe that some
 when they hang, the loop of the monitor would otherwise end at its next line.
 """
 
+from __future__ import annotations
+
 import collections
 import contextlib
 import threading
 import time
-from typing import Callable, Deque, Mapping, Tuple
+from functools import partial
+from typing import Callable, Mapping, Tuple
 
 from .schedule import Waker
 
 _KEPT = 500
 _Line = Tuple[str, str, Tuple[object, ...]]
+LEVELS = ("info", "warn", "error")
+"""For the record; something needs attention; something is broken."""
 Writers = Mapping[str, Callable[..., None]]
-"""Level (``info``, ``warn``, ``error``) -> writes a text with its values, as ``logging`` does."""
+"""Level -> writes a text with its values, as ``logging`` does."""
 
 
 class Log:
-    """Keeps lines until the thread has written them; the oldest are dropped when it hangs.
-
-    Attributes:
-        named: lines begin with the name of their thread, because it is that of a monitor.
-    """
+    """Keeps lines until the thread has written them; the oldest are dropped when it hangs."""
 
     def __init__(self) -> None:
-        self.named = False
+        self.named = False  # lines begin with the name of their thread: it is that of a monitor
         # Appending to a deque takes no lock, so a signal handler may log as well.
-        self._lines: Deque[_Line] = collections.deque(maxlen=_KEPT)
+        self._lines: collections.deque[_Line] = collections.deque(maxlen=_KEPT)
         self._waker = Waker()
         self._busy = False
         self._dropped = 0
+        self.info, self.warn, self.error = (partial(self._put, level) for level in LEVELS)
 
     def start(self, write: Writers) -> None:
         """Begin to write; what was said before is written now."""
         threading.Thread(target=self._run, args=[write], name="log", daemon=True).start()
-
-    def info(self, text: str, *values: object) -> None:
-        """Write a line for the record."""
-        self._put("info", text, values)
-
-    def warn(self, text: str, *values: object) -> None:
-        """Write that something needs attention."""
-        self._put("warn", text, values)
-
-    def error(self, text: str, *values: object) -> None:
-        """Write that something is broken."""
-        self._put("error", text, values)
 
     def flush(self, seconds: float) -> None:
         """Wait until everything is written, but not longer than this."""
@@ -55,7 +45,7 @@ class Log:
         while (self._lines or self._busy) and time.monotonic() < end:
             time.sleep(0.005)
 
-    def _put(self, level: str, text: str, values: Tuple[object, ...]) -> None:
+    def _put(self, level: str, text: str, *values: object) -> None:
         if self.named:
             text = f"{threading.current_thread().name}: {text}"
         self._dropped += len(self._lines) == _KEPT

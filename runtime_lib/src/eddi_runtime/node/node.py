@@ -4,29 +4,21 @@ An adapter in ``eddi_runtime.transports`` inherits ``Node`` and adds how its tra
 publishes and tells the time, and how a process on it starts and ends.
 """
 
+from __future__ import annotations
+
 import time
 import traceback
 from pathlib import Path
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    Callable,
-    ClassVar,
-    Dict,
-    List,
-    Mapping,
-    Optional,
-    Sequence,
-)
+from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Sequence
 
 from ..compatibility import __version__
-from ..inputs import EDDIInputBase, Word
+from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Steps
 from ..plain_values import one_line
 from .ending import Ending
 from .health import Diagnostics, Health, Status
 from .logs import LOG
-from .outputs import Converter, MessageError, Output, Publications, Publish, beside, check_outputs
+from .outputs import Converter, MessageError, Output, Publications, Publish, check_outputs, each
 from .receipts import Input, Receipt, Receipts
 from .report import GraphFact
 from .schedule import Schedule, Waker
@@ -44,64 +36,43 @@ class _Nothing:
 
 
 class Node:
-    """Base class of the nodes of a transport.
+    """Base class of the nodes of a transport; the generated class sets the names in capitals."""
 
-    Class attributes, set by the generated class:
-        NAME: node name.
-        FREQUENCY: steps per second; the parameter ``frequency`` wins.
-        MODE: ``rate``, or ``on_change``: a message starts a step at once, and the node still
-            steps at the frequency, because otherwise nothing would ever become stale.
-        STARTUP_GRACE: seconds from the start in which an input may wait for its first message
-            before the diagnostics call that an error; the parameter ``startup_grace`` wins.
-        INPUTS: what to subscribe to.
-        OUTPUTS: what to publish.
-        MESSAGES: module with the message classes that outputs are built from.
-        FLEET: the robots among which this one is, ``None`` for none.
-
-    Args:
-        monitor: the generated EDDIMonitor.
-        eddi_input: the generated EDDIInput.
-        converter: makes messages of the transport.
-        options: what a person has set.
-
-    Attributes:
-        simulator_values: latest message of every input that has one, at the present step.
-        ended: the node must publish nothing more.
-        ending: the end of the process.
-    """
-
-    NAME: ClassVar[str] = "eddi_monitor"
-    FREQUENCY: ClassVar[float] = 10.0
+    NAME: ClassVar[str] = "eddi_monitor"  # of the node
+    FREQUENCY: ClassVar[float] = 10.0  # steps per second; the parameter ``frequency`` wins
+    # ``rate``, or ``on_change``: a message starts a step at once, and the node still steps at the
+    # frequency, because otherwise nothing would ever become stale
     MODE: ClassVar[str] = "rate"
+    # seconds from the start in which an input may wait for its first message before the
+    # diagnostics call that an error; the parameter ``startup_grace`` wins
     STARTUP_GRACE: ClassVar[float] = STARTUP_GRACE_S
-    INPUTS: ClassVar[Sequence[Input]] = ()
-    OUTPUTS: ClassVar[Sequence[Output]] = ()
-    MESSAGES: ClassVar[Any] = None
-    FLEET: ClassVar[Optional["Fleet"]] = None
+    INPUTS: ClassVar[Sequence[Input]] = ()  # what to subscribe to
+    OUTPUTS: ClassVar[Sequence[Output]] = ()  # what to publish
+    MESSAGES: ClassVar[Any] = None  # module with the message classes that outputs are built from
+    FLEET: ClassVar[Fleet | None] = None  # the robots among which this one is
 
     def __init__(
         self,
         monitor: Steps,
         eddi_input: EDDIInputBase,
         converter: Converter,
-        options: Optional[Settings] = None,
+        options: Settings | None = None,
     ) -> None:
         self.monitor = monitor
         self.eddi_input = eddi_input
-        self.simulator_values: Dict[str, Any] = {}
+        self.simulator_values: dict[str, Any] = {}  # the latest messages, at the present step
         self.options = options or Settings(self.FREQUENCY, startup_grace=self.STARTUP_GRACE)
-        self.ended = False
         self.ending = Ending()
-        self._simulated: Optional[int] = None
-        self._level_changed: Callable[[], None] = _nobody_reports
+        self._simulated: int | None = None
+        self._level_changed: Callable[[], None] = lambda: None  # where nobody reports
         given: Any = monitor
         self._core: Monitor[Any] = getattr(given, "monitor", given)
         self._converter = converter
         self._made_by_hand = type(self).create_ros_msg is not Node.create_ros_msg
-        self._publications: Optional[Publications] = None
+        self._publications: Publications | None = None
         self._sources = [*self.INPUTS]
         fleet, self._peers = self.FLEET, None
-        self._tell: Publish = _nobody_listens
+        self._tell: Publish = lambda _: None  # where a robot is alone
         if fleet is not None:
             self._peers = fleet.joined(self.options.robot, self._core.model_id, self._core.digest)
             self._sources.append(fleet.words())
@@ -116,7 +87,7 @@ class Node:
 
     # What a transport adds.
 
-    def simulated_ns(self) -> Optional[int]:
+    def simulated_ns(self) -> int | None:
         """Return the time of a simulation, ``None`` where there is none."""
         return None
 
@@ -169,14 +140,9 @@ class Node:
         for source in self._sources:
             self.subscribe(source)
 
-    def begin(self, name: str, diagnostics: Optional[Diagnostics]) -> None:
-        """Advertise, publish once and subscribe.
-
-        Args:
-            name: full name of the node in the diagnostics.
-            diagnostics: of the process, if it has some.
-        """
-        self.ending.on_end(self._stop)
+    def begin(self, name: str, diagnostics: Diagnostics | None) -> None:
+        """Advertise, publish once and subscribe; ``name`` is that in the diagnostics."""
+        self.ending.on_end(self._waker.wake)
         self.log_start()
         self.init_publisher()
         self.step()  # before any message can arrive: nothing is known, nothing is active
@@ -190,15 +156,13 @@ class Node:
     def run_on(
         self,
         name: str,
-        publisher: Callable[[], Callable[[List[Status]], None]],
+        publisher: Callable[[], Callable[[list[Status]], None]],
         begun: Callable[[], None],
     ) -> None:
         """Be the one monitor of a process, until that ends.
 
-        Args:
-            name: full name of the node in the diagnostics.
-            publisher: returns what sends statuses.
-            begun: called once all topics are advertised and subscribed to.
+        ``publisher`` returns what sends statuses; ``begun`` is called once all topics are
+        advertised and subscribed to.
         """
         diagnostics = Diagnostics(publisher()) if self.options.diagnostics else None
         self.begin(name, diagnostics)
@@ -208,10 +172,6 @@ class Node:
             diagnostics.start()
         self.ros_main()
 
-    def _stop(self) -> None:
-        self.ended = True
-        self._waker.wake()
-
     def report_now(self) -> None:
         """Publish the diagnostics at once, where they are."""
         self._level_changed()
@@ -219,9 +179,9 @@ class Node:
     def ros_main(self) -> None:
         """Run steps until the node ends."""
         self._schedule.start(time.monotonic())
-        while not self.ended:
+        while not self.ending.begun:
             self._waker.wait(self._schedule.wait_s(time.monotonic()))
-            if self.ended:
+            if self.ending.begun:
                 return
             started = time.monotonic()
             self.step()
@@ -236,18 +196,17 @@ class Node:
         started = time.monotonic()
         receipts, new = self._receipts.taken()
         try:
-            words = {} if self._peers is None else self._peers.take(receipts, new, started)
-            output = self._evaluate(receipts, new, started, words)
-            if self.ended:  # meanwhile: another may have said its last word already
+            output = self._evaluate(receipts, new, started)
+            if self.ending.begun:  # meanwhile: another may have said its last word already
                 return
             error = self._publish(output)
             self._health.log_error("step", error)
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
-            if self.ended:
+            if self.ending.begun:
                 return
             error = one_line(caught)
             self._health.log_error("step", error, traceback.format_exc())
-            output = self._publish_nothing_known()
+            output = self.withdraw()
         try:
             if self._health.after_step(output, receipts, error, time.monotonic() - started):
                 self.report_now()
@@ -255,12 +214,9 @@ class Node:
             self._health.log_error("report", one_line(caught), traceback.format_exc())
 
     def _evaluate(
-        self,
-        receipts: Mapping[str, Receipt],
-        new: Mapping[str, List[object]],
-        now: float,
-        words: Mapping[str, Word],
+        self, receipts: dict[str, Receipt], new: dict[str, list[object]], now: float
     ) -> Any:
+        words = {} if self._peers is None else self._peers.take(receipts, new, now)
         self.simulator_values = {
             name: receipt.message
             for name, receipt in receipts.items()
@@ -283,7 +239,7 @@ class Node:
             return ""
         message = self.create_ros_msg(output)
         if self._made_by_hand:
-            for one in message if isinstance(message, list) else [message]:
+            for one in each(message):
                 self.check_serialises(one)
         self._publish_all(self._publications, message)
         return "; ".join(self._core.output_faults())
@@ -294,14 +250,10 @@ class Node:
             word = self._peers.told(message, self._core, time.monotonic())
             self._tell(self._converter.message(word))
         for name in publications.beside:
-            publications.publish(self._converter.messages(beside(self._core, name)), name)
+            publications.publish(self._converter.beside(self._core, name), name)
 
-    def withdraw(self) -> None:
-        """Publish that nothing is known, as the last word of a node which stays on the graph."""
-        self._publish_nothing_known()
-
-    def _publish_nothing_known(self) -> Any:
-        """Publish what holds when nothing is known, by our own code only."""
+    def withdraw(self) -> Any:
+        """Publish what holds when nothing is known, by our own code only, and return it."""
         output = None
         try:
             output = self._core.execute_step(_Nothing(), self.now_ns())
@@ -313,13 +265,7 @@ class Node:
         return output
 
     def status(self, periodic: bool, title: str = "", name: str = "") -> Status:
-        """Return the present status; called by the thread of the diagnostics.
-
-        Args:
-            periodic: it is not reported because of a new level.
-            title: of the status.
-            name: of the node.
-        """
+        """Return the present status; called by the thread of the diagnostics."""
         topics = self.topics()
         collected = self._health.collect(
             receipts=self._receipts.latest(),
@@ -360,11 +306,3 @@ class Node:
         except MessageError as error:
             raise MessageError(f"the messages do not fit the model: {error}") from error
         self._core.reset()
-
-
-def _nobody_listens(_: object) -> None:
-    """Nothing to tell where a robot is alone."""
-
-
-def _nobody_reports() -> None:
-    """Nothing to do where there are no diagnostics."""

@@ -5,21 +5,11 @@ a numpy scalar only once somebody listens (rospy does). So every value of a mess
 converted here, field by field, and a message is always filled completely.
 """
 
+from __future__ import annotations
+
 import math
 from types import ModuleType
-from typing import (
-    Any,
-    Callable,
-    Dict,
-    Iterable,
-    Iterator,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Tuple,
-    Union,
-)
+from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Union
 
 from ..access import Step, follow
 from ..monitor import Tree
@@ -28,7 +18,7 @@ from ..plain_values import plain
 Trees = Union[Tree, List[Tree], None]
 """What one step of a monitor gives: one message tree, several, or none."""
 
-_WHOLE: Mapping[str, Tuple[int, int]] = {
+_WHOLE: Mapping[str, tuple[int, int]] = {
     **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
     **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
 }
@@ -38,19 +28,13 @@ _HEADERS = ("Header", "std_msgs/Header")
 
 
 class MessageClasses(NamedTuple):
-    """The message classes of one package, as a transport knows them.
+    """The message classes of one package, as a transport knows them."""
 
-    Attributes:
-        module: holds the classes by name (``eddi_messages.msg``).
-        fields: class -> its fields, each with its type as a ``.msg`` file spells it.
-        type_name: message or class -> ``package/Name``.
-        stamp: returns the present time for a header.
-    """
-
-    module: ModuleType
-    fields: Callable[[object], Iterable[Tuple[str, str]]]
-    type_name: Callable[[object], str]
-    stamp: Callable[[], object]
+    module: ModuleType  # holds the classes by name (``eddi_messages.msg``)
+    # class -> its fields, each with its type as a ``.msg`` file spells it
+    fields: Callable[[object], Iterable[tuple[str, str]]]
+    type_name: Callable[[object], str]  # message or class -> ``package/Name``
+    stamp: Callable[[], object]  # returns the present time for a header
 
 
 class MessageError(TypeError):
@@ -58,15 +42,11 @@ class MessageError(TypeError):
 
 
 class Converter:
-    """Turns ``("Name", {field: value})`` into messages of one message package.
-
-    Args:
-        classes: those messages.
-    """
+    """Turns ``("Name", {field: value})`` into messages of one message package."""
 
     def __init__(self, classes: MessageClasses) -> None:
         self._classes = classes
-        self._plans: Dict[str, Tuple[Any, Dict[str, str], Optional[str]]] = {}
+        self._plans: dict[str, tuple[Any, dict[str, str], str | None]] = {}
 
     def message(self, tree: Tree) -> object:
         """Build one message.
@@ -98,22 +78,23 @@ class Converter:
         return built
 
     def messages(self, trees: Trees) -> object:
-        """Build what one step gives: a message, a list of them, or None.
-
-        Raises:
-            MessageError: as ``message`` does.
-        """
-        if trees is None:
-            return None
+        """Build what one step gives: a message, a list of them, or None."""
         if isinstance(trees, list):
             return [self.message(tree) for tree in trees]
-        return self.message(trees)
+        return None if trees is None else self.message(trees)
+
+    def beside(self, monitor: object, name: str) -> object:
+        """Build the message of that name that a monitor gives beside the result of a step."""
+        make = getattr(monitor, f"{name}_message", None)
+        if make is None:
+            raise MessageError(f"the monitor gives no message {name!r} in addition to its result")
+        return self.messages(make())
 
     def type_name(self, message: object) -> str:
         """Return ``package/Name`` of a message or of its class."""
         return self._classes.type_name(message)
 
-    def _plan(self, name: str) -> Tuple[Any, Dict[str, str], Optional[str]]:
+    def _plan(self, name: str) -> tuple[Any, dict[str, str], str | None]:
         """Return the class of a message, its fields without a header, and its header."""
         cls = getattr(self._classes.module, name, None)
         if cls is None:
@@ -147,7 +128,7 @@ def _letters(field: str) -> str:
     return field.replace("_", "").lower()
 
 
-def _scalar(kind: str, value: object) -> Union[bool, int, float, str, None]:
+def _scalar(kind: str, value: object) -> bool | int | float | str | None:
     """Return a value as a plain one of a type, None where it is none of that type."""
     found = plain(value)
     if kind in _EXACT:
@@ -166,31 +147,22 @@ def _scalar(kind: str, value: object) -> Union[bool, int, float, str, None]:
 
 
 class Output(NamedTuple):
-    """One publication: an ``EDDIOutputs`` entry of eddi_config.yml.
+    """One publication: an ``EDDIOutputs`` entry of eddi_config.yml."""
 
-    Attributes:
-        id: name of the output, for people.
-        topic: name of the message's topic.
-        type: message class of the transport.
-        status_topic: topic of the facts behind the result, ``None`` for none.
-        status_type: its message class (with a header), ``None`` for none.
-        field: place of the value that is published alone, as ``data`` of a message of
-            std_msgs: names of fields, positions and ``("id", id)``; empty: the whole message.
-        only: id of the one message, of several in a step, that goes here; ``None``: all.
-        of: which message of the monitor: empty for the result, else the name of one beside it
-            (``evidence``), which the monitor's ``evidence_message()`` gives.
-        qos: as of an input.
-    """
-
-    id: str
-    topic: str
-    type: Any
-    status_topic: Optional[str] = None
-    status_type: Any = None
-    field: Tuple[Step, ...] = ()
-    only: Optional[str] = None
+    id: str  # name of the output, for people
+    topic: str  # name of the message's topic
+    type: Any  # message class of the transport
+    status_topic: str | None = None  # topic of the facts behind the result, ``None`` for none
+    status_type: Any = None  # its message class (with a header), ``None`` for none
+    # place of the value that is published alone, as ``data`` of a message of std_msgs: names of
+    # fields, positions and ``("id", id)``; empty: the whole message
+    field: tuple[Step, ...] = ()
+    # id of the one message, of several in a step, that goes here; ``None``: all
+    only: str | None = None
+    # which message of the monitor: empty for the result, else the name of one beside it
+    # (``evidence``), which the monitor's ``evidence_message()`` gives
     of: str = ""
-    qos: Mapping[str, Union[str, float]] = {}
+    qos: Mapping[str, str | float] = {}  # as of an input
 
 
 Publish = Callable[[object], None]
@@ -198,30 +170,16 @@ Publish = Callable[[object], None]
 
 
 class Publications:
-    """The topics of one monitor.
-
-    Args:
-        outputs: what to publish.
-        advertise: returns what sends to a topic.
-    """
+    """The topics of one monitor; ``advertise`` returns what sends to one."""
 
     def __init__(self, outputs: Iterable[Output], advertise: Callable[[Output], Publish]) -> None:
-        self._topics: Dict[str, List[Tuple[Output, Publish]]] = {}
+        self._topics: dict[str, list[tuple[Output, Publish]]] = {}
         for channel in channels(outputs):
             self._topics.setdefault(channel.of, []).append((channel, advertise(channel)))
-
-    @property
-    def beside(self) -> List[str]:
-        """Names of the messages that somebody was promised beside the result."""
-        return [name for name in self._topics if name]
+        self.beside = [name for name in self._topics if name]  # messages beside the result
 
     def publish(self, message: object, of: str = "") -> None:
-        """Publish on every topic of the result, or of a message beside it.
-
-        Args:
-            message: a message, a list of them, or None.
-            of: name of the message, empty for the result.
-        """
+        """Publish on every topic of the result, or ``of`` a message beside it."""
         for channel, publish in self._topics.get(of, ()):
             for one in each(message):
                 if channel.only in (None, getattr(one, "id", None)):
@@ -251,35 +209,17 @@ def picked(message: object, channel: Output) -> object:
     return channel.type(data=value)
 
 
-def beside(monitor: object, name: str) -> Trees:
-    """Return the message of that name that a monitor gives beside the result of a step.
-
-    Raises:
-        MessageError: it gives none of that name.
-    """
-    make = getattr(monitor, f"{name}_message", None)
-    if make is None:
-        raise MessageError(f"the monitor gives no message {name!r} in addition to its result")
-    trees: Trees = make()
-    return trees
-
-
 def check_outputs(
     converter: Converter, result: Trees, monitor: object, outputs: Iterable[Output]
 ) -> None:
     """Check that the messages of the workspace can carry what the monitor publishes.
 
-    Args:
-        converter: of the node.
-        result: message tree of the result.
-        monitor: gives the messages beside it.
-        outputs: what the node publishes.
-
     Raises:
         MessageError: a message is unknown, has other fields, or is not the declared one.
     """
     for channel in channels(outputs):
-        built = converter.messages(beside(monitor, channel.of) if channel.of else result)
+        of = channel.of
+        built = converter.beside(monitor, of) if of else converter.messages(result)
         for one in each(built):
             sent = picked(one, channel)
             if not isinstance(sent, channel.type):
@@ -287,7 +227,7 @@ def check_outputs(
                 raise MessageError(f"{channel.topic} carries {declared}, the monitor makes {made}")
 
 
-def each(messages: object) -> List[object]:
+def each(messages: object) -> list[object]:
     """Return what one step gives as a list."""
     if messages is None:
         return []

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Optional
-
 __all__ = ["fault"]
 
 
 def fault(
     expected: str,
-    age: Optional[float] = None,
+    age: float | None = None,
     *,
     unreadable: bool = False,
     refused: str = "",
     connected: bool = True,
-    alive: Optional[bool] = True,
-    deadline: Optional[float] = None,
+    alive: bool | None = True,
+    deadline: float | None = None,
 ) -> str:
     """Return why nothing comes although a topic is published with the right type.
 

@@ -1,9 +1,11 @@
 """What a node has received: the latest message of every source, and those that are all wanted."""
 
+from __future__ import annotations
+
 import threading
 import time
 from collections import deque
-from typing import Any, Callable, Collection, Deque, Dict, List, Mapping, NamedTuple, Tuple, Union
+from typing import Any, Callable, Collection, Mapping, NamedTuple
 
 from ..inputs import UNKNOWN_AGE
 
@@ -13,42 +15,28 @@ MAX_QUEUED = 1000
 
 
 class Input(NamedTuple):
-    """One subscription: a ``SimulatorOutputs`` entry of eddi_config.yml.
+    """One subscription: a ``SimulatorOutputs`` entry of eddi_config.yml."""
 
-    Attributes:
-        id: name under which ``EDDIInput.processing`` finds the message.
-        topic: absolute or relative name; remapping and namespaces apply.
-        type: message class of the transport.
-        buffer_bytes: receive buffer. rospy hands out old messages when a message is larger
-            than the buffer, so it must be raised for images and point clouds.
-        every_message: no message is skipped: those between two steps are queued.
-        qos: what of the quality of service is otherwise than usual, where the transport has one.
-        wakes: a message starts a step at once where the node steps on change.
-    """
-
-    id: str
-    topic: str
-    type: Any
+    id: str  # name under which ``EDDIInput.processing`` finds the message
+    topic: str  # absolute or relative name; remapping and namespaces apply
+    type: Any  # message class of the transport
+    # receive buffer. rospy hands out old messages when a message is larger than the buffer, so it
+    # must be raised for images and point clouds.
     buffer_bytes: int = DEFAULT_BUFFER_BYTES
-    every_message: bool = False
-    qos: Mapping[str, Union[str, float]] = {}
-    wakes: bool = True
+    every_message: bool = False  # no message is skipped: those between two steps are queued
+    # what of the quality of service is otherwise than usual, where the transport has one
+    qos: Mapping[str, str | float] = {}
+    wakes: bool = True  # a message starts a step at once where the node steps on change
 
 
 class Receipt(NamedTuple):
-    """The last message of an input and what is known about it.
+    """The last message of an input and what is known about it."""
 
-    Attributes:
-        message: the message, as the transport hands it out.
-        at: monotonic seconds of receipt.
-        received: messages so far.
-        age: how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a
-            latching publisher, and no header says when it was made.
-    """
-
-    message: object
-    at: float
-    received: int
+    message: object  # the message, as the transport hands it out
+    at: float  # monotonic seconds of receipt
+    received: int  # messages so far
+    # how old it was then, in seconds; ``UNKNOWN_AGE`` when it came on connecting from a latching
+    # publisher, and no header says when it was made
     age: float = 0.0
 
     @property
@@ -64,29 +52,21 @@ class Receipt(NamedTuple):
 class Receipts:
     """What a transport hands over in its own threads; all conversion happens in the loop.
 
-    Args:
-        sources: what is subscribed to.
-        arrived: called after every message (``on_change`` wakes the loop here).
+    ``arrived`` is called after every message (``on_change`` wakes the loop here).
     """
 
     def __init__(self, sources: Collection[Input], arrived: Callable[[], None]) -> None:
         self._lock = threading.Lock()
         self._arrived = arrived
         self._silent = {one.id for one in sources if not one.wakes}
-        self._latest: Dict[str, Receipt] = {}
-        self._queues: Dict[str, Deque[object]] = {
+        self._latest: dict[str, Receipt] = {}
+        self._queues: dict[str, deque[object]] = {
             one.id: deque(maxlen=MAX_QUEUED) for one in sources if one.every_message
         }
-        self._dropped: Dict[str, int] = {}
+        self._dropped: dict[str, int] = {}
 
     def receive(self, source: str, message: object, age: float = 0.0) -> None:
-        """Store one message.
-
-        Args:
-            source: id of the input.
-            message: as the transport hands it out.
-            age: see ``Receipt``.
-        """
+        """Store one message of an input, see ``Receipt``."""
         now = time.monotonic()
         with self._lock:
             before = self._latest.get(source)
@@ -100,12 +80,12 @@ class Receipts:
         if source not in self._silent:
             self._arrived()
 
-    def latest(self) -> Dict[str, Receipt]:
+    def latest(self) -> dict[str, Receipt]:
         """Return the last message of every input that has one, at one instant."""
         with self._lock:
             return dict(self._latest)
 
-    def taken(self) -> Tuple[Dict[str, Receipt], Dict[str, List[object]]]:
+    def taken(self) -> tuple[dict[str, Receipt], dict[str, list[object]]]:
         """Return the last messages, and of inputs that take each those since the last call.
 
         At one instant: one that came between the two would be new without having been received.

@@ -6,7 +6,8 @@ message came, "satisfied" and "good" only of evidence that speaks for a guarante
 
 from __future__ import annotations
 
-from typing import Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+import math
+from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from ..inputs import UNKNOWN_AGE
 from ..monitor import Standing
@@ -33,97 +34,63 @@ _NAMED = 5
 
 
 class SourceFact(NamedTuple):
-    """One topic that an input is made of.
+    """One topic that an input is made of."""
 
-    Attributes:
-        topic: with its full name.
-        age: of its last message in seconds; ``UNKNOWN_AGE``: it was latched; ``None``: none came.
-        reason: what the transport knows of it, else empty.
-    """
-
-    topic: str
-    age: Optional[float]
-    reason: str = ""
+    topic: str  # with its full name
+    # of its last message in seconds; ``UNKNOWN_AGE``: it was latched; ``None``: none came
+    age: float | None
+    reason: str = ""  # what the transport knows of it, else empty
 
 
 class InputFact(NamedTuple):
-    """One input at the last step.
+    """One input at the last step."""
 
-    Attributes:
-        id: of the input.
-        state: one of those above.
-        reason: what is known of it beside its sources, such as why it is invalid, else empty.
-        age: of the oldest message it needs in seconds; ``UNKNOWN_AGE`` as there, ``None`` without.
-        received: messages so far, of the required topic with the fewest.
-        errors: steps so far in which it was invalid.
-        blocks: ids of the guarantees that are inactive because of it.
-        limit: its ``max_age``: seconds, ``none`` (it may be of any age on purpose), or ``None``.
-        sources: the topics that it is made of.
-    """
-
-    id: str
-    state: str
+    id: str  # of the input
+    state: str  # one of those above
+    # what is known of it beside its sources, such as why it is invalid, else empty
     reason: str = ""
-    age: Optional[float] = None
-    received: int = 0
-    errors: int = 0
-    blocks: Tuple[str, ...] = ()
-    limit: Union[float, str, None] = None
-    sources: Tuple[SourceFact, ...] = ()
+    # of the oldest message it needs in seconds; ``UNKNOWN_AGE`` as there, ``None`` without
+    age: float | None = None
+    received: int = 0  # messages so far, of the required topic with the fewest
+    errors: int = 0  # steps so far in which it was invalid
+    blocks: tuple[str, ...] = ()  # ids of the guarantees that are inactive because of it
+    # its ``max_age``: seconds, ``none`` (it may be of any age on purpose), or ``None``
+    limit: float | str | None = None
+    sources: tuple[SourceFact, ...] = ()  # the topics that it is made of
 
 
 class MonitorFact(NamedTuple):
-    """What the monitor made of its inputs in the last step.
+    """What the monitor made of its inputs in the last step."""
 
-    Attributes:
-        standings: every guarantee, threshold or event, active or not.
-        accepted: acceptances in use, as ``input: key``.
-        blocks: input id -> what it blocks.
-        doubts: what was missed before and still keeps outputs from being given.
-    """
-
-    standings: Tuple[Standing, ...] = ()
-    accepted: Tuple[str, ...] = ()
-    blocks: Mapping[str, Sequence[str]] = {}
-    doubts: Tuple[str, ...] = ()
+    standings: tuple[Standing, ...] = ()  # every guarantee, threshold or event, active or not
+    accepted: tuple[str, ...] = ()  # acceptances in use, as ``input: key``
+    blocks: Mapping[str, Sequence[str]] = {}  # input id -> what it blocks
+    # what was missed before and still keeps outputs from being given
+    doubts: tuple[str, ...] = ()
 
 
 class GraphFact(NamedTuple):
-    """What the transport knows of the graph around the node.
+    """What the transport knows of the graph around the node."""
 
-    Attributes:
-        values: for the diagnostics, such as the state of a master.
-        warnings: sentences.
-        wrong_types: full name of a topic -> the type that its publisher sends, and that expected.
-        reasons: full name of a topic -> why else nothing usable comes from it.
-    """
-
-    values: Tuple[Tuple[str, str], ...] = ()
-    warnings: Tuple[str, ...] = ()
+    values: tuple[tuple[str, str], ...] = ()  # for the diagnostics, such as the state of a master
+    warnings: tuple[str, ...] = ()  # sentences
+    # full name of a topic -> the type that its publisher sends, and that expected
     wrong_types: Mapping[str, str] = {}
+    # full name of a topic -> why else nothing usable comes from it
     reasons: Mapping[str, str] = {}
 
 
 class NodeFact(NamedTuple):
-    """The node around the monitor.
+    """The node around the monitor."""
 
-    Attributes:
-        steps: steps so far.
-        overruns: steps that were left out because an earlier one was late.
-        recent_overruns: the same since the last periodic report.
-        longest_step: seconds.
-        error: an exception of the last step or of the output, else empty.
-        graph: what is around it.
-        silent_for: seconds without a step when that is far too long, else ``None``.
-    """
-
-    steps: int
-    overruns: int
-    recent_overruns: int
-    longest_step: float
-    error: str
-    graph: GraphFact = GraphFact()
-    silent_for: Optional[float] = None
+    steps: int  # steps so far
+    overruns: int  # steps that were left out because an earlier one was late
+    recent_overruns: int  # the same since the last periodic report
+    longest_step: float  # seconds
+    error: str  # an exception of the last step or of the output, else empty
+    graph: GraphFact = GraphFact()  # what is around it
+    # seconds without a step when that is far too long, else ``None``
+    silent_for: float | None = None
 
 
 class Report(NamedTuple):
@@ -131,7 +98,7 @@ class Report(NamedTuple):
 
     level: int
     message: str
-    values: Tuple[Tuple[str, str], ...]
+    values: tuple[tuple[str, str], ...]
 
 
 def worst(levels: Sequence[int]) -> int:
@@ -146,26 +113,18 @@ def level_of(states: Sequence[str], error: str, accepted: Sequence[str] = ()) ->
 
 
 def report(
-    identity: Mapping[str, str],
-    inputs: Sequence[InputFact],
-    monitor: MonitorFact,
-    node: NodeFact,
+    identity: Mapping[str, str], inputs: Sequence[InputFact], monitor: MonitorFact, node: NodeFact
 ) -> Report:
-    """Put the facts into one status.
-
-    Args:
-        identity: pairs that never change (digest, versions).
-        inputs: every input in the order of the model.
-        monitor: what it made of them.
-        node: the rest.
-    """
+    """Put the facts into one status; ``identity`` are pairs that never change."""
     findings = [*_of_inputs(inputs, node.graph), *_of_node(node)]
     findings += [(WARN, f"accepted: {text}") for text in monitor.accepted]
     findings += [(WARN, text) for text in monitor.doubts]
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())
-    values += [_standing_value(one, by_id) for one in monitor.standings]
+    for one in monitor.standings:
+        key = f"{one.what}.{one.id}" if one.what else one.id
+        values.append((key, standing_text(one, by_id)))
     for fact in inputs:
         values += _input_values(fact)
     values += [(f"accepted.{k}", text) for k, text in enumerate(monitor.accepted)]
@@ -181,8 +140,7 @@ def because(fact: InputFact) -> str:
     """Return in one line why an input is not fresh, with the topics that are late or missing."""
     if fact.state == LATCHED:
         return "age unknown"
-    blamed = _blamed(fact)
-    parts = []
+    blamed, parts = _blamed(fact), []
     absent = ", ".join(_explained(one.topic, one) for one in blamed if one.age is None)
     if absent and fact.state == WAITING:
         parts.append(f"waiting for first message of {absent}")
@@ -192,20 +150,15 @@ def because(fact: InputFact) -> str:
     return ", ".join(parts) or fact.reason
 
 
-def _blamed(fact: InputFact) -> List[SourceFact]:
+def _blamed(fact: InputFact) -> list[SourceFact]:
     """Return the sources of an input that are late or missing."""
     if fact.state not in (WAITING, NEVER, LATE):
         return []
-    return [one for one in fact.sources if one.age is None or _is_late(one, fact.limit)]
+    limit = fact.limit if isinstance(fact.limit, (int, float)) else math.inf
+    return [one for one in fact.sources if one.age is None or not one.age <= limit]
 
 
-def _is_late(source: SourceFact, limit: Union[float, str, None]) -> bool:
-    if source.age is None or limit is None or isinstance(limit, str):
-        return False
-    return not source.age <= limit
-
-
-def _late(source: SourceFact, limit: Union[float, str, None]) -> str:
+def _late(source: SourceFact, limit: float | str | None) -> str:
     if source.age == UNKNOWN_AGE:
         return f"{source.topic} was latched, its age is not known"
     text = f"{source.topic} is late, {source.age:.3g} s old, the limit is {limit:g} s"
@@ -217,12 +170,7 @@ def _explained(text: str, source: SourceFact) -> str:
 
 
 def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
-    """Return ``active``, or ``inactive`` with the reason in one line.
-
-    Args:
-        one: a guarantee, threshold or event.
-        inputs: input id -> what is known of it.
-    """
+    """Return ``active``, or ``inactive`` with the reason in one line."""
     parts = [one.reason] if one.reason else []
     for name, why in one.lacks[:_NAMED]:
         fact = inputs.get(name)
@@ -230,17 +178,11 @@ def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
         parts.append(f"{name}: {late or why}")
     if len(one.lacks) > _NAMED:
         parts.append(f"and {len(one.lacks) - _NAMED} more inputs")
-    return ": ".join(
-        ["active" if one.active else "inactive", *(["; ".join(parts)] if parts else ())]
-    )
+    reason = f": {'; '.join(parts)}" if parts else ""
+    return f"{'active' if one.active else 'inactive'}{reason}"
 
 
-def _standing_value(one: Standing, inputs: Mapping[str, InputFact]) -> Tuple[str, str]:
-    key = f"{one.what}.{one.id}" if one.what else one.id
-    return key, standing_text(one, inputs)
-
-
-def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[Tuple[int, str]]:
+def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[tuple[int, str]]:
     wrong = dict(graph.wrong_types)
     for fact in inputs:
         if fact.state != FRESH:
@@ -248,10 +190,10 @@ def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[Tuple[
             yield ERROR if mistaken else _LEVEL_OF_STATE[fact.state], _sentence(fact)
             for topic in mistaken:
                 wrong.pop(topic, None)
-    yield from ((ERROR, text) for text in _sentences(wrong))
+    yield from ((ERROR, f"{topic}: {text}") for topic, text in wrong.items())
 
 
-def _of_node(node: NodeFact) -> Iterator[Tuple[int, str]]:
+def _of_node(node: NodeFact) -> Iterator[tuple[int, str]]:
     if node.error:
         yield ERROR, node.error
     if node.silent_for is not None:
@@ -259,10 +201,6 @@ def _of_node(node: NodeFact) -> Iterator[Tuple[int, str]]:
     if node.recent_overruns:
         yield WARN, f"{node.recent_overruns} steps left out"
     yield from ((WARN, text) for text in node.graph.warnings)
-
-
-def _sentences(wrong_types: Mapping[str, str]) -> List[str]:
-    return [f"{topic}: {text}" for topic, text in wrong_types.items()]
 
 
 def _sentence(fact: InputFact) -> str:
@@ -274,7 +212,7 @@ def _sentence(fact: InputFact) -> str:
     return text + (f" (blocks {', '.join(fact.blocks)})" if fact.blocks else "")
 
 
-def _input_values(fact: InputFact) -> Iterator[Tuple[str, str]]:
+def _input_values(fact: InputFact) -> Iterator[tuple[str, str]]:
     yield fact.id, fact.state
     yield f"{fact.id}.age_s", "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
     yield f"{fact.id}.received", str(fact.received)
@@ -287,13 +225,13 @@ def _input_values(fact: InputFact) -> Iterator[Tuple[str, str]]:
         yield f"{fact.id}.reason", reason
 
 
-def _node_values(node: NodeFact) -> List[Tuple[str, str]]:
+def _node_values(node: NodeFact) -> list[tuple[str, str]]:
     values = [
         ("steps", str(node.steps)),
         ("overruns", str(node.overruns)),
         ("longest_step_ms", f"{node.longest_step * 1e3:.3f}"),
         *node.graph.values,
     ]
-    wrong = _sentences(node.graph.wrong_types)
-    values += [(f"wrong_type.{index}", text) for index, text in enumerate(wrong)]
+    wrong = enumerate(node.graph.wrong_types.items())
+    values += [(f"wrong_type.{k}", f"{topic}: {text}") for k, (topic, text) in wrong]
     return values + ([("error", node.error)] if node.error else [])

@@ -35,9 +35,7 @@ class Waker:
 class Schedule:
     """The grid of steps: one per period, late ones are counted and not made up.
 
-    Args:
-        period: seconds between two steps.
-        on_change: steps may also come early; then the period counts from the last step.
+    ``on_change``: steps may also come early; then the period counts from the last step.
     """
 
     def __init__(self, period: float, on_change: bool) -> None:

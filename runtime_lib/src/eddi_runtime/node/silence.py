@@ -1,18 +1,9 @@
 """Why nothing usable comes from a topic: what a transport knows of its publishers, in words."""
 
+from __future__ import annotations
+
 import time
-from typing import (
-    Collection,
-    Dict,
-    Iterable,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Set,
-    Tuple,
-)
+from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
 from .receipts import Input, Receipt
 from .report import GraphFact
@@ -22,41 +13,29 @@ _QUIET_S = 1.0
 
 
 class Topic(NamedTuple):
-    """What a transport knows of a topic without new messages, and of who publishes it.
+    """What a transport knows of a topic without new messages, and of who publishes it."""
 
-    Attributes:
-        name: full name.
-        expected: type that this node reads, as ROS 1 writes it.
-        types: type of each publication, written so; empty where nobody publishes it.
-        age: of the last message in seconds, ``None`` before the first.
-        fault: why nothing comes from a publication of that type.
-    """
-
-    name: str
-    expected: str
-    types: Collection[str]
-    age: Optional[float]
-    fault: str
+    name: str  # full name
+    expected: str  # type that this node reads, as ROS 1 writes it
+    types: Collection[str]  # type of each publication, written so; empty where nobody publishes it
+    age: float | None  # of the last message in seconds, ``None`` before the first
+    fault: str  # why nothing comes from a publication of that type
 
 
 class Silence:
     """Finds the reason for the silence of each topic.
 
     Nothing is called absent in the time of the start, in which the graph becomes known.
-
-    Args:
-        sources: what is subscribed to.
-        grace: seconds from now that the start takes.
     """
 
     def __init__(self, sources: Sequence[Input], grace: float) -> None:
         self._sources = sources
         self._settled_at = time.monotonic() + grace
-        self._were_published: Set[str] = set()
+        self._were_published: set[str] = set()
         self._published: Collection[str] = ()
-        self._absent: Dict[str, str] = {}
+        self._absent: dict[str, str] = {}
 
-    def quiet(self, receipts: Mapping[str, Receipt]) -> List[Tuple[Input, Optional[float]]]:
+    def quiet(self, receipts: Mapping[str, Receipt]) -> list[tuple[Input, float | None]]:
         """Return each source without a recent message, and the seconds since its last one."""
         now = time.monotonic()
         ages = {name: now - one.at for name, one in receipts.items()}
@@ -64,11 +43,9 @@ class Silence:
         return [(one, age) for one, age in found if age is None or age > _QUIET_S]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
-        """Return why nothing usable comes from topics, of each for which that is known.
+        """Return why nothing usable comes from topics without a recent message, where known.
 
-        Args:
-            topics: those without a recent message.
-            published: full names of all topics that somebody publishes.
+        ``published``: full names of all topics that somebody publishes.
         """
         if self._published != (names := frozenset(published)):
             self._published, self._absent = names, {}  # the nearest names are searched anew

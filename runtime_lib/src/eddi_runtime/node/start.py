@@ -42,12 +42,7 @@ def reported(package: str) -> Iterator[None]:
 
 @contextmanager
 def installed(package: str, advice: str) -> Iterator[None]:
-    """End with one line, not a traceback, when what comes with a robot's system is not there.
-
-    Args:
-        package: of the monitor.
-        advice: what to do.
-    """
+    """End with one line, not a traceback, when what comes with a robot's system is not there."""
     try:
         yield
     except ImportError as error:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from itertools import accumulate, repeat
 from operator import mul
-from typing import List, Optional, Sequence, Tuple
+from typing import Sequence
 
 from .component import Component, Estimate, Known, Moment, Values, sure
 from .laws import Arrhenius
@@ -42,12 +42,12 @@ class Battery(Component):
     def __init__(
         self,
         level: str,
-        arcs: Tuple[Tuple[int, int, float], ...],
-        lives: Tuple[float, ...],
+        arcs: tuple[tuple[int, int, float], ...],
+        lives: tuple[float, ...],
         longest: float,
         *,
         repair: bool = False,
-        heat: Optional[Arrhenius] = None,
+        heat: Arrhenius | None = None,
         temperature: str = "",
     ) -> None:
         self._level, self._repair, self._lives = level, repair, lives
@@ -84,7 +84,7 @@ class Battery(Component):
         life = self._lives[state]
         return life / factor if factor > 0.0 and life > 0.0 else life
 
-    def _believed(self, level: Optional[float]) -> Optional[float]:
+    def _believed(self, level: float | None) -> float | None:
         """Return the level, None where the band is not known either."""
         if level is None:
             self._missed = self._band in _BANDS  # what is empty cannot sink
@@ -118,7 +118,7 @@ class FreeHorizon:
         longest: hours, the longest time that is usual.
     """
 
-    def __init__(self, arcs: Sequence[Tuple[int, int, float]], longest: float) -> None:
+    def __init__(self, arcs: Sequence[tuple[int, int, float]], longest: float) -> None:
         exits = [math.fsum(rate for a, _, rate in arcs if a == i) for i in range(_STATES)]
         self._fastest, whole = max(exits), max(exits) or 1.0
         self._jump = [[0.0] * _STATES for _ in exits]
@@ -132,10 +132,10 @@ class FreeHorizon:
         self._shares = [1.0 / k for k in range(1, self._count + 1)]
         alive = [float(state < _EMPTY) for state in range(_STATES)]
         self._terms = list(zip(self._moved([1.0 - one for one in alive]), self._moved(alive)))
-        self._powers: List[Matrix] = []
+        self._powers: list[Matrix] = []
         self._hours = -1.0
 
-    def _moved(self, column: List[float]) -> List[Tuple[float, ...]]:
+    def _moved(self, column: list[float]) -> list[tuple[float, ...]]:
         """Return for each state the entries of a vector after 0, 1, 2, ... jumps."""
         found = [column]
         for _ in range(self._count):
@@ -154,7 +154,7 @@ class FreeHorizon:
             self._found[state] = [one / sum(ends) for one in ends]
         return self._found[state]
 
-    def _ends(self, state: int) -> List[float]:
+    def _ends(self, state: int) -> list[float]:
         if not self._whole:
             return [dot(self._weights, terms) for terms in self._terms[state]]
         row: Sequence[float] = [float(one == state) for one in range(_STATES)]
@@ -171,6 +171,6 @@ class FreeHorizon:
         columns = [[dot(weights, one) for one in self._moved(each)] for each in ends]
         return [[one / sum(row) for one in row] for row in zip(*columns)]
 
-    def _poisson(self, mean: float) -> List[float]:
+    def _poisson(self, mean: float) -> list[float]:
         grows = map(mul, self._shares, repeat(mean))
         return list(accumulate(grows, mul, initial=math.exp(-mean)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from operator import mul
-from typing import Collection, Dict, List, Sequence, Tuple
+from typing import Collection, Sequence, Tuple
 
 from .component import Estimate, Moment, sure
 from .powers import Matrix, dot, factors
@@ -25,57 +25,50 @@ class Seen:
     """What is observed in a step, and what follows from it; kept for steps that see the same.
 
     Attributes:
-        states: those that are consistent with the inputs.
-        mask: one 1.0 or 0.0 per state, whether it is one of them; ``whole``: all are.
-        worst: the state that is taken when the belief gives all consistent ones no weight.
         fatal: nothing but failure is consistent.
         alive: failure is not consistent, something else is.
-        unknown: inputs that are not known.
-        completions: possible observations with what is not known; the others are made of these.
-        bounds: position of a horizon -> failed at least and at most, alive and mean life at least.
     """
 
     def __init__(self, chain: Chain, states: Collection[int]) -> None:
-        self.states = tuple(sorted(states))
+        self.states = tuple(sorted(states))  # those that are consistent with the inputs
+        # one 1.0 or 0.0 per state, whether it is one of them; ``whole``: all are
         self.mask = tuple([float(state in states) for state in range(chain.states)])
         self.whole = len(states) == chain.states
         rows = chain.rows(-1)
+        # the state that is taken when the belief gives all consistent ones no weight
         self.worst = max(self.states or chain.fail, key=lambda state: rows[state][0])
         failed = len(set(chain.fail).intersection(states))
         self.fatal, self.alive = 0 < failed == len(states), failed == 0 < len(states)
-        self.unknown: Tuple[str, ...] = ()
-        self.completions: Tuple[Seen, ...] = ()
-        self.bounds: Dict[int, Tuple[float, float, float, float]] = {}
+        self.unknown: tuple[str, ...] = ()  # inputs that are not known
+        # possible observations with what is not known; the others are made of these
+        self.completions: tuple[Seen, ...] = ()
+        # position of a horizon -> failed at least and at most, alive and mean life at least
+        self.bounds: dict[int, tuple[float, float, float, float]] = {}
 
 
 class Chain:
     """The belief over the states of a chain of few states, whose sums are written out.
 
     The belief has any weight up to one: results are divided by it, and it is seldom brought back.
-
-    Attributes:
-        first: belief at the start of the mission.
-        fail: numbers of the fail states.
-        ahead: what lies ahead of each state; with ``grid`` for a horizon of no length.
-        grid: transitions in one of ``steps`` steps to the longest horizon; empty: one horizon.
-        everything: no input excludes a state.
     """
 
-    first: Tuple[float, ...]
-    fail: Tuple[int, ...]
-    ahead: Tuple[Row, ...]
+    first: tuple[float, ...]  # belief at the start of the mission
+    fail: tuple[int, ...]  # numbers of the fail states
+    # what lies ahead of each state; with ``grid`` for a horizon of no length
+    ahead: tuple[Row, ...]
+    # transitions in one of ``steps`` steps to the longest horizon; empty: one horizon
     grid: Matrix = ()
     steps = 1
 
     def __init__(self) -> None:
         self.states = len(self.first)
-        self._rows: List[Sequence[Row]] = [self.ahead]
+        self._rows: list[Sequence[Row]] = [self.ahead]
         for _ in range(self.steps if self.grid else 0):
             failed, alive, lives = zip(*self._rows[-1])
             after = [(min(dot(one, failed), 1.0), dot(one, alive)) for one in self.grid]
             self._rows.append([(*ends, life) for ends, life in zip(after, lives)])
-        self._powers: List[Matrix] = []
-        self.everything = Seen(self, range(self.states))
+        self._powers: list[Matrix] = []
+        self.everything = Seen(self, range(self.states))  # no input excludes a state
         self.reset()
 
     def quantum(self, belief: Belief) -> Belief:
@@ -94,7 +87,7 @@ class Chain:
         return self._rows[at]
 
     @property
-    def belief(self) -> List[float]:
+    def belief(self) -> list[float]:
         """The distribution over the states now."""
         belief = self.weights()
         whole = sum(belief)
@@ -108,7 +101,7 @@ class Chain:
         """Take another belief over the states."""
         self._belief: Belief = belief
 
-    def sure_of(self, state: int) -> List[float]:
+    def sure_of(self, state: int) -> list[float]:
         """Return the belief in one state alone."""
         return [float(one == state) for one in range(self.states)]
 
@@ -116,7 +109,7 @@ class Chain:
         """Return to the start of the mission."""
         self.believe(self.first)
 
-    def after(self, beliefs: List[Belief], quanta: int) -> List[Belief]:
+    def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
         """Return several beliefs when time has passed unobserved."""
         if quanta == 1:
             return [self.quantum(one) for one in beliefs]
@@ -127,7 +120,7 @@ class Chain:
             beliefs = [[dot(one, column) for column in zip(*power)] for one in beliefs]
         return beliefs
 
-    def bounds(self, beliefs: List[Belief], at: int, reason: str = "") -> Estimate:
+    def bounds(self, beliefs: list[Belief], at: int, reason: str = "") -> Estimate:
         """Return what lies ahead at a prepared horizon if one of several beliefs is right."""
         failed, alive, lives = zip(*[_divided(self.look(one, at)) for one in beliefs])
         return Estimate(min(failed), max(failed), min(alive), min(lives), (), reason)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from operator import itemgetter
 from types import MappingProxyType
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 Values = Mapping[str, Any]
 """Input id -> bool, float, list of them with None, or None where nothing is known."""
@@ -15,41 +15,24 @@ AGAIN = "it reports that a failed part works again; ignored without `repair: tru
 
 
 class Moment(NamedTuple):
-    """When a step is.
+    """When a step is."""
 
-    Attributes:
-        quanta: how many quanta have passed since the last step.
-        hours: the same in hours.
-        age: hours since the first step.
-        horizon: hours from now to the horizon.
-        at: position of the horizon among those that were prepared.
-    """
-
-    quanta: int
-    hours: float
-    age: float
-    horizon: float
-    at: int
+    quanta: int  # how many quanta have passed since the last step
+    hours: float  # the same in hours
+    age: float  # hours since the first step
+    horizon: float  # hours from now to the horizon
+    at: int  # position of the horizon among those that were prepared
 
 
 class Estimate(NamedTuple):
-    """Probability of failure from now to the horizon.
+    """Probability of failure from now to the horizon."""
 
-    Attributes:
-        low: in the best case of what is unknown, or was when it mattered.
-        high: in the worst case; equal to ``low`` when nothing was missed.
-        reliability: probability of no failure in the worst case.
-        mttf: remaining mean time to failure in hours; NaN: not computed.
-        unknown: inputs on which the result depends and that are not known.
-        reason: why the result cannot be trusted for another reason; empty otherwise.
-    """
-
-    low: float
-    high: float
-    reliability: float
-    mttf: float
-    unknown: Tuple[str, ...] = ()
-    reason: str = ""
+    low: float  # in the best case of what is unknown, or was when it mattered
+    high: float  # in the worst case; equal to ``low`` when nothing was missed
+    reliability: float  # probability of no failure in the worst case
+    mttf: float  # remaining mean time to failure in hours; NaN: not computed
+    unknown: tuple[str, ...] = ()  # inputs on which the result depends and that are not known
+    reason: str = ""  # why the result cannot be trusted for another reason; empty otherwise
 
 
 Known = Mapping[str, Estimate]
@@ -63,7 +46,7 @@ def sure(p: float, reliability: float, mttf: float, reason: str = "") -> Estimat
     return _new(Estimate, (p, p, reliability, mttf, (), reason))
 
 
-def reader(names: Sequence[str]) -> Callable[[Values], Tuple[object, ...]]:
+def reader(names: Sequence[str]) -> Callable[[Values], tuple[object, ...]]:
     """Return what reads the values of some inputs as a tuple."""
     if len(names) == 1:
         (name,) = names
@@ -72,46 +55,32 @@ def reader(names: Sequence[str]) -> Callable[[Values], Tuple[object, ...]]:
 
 
 class Importance(NamedTuple):
-    """How much one event matters for the top event, at present probabilities.
+    """How much one event matters for the top event, at present probabilities."""
 
-    Attributes:
-        event: its name.
-        probability: of the event.
-        birnbaum: p(top | event) - p(top | not event).
-        criticality: share of the top's probability in which the event decides.
-        achievement: risk achievement worth: p(top | event) / p(top).
-        reduction: risk reduction worth: p(top) / p(top | not event).
-    """
-
-    event: str
-    probability: float
-    birnbaum: float
-    criticality: float
-    achievement: float
-    reduction: float
+    event: str  # its name
+    probability: float  # of the event
+    birnbaum: float  # p(top | event) - p(top | not event)
+    criticality: float  # share of the top's probability in which the event decides
+    achievement: float  # risk achievement worth: p(top | event) / p(top)
+    reduction: float  # risk reduction worth: p(top) / p(top | not event)
 
 
 class Component:
-    """One model of a monitor; it is asked once a step, behind those that it uses.
+    """One model of a monitor; it is asked once a step, behind those that it uses."""
 
-    Attributes:
-        grows: what lies ahead never gets less probable with the horizon.
-        latched: how often a claim was ignored that something failed works again.
-        said: input id -> what is wrong with its value, since the monitor took this over.
-    """
-
-    grows: bool = True
-    latched: int = 0
+    grows: bool = True  # what lies ahead never gets less probable with the horizon
+    latched: int = 0  # how often a claim was ignored that something failed works again
+    # input id -> what is wrong with its value, since the monitor took this over
     said: Mapping[str, str] = NOTHING
 
     def report_fault(self, name: str, text: str) -> None:
         """Say what is wrong with the value of an input."""
-        said: Dict[str, str] = {**self.said, name: text}
+        said: dict[str, str] = {**self.said, name: text}
         self.said = said
 
     def has_failed(
-        self, name: str, now: Optional[bool], *, before: bool, repair: bool
-    ) -> Optional[bool]:
+        self, name: str, now: bool | None, *, before: bool, repair: bool
+    ) -> bool | None:
         """Return what an input says now, of which a failure stays one unless there is repair."""
         if not before or now or repair:
             return now
@@ -128,7 +97,7 @@ class Component:
         """Return what was missed before and is still open, in words; empty for nothing."""
         return ""
 
-    def importances(self) -> Tuple[Importance, ...]:
+    def importances(self) -> tuple[Importance, ...]:
         """Return how much each event of a fault tree matters now; empty for other models."""
         return ()
 

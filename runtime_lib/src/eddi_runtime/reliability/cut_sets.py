@@ -5,7 +5,7 @@ Source: Esary and Proschan 1963.
 
 from __future__ import annotations
 
-from typing import Dict, List, Sequence, Tuple
+from typing import Sequence
 
 import numpy as np
 
@@ -13,16 +13,12 @@ from .tree import FaultTree
 
 
 class BoundedTree(FaultTree):
-    """Bounds of a coherent tree's probability: max P(cut) <= p <= 1 - prod(1 - P(cut)).
+    """Bounds of a coherent tree's probability: max P(cut) <= p <= 1 - prod(1 - P(cut))."""
 
-    Attributes:
-        sets: all minimal cut sets, numbers of events.
-    """
-
-    sets: Tuple[Tuple[int, ...], ...]
+    sets: tuple[tuple[int, ...], ...]  # all minimal cut sets, numbers of events
 
     def __init__(self) -> None:
-        by_size: Dict[int, List[Tuple[int, ...]]] = {}
+        by_size: dict[int, list[tuple[int, ...]]] = {}
         for one in self.sets:
             by_size.setdefault(len(one), []).append(one)
         self._groups = [np.array(group, dtype=int) for group in by_size.values()]
@@ -40,11 +36,11 @@ class BoundedTree(FaultTree):
         """Return the probability of the most probable cut set."""
         return max((float(p.max()) for p in self._products(q)), default=0.0)
 
-    def probability(self, low: List[float], high: List[float]) -> Tuple[float, float, float]:
+    def probability(self, low: list[float], high: list[float]) -> tuple[float, float, float]:
         """Return the bounds, and one minus the upper one."""
         return self.lower(low), min(self.failure(high), 1.0), self.survival(high)
 
-    def _products(self, q: Sequence[float]) -> List[np.ndarray]:
+    def _products(self, q: Sequence[float]) -> list[np.ndarray]:
         values = np.array(q)
         return [values[group].prod(axis=1) for group in self._groups]
 

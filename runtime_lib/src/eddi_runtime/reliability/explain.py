@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List, Mapping, NamedTuple, Tuple
+from typing import Mapping, NamedTuple
 
 from .component import Importance
 from .result import ReliabilityResult
@@ -11,31 +11,25 @@ _SHOWN = 5
 
 
 class Explanation(NamedTuple):
-    """Explanation of the result of one step.
+    """Explanation of the result of one step."""
 
-    Attributes:
-        result: of the step.
-        known: input -> its value.
-        unknown: input -> why it is not known; empty where nothing came.
-        faults: input -> what is wrong with its value, also where the value is known.
-        contributions: (model, its p_fail_high), the most probable failure first.
-        importances: events of the top fault tree, those that decide most often first.
-        ignored: model -> how often a claim was ignored that something failed works again.
-    """
-
-    result: ReliabilityResult
-    known: Mapping[str, object]
-    unknown: Mapping[str, str]
+    result: ReliabilityResult  # of the step
+    known: Mapping[str, object]  # input -> its value
+    unknown: Mapping[str, str]  # input -> why it is not known; empty where nothing came
+    # input -> what is wrong with its value, also where the value is known
     faults: Mapping[str, str]
-    contributions: Tuple[Tuple[str, float], ...]
-    importances: Tuple[Importance, ...]
+    # (model, its p_fail_high), the most probable failure first
+    contributions: tuple[tuple[str, float], ...]
+    # events of the top fault tree, those that decide most often first
+    importances: tuple[Importance, ...]
+    # model -> how often a claim was ignored that something failed works again
     ignored: Mapping[str, int]
 
     def text(self) -> str:
         """Return the explanation as lines for people, without a line end behind the last."""
         return "\n".join(self._lines())
 
-    def _lines(self) -> List[str]:
+    def _lines(self) -> list[str]:
         one = self.result
         bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
         shown = bounds if one.p_fail_low != one.p_fail_high else ""

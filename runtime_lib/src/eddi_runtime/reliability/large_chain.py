@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from itertools import accumulate
-from typing import Dict, FrozenSet, List, Optional, Sequence, Tuple
+from typing import Sequence
 
 import numpy as np
 
@@ -25,25 +25,16 @@ _KEPT = 64
 
 
 class LargeChain(Chain):
-    """The belief over the states of a chain, moved by products with matrices.
+    """The belief over the states of a chain, moved by products with matrices."""
 
-    Attributes:
-        count: number of states.
-        initial: number of the state at the start.
-        arcs: (from, to, rate in 1/h); parallel ones add up, those of fail states are left out.
-        endless: states that may live for ever.
-        age: hours that it had run, unobserved, before the start of the mission.
-        hours: of one quantum.
-        horizon: hours; that of one of ``steps`` steps that are prepared.
-    """
-
-    count: int
-    initial = 0
-    arcs: Tuple[Tuple[int, int, float], ...]
-    endless: Tuple[int, ...] = ()
-    age = 0.0
-    hours: float
-    horizon: float
+    count: int  # number of states
+    initial = 0  # number of the state at the start
+    # (from, to, rate in 1/h); parallel ones add up, those of fail states are left out
+    arcs: tuple[tuple[int, int, float], ...]
+    endless: tuple[int, ...] = ()  # states that may live for ever
+    age = 0.0  # hours that it had run, unobserved, before the start of the mission
+    hours: float  # of one quantum
+    horizon: float  # hours; that of one of ``steps`` steps that are prepared
 
     def __init__(self) -> None:
         self.states = self.count
@@ -68,15 +59,14 @@ class LargeChain(Chain):
             views = list(accumulate(range(self.steps), lambda view, _: step @ view, initial=ends))
         # failed, alive, mean life, weight of endless states and of all: one product with a belief
         self._looks = [np.column_stack([view, *rest]) for view in views]
-        self._found: Dict[int, List[Row]] = {}
-        self._matrices: Dict[Seen, Tuple[List[np.ndarray], Optional[np.ndarray], np.ndarray]] = {}
+        self._found: dict[int, list[Row]] = {}
+        self._matrices: dict[Seen, tuple[list[np.ndarray], np.ndarray | None, np.ndarray]] = {}
         self.everything = Seen(self, range(self.states))
         self._place = 0
-        self._block: List[List[float]] = []
+        self._block: list[list[float]] = []
         self.reset()
 
-    def rows(self, at: int) -> List[Row]:
-        """Return what lies ahead of each state for one of the prepared horizons."""
+    def rows(self, at: int) -> list[Row]:
         found = self._found.get(at)
         if found is None:
             failed, alive = np.minimum(self._looks[at][:, :2], 1.0).T.tolist()
@@ -84,33 +74,28 @@ class LargeChain(Chain):
         return found
 
     def weights(self) -> Belief:
-        """Return the belief as it is, of any weight."""
         self._propagate(self._place, self._seen)
         self._place, self._block = 0, []
-        found: List[float] = self._now.tolist()
+        found: list[float] = self._now.tolist()
         return found
 
     def believe(self, belief: Belief) -> None:
-        """Take another belief over the states."""
         self._place, self._block = 0, []
         self._now = np.array(belief)
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         self._seen = self.everything
         super().reset()
 
     def look(self, belief: Belief, at: int) -> Look:
-        """Return what lies ahead of a belief, not divided by its weight."""
-        found: List[float] = np.dot(belief, self._looks[at]).tolist()
+        found: list[float] = np.dot(belief, self._looks[at]).tolist()
         return found
 
-    def after(self, beliefs: List[Belief], quanta: int) -> List[Belief]:
-        """Return several beliefs when time has passed unobserved."""
+    def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
         moved = np.array(beliefs)
         for power in self._factors(quanta, self.everything):
             moved = moved @ power
-        found: List[Belief] = moved.tolist()
+        found: list[Belief] = moved.tolist()
         return found
 
     def moved(self, quanta: int, at: int, seen: Seen) -> Look:
@@ -133,21 +118,21 @@ class LargeChain(Chain):
         if block is not None:
             self._block = self._now.dot(block).reshape(_BLOCK, -1).tolist()
             return self._block[0]
-        look: List[float] = self._now.dot(self._looks[at]).tolist()
+        look: list[float] = self._now.dot(self._looks[at]).tolist()
         return look
 
     def _propagate(self, quanta: int, seen: Seen) -> None:
         for power in self._factors(quanta, seen):
             self._now = self._now.dot(power)
 
-    def _factors(self, quanta: int, seen: Seen) -> List[np.ndarray]:
+    def _factors(self, quanta: int, seen: Seen) -> list[np.ndarray]:
         """Return the powers of one quantum that make up several, the observation in each."""
         powers = self._prepared(seen)[0]
         while len(powers) < quanta.bit_length():
             powers.append(_squared(powers[-1], whole=seen.whole))
         return [power for bit, power in enumerate(powers) if quanta >> bit & 1]
 
-    def _prepared(self, seen: Seen) -> Tuple[List[np.ndarray], Optional[np.ndarray], np.ndarray]:
+    def _prepared(self, seen: Seen) -> tuple[list[np.ndarray], np.ndarray | None, np.ndarray]:
         """Return powers of one quantum with what is seen, looks ahead in the next steps, mask."""
         found = self._matrices.get(seen)
         if found is None:
@@ -196,7 +181,7 @@ def propagator(q: np.ndarray, hours: float) -> np.ndarray:
     return result
 
 
-def mean_times(rates: np.ndarray, fail: FrozenSet[int], endless: Sequence[int]) -> np.ndarray:
+def mean_times(rates: np.ndarray, fail: frozenset[int], endless: Sequence[int]) -> np.ndarray:
     """Return the mean time to failure in hours from each state; 0 in a fail state.
 
     Without subtractions, so that rates of any ratio lose nothing.

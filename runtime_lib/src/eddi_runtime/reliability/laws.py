@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple
 
 from .component import Component, Values
 
@@ -17,16 +17,11 @@ class Arrhenius(NamedTuple):
     """Law of Arrhenius: ageing at a temperature, relative to a reference.
 
     Source: S. Arrhenius 1889; as acceleration factor in JEDEC JEP122 and IEC 61709.
-
-    Attributes:
-        energy: activation energy in eV.
-        reference: temperature in degC at which the factor is 1.
-        hottest: temperature in degC that counts while the true one is not known.
     """
 
-    energy: float
-    reference: float
-    hottest: float
+    energy: float  # activation energy in eV
+    reference: float  # temperature in degC at which the factor is 1
+    hottest: float  # temperature in degC that counts while the true one is not known
 
     def factor(self, temperature: float) -> float:
         """Return the acceleration factor at a temperature in degC; finite for every one."""
@@ -43,20 +38,15 @@ class Limit:
 
     A value above the limit is not believed, so the input is unknown; but neither is the limit
     then: until the next value that is believed, the input may be as large as what was seen.
-
-    Args:
-        name: of the input.
-        largest: the declared limit.
-        shown: the limit for people, such as ``t_max (85 degC)``.
     """
 
     def __init__(self, name: str, largest: float, shown: str) -> None:
         self.name, self._largest, self._shown = name, largest, shown
         self._worst = largest
 
-    def most(self, values: Values, owner: Component) -> Tuple[float, bool]:
+    def most(self, values: Values, owner: Component) -> tuple[float, bool]:
         """Return the value of the input, or the worst that it may be, and whether it is known."""
-        value: Optional[float] = values[self.name]
+        value: float | None = values[self.name]
         if value is None:
             return self._worst, False
         if value > self._largest:

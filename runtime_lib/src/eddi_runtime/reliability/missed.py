@@ -11,29 +11,19 @@ from __future__ import annotations
 
 from itertools import repeat
 from operator import mul, sub, truediv
-from typing import AbstractSet, FrozenSet, Iterable, List
+from typing import AbstractSet, Iterable
 
 from .chain import INCONSISTENT, Belief, Chain, Seen
 from .component import Estimate, Moment
 
 
 class Missed:
-    """The beliefs that a chain may have since an observation of it was missed.
-
-    Args:
-        chain: as it was before.
-        lost: it was seen to have failed.
-        repair: after a failure it may work again.
-
-    Attributes:
-        beliefs: all that are possible are mixtures of them.
-        lost: it may have been seen to fail, and not to work again.
-    """
+    """The beliefs that a chain may have since an observation of it was missed."""
 
     def __init__(self, chain: Chain, *, lost: bool, repair: bool) -> None:
         self._chain, self._repair = chain, repair
-        self.beliefs: List[Belief] = [chain.belief]
-        self.lost = lost
+        self.beliefs: list[Belief] = [chain.belief]  # all that are possible are mixtures of them
+        self.lost = lost  # it may have been seen to fail, and not to work again
 
     def step(self, moment: Moment, seen: Seen) -> Estimate:
         """Let time pass, keep what is consistent with each completion, look ahead."""
@@ -51,9 +41,9 @@ class Missed:
             return self._chain.bounded(seen, moment.at, reason)
         return self._chain.bounds(self.beliefs, moment.at, reason)
 
-    def _left(self, moved: List[Belief], one: Seen) -> List[Belief]:
+    def _left(self, moved: list[Belief], one: Seen) -> list[Belief]:
         """Return the beliefs that an observation leaves, each with a weight of one."""
-        left: List[Belief] = []
+        left: list[Belief] = []
         for belief in moved:
             kept = list(map(mul, belief, one.mask))
             weight = sum(kept)
@@ -64,7 +54,7 @@ class Missed:
         return left
 
 
-def hull(beliefs: List[Belief]) -> List[Belief]:
+def hull(beliefs: list[Belief]) -> list[Belief]:
     """Return beliefs of which all of these are mixtures, not more than there are states in them.
 
     What all have in common is kept, and the rest of the weight may be in any one state.
@@ -79,7 +69,7 @@ def hull(beliefs: List[Belief]) -> List[Belief]:
     rest = max([sum(map(sub, belief, least)) for belief in beliefs])
     whole = sum(least) + rest
     common = [value / whole for value in least]
-    found: List[Belief] = []
+    found: list[Belief] = []
     for corner in corners:
         belief = common[:]
         belief[corner] = (least[corner] + rest) / whole
@@ -87,12 +77,12 @@ def hull(beliefs: List[Belief]) -> List[Belief]:
     return found
 
 
-def independent(possible: Iterable[AbstractSet[int]]) -> List[FrozenSet[int]]:
+def independent(possible: Iterable[AbstractSet[int]]) -> list[frozenset[int]]:
     """Return the sets of states that are not made of smaller ones without overlap.
 
     What such a union leaves of a belief is a mixture of what its parts leave.
     """
-    found: List[FrozenSet[int]] = []
+    found: list[frozenset[int]] = []
     for whole in sorted(map(frozenset, possible), key=lambda one: (len(one), sorted(one))):
         rest = whole
         for part in found:

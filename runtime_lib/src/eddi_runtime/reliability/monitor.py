@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Iterable, Mapping, Sequence
 
 from ..clock import NO_TIME, step_time
 from ..monitor import Json, Monitor, Standing, Tree, Value
@@ -25,34 +25,21 @@ _new = tuple.__new__  # twice as fast as the classes of named tuples
 
 
 class Reliability(Monitor[ReliabilityResult]):
-    """What the class ``Monitor`` of a compiled reliability model inherits. Not thread-safe.
-
-    Attributes, beside those of ``eddi_runtime.Monitor``:
-        rules: input id -> what it may hold.
-        top: model whose numbers are published.
-        uses: inputs on which it depends, with those of the models that it uses.
-        horizon: hours; the longest one when the mission's end is an input.
-        moving: the mission's end is an input.
-        quantum_ns: nanoseconds of one step of the chains.
-        thresholds: in the order of the model.
-        worst_case: evidence follows the worst case of unknown inputs.
-        max_gap_ns: a longer time between two steps is reported.
-        components: the models by name.
-    """
+    """What the class ``Monitor`` of a compiled reliability model inherits. Not thread-safe."""
 
     kind = "reliability"
-    rules: Mapping[str, Rule]
-    top: str
-    uses: Tuple[str, ...]
-    horizon: float
-    moving = False
-    quantum_ns: int
-    thresholds: Tuple[Threshold, ...] = ()
-    worst_case = False
-    max_gap_ns: int
+    rules: Mapping[str, Rule]  # input id -> what it may hold
+    top: str  # model whose numbers are published
+    uses: tuple[str, ...]  # inputs on which it depends, with those of the models that it uses
+    horizon: float  # hours; the longest one when the mission's end is an input
+    moving = False  # the mission's end is an input
+    quantum_ns: int  # nanoseconds of one step of the chains
+    thresholds: tuple[Threshold, ...] = ()  # in the order of the model
+    worst_case = False  # evidence follows the worst case of unknown inputs
+    max_gap_ns: int  # a longer time between two steps is reported
 
     def __init__(self) -> None:
-        self.components = self._models()
+        self.components = self._models()  # the models by name
         self._sources = [spec for spec in self.inputs if spec.id in self.rules]
         self._steps = [(name, one.step) for name, one in self.components.items()]
         self._parts = tuple(self.components.values())
@@ -61,20 +48,20 @@ class Reliability(Monitor[ReliabilityResult]):
         self._quantum = self.quantum_ns / _HOUR_NS
         self.reset()
 
-    def _models(self) -> Dict[str, Component]:
+    def _models(self) -> dict[str, Component]:
         """Return the models by name; each behind those that it uses."""
         raise NotImplementedError
 
-    def _read(self, source: object) -> Dict[str, Taken]:
+    def _read(self, source: object) -> dict[str, Taken]:
         """Return the value of each input, None where it is not known; never raises.
 
         Compiled monitors return usual values at once.
         """
         return self._believed([read(source, spec.attribute, spec.id) for spec in self._sources])
 
-    def _believed(self, raws: Sequence[object]) -> Dict[str, Taken]:
+    def _believed(self, raws: Sequence[object]) -> dict[str, Taken]:
         """Return values of the inputs of ``rules`` as they are believed; keep what is wrong."""
-        values: Dict[str, Taken] = {}
+        values: dict[str, Taken] = {}
         for raw, spec in zip(raws, self._sources):
             rule, factor = self.rules[spec.id], spec.factor
             value, fault = take(rule, raw)
@@ -92,11 +79,11 @@ class Reliability(Monitor[ReliabilityResult]):
     def reset(self) -> None:
         """Return to the start of the mission."""
         self._source = None
-        self._start: Optional[int] = None
+        self._start: int | None = None
         self._last = 0
         self._quanta = 0
         self._base = 0
-        self._faults: Dict[str, str] = {}
+        self._faults: dict[str, str] = {}
         self._taken: Mapping[str, Taken] = {}
         self._result = ReliabilityResult(
             valid=False, p_fail=1.0, p_fail_low=0.0, p_fail_high=1.0, reliability=0.0, mttf=NAN,
@@ -108,13 +95,11 @@ class Reliability(Monitor[ReliabilityResult]):
         for one in self._evidence:
             one.reset()
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> ReliabilityResult:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> ReliabilityResult:
         """Let time pass, take the observations, look ahead; never raises.
 
-        Args:
-            eddi_input: one attribute per input; None, NaN and what is of another kind: unknown.
-            t_ns: time of the step in nanoseconds; None: the machine's monotonic clock. What is no
-                whole number is no time: the step is not valid.
+        None, NaN and what is of another kind are unknown. A time that is no whole number is none:
+        the step is not valid.
         """
         self._source = eddi_input
         now = step_time(t_ns)
@@ -124,7 +109,7 @@ class Reliability(Monitor[ReliabilityResult]):
         self._taken = values
         quanta, reason = self._pass(now)
         moment = self._moment(values, quanta)
-        known: Dict[str, Estimate] = {}
+        known: dict[str, Estimate] = {}
         for name, step in self._steps:
             known[name] = step(values, moment, known)
         for component in self._parts:
@@ -143,10 +128,10 @@ class Reliability(Monitor[ReliabilityResult]):
             told = self._doubt()
         usable = valid or (self.worst_case and not reason)
         # loops, not comprehensions: those cost a call each before Python 3.12
-        contributions: Dict[str, float] = {}
+        contributions: dict[str, float] = {}
         for name, found in known.items():
             contributions[name] = found[1]
-        evidence: Dict[str, bool] = {}
+        evidence: dict[str, bool] = {}
         for one in self._evidence:
             evidence[one.id] = one.step(self._last, high, usable=usable)
         self._result = _new(
@@ -159,7 +144,7 @@ class Reliability(Monitor[ReliabilityResult]):
         )
         return self._result
 
-    def _pass(self, now: Optional[int]) -> Tuple[int, str]:
+    def _pass(self, now: int | None) -> tuple[int, str]:
         """Return how many quanta to propagate, and what is wrong with the clock."""
         if now is None:  # the next time that is one makes up for it
             return 0, NO_TIME
@@ -177,7 +162,7 @@ class Reliability(Monitor[ReliabilityResult]):
         quanta, self._quanta = due - self._quanta, due
         return quanta, "gap" if gap > self.max_gap_ns else ""
 
-    def _limit_mission(self, values: Dict[str, Taken]) -> str:
+    def _limit_mission(self, values: dict[str, Taken]) -> str:
         """Let a mission that is too long be unknown; return why no number bounds it."""
         left, longest = values[MISSION_END], self.horizon * 3600.0
         if not isinstance(left, float) or left <= longest * _ROUNDED:
@@ -202,7 +187,7 @@ class Reliability(Monitor[ReliabilityResult]):
         found = [(name, one.doubt()) for name, one in self.components.items()]
         return "; ".join([f"{name}: {text}" for name, text in found if text])
 
-    def doubts(self) -> Tuple[str, ...]:
+    def doubts(self) -> tuple[str, ...]:
         """Return what was missed before and keeps a threshold from being active."""
         one = self._result
         decides = [
@@ -212,7 +197,7 @@ class Reliability(Monitor[ReliabilityResult]):
         ]
         return (one.reason,) if one.valid and one.reason and decides else ()
 
-    def importances(self) -> Tuple[Importance, ...]:
+    def importances(self) -> tuple[Importance, ...]:
         """Return how much each event of the top fault tree matters now; empty for other models."""
         return self.components[self.top].importances()
 
@@ -230,7 +215,7 @@ class Reliability(Monitor[ReliabilityResult]):
             self.latched(),
         )
 
-    def latched(self) -> Dict[str, int]:
+    def latched(self) -> dict[str, int]:
         """Return model -> how often a claim was ignored that something failed works again."""
         return {n: one.latched for n, one in self.components.items() if one.latched}
 
@@ -243,19 +228,19 @@ class Reliability(Monitor[ReliabilityResult]):
             "contributions": {name: _finite(p) for name, p in output.contributions.items()},
         }
 
-    def series(self, output: ReliabilityResult) -> Dict[str, Value]:
+    def series(self, output: ReliabilityResult) -> dict[str, Value]:
         """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
         numbers = {name: _finite(getattr(output, name)) for name in _NUMBERS}
         return {**numbers, **self.decided(output)}
 
-    def decided(self, output: ReliabilityResult) -> Dict[str, Value]:
+    def decided(self, output: ReliabilityResult) -> dict[str, Value]:
         """Return valid and each evidence."""
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
-        evidence: List[Tree] = [
+        evidence: list[Tree] = [
             ("ReliabilityEvidence", {"id": name, "active": active})
             for name, active in given.evidence.items()
         ]
@@ -282,7 +267,7 @@ class Reliability(Monitor[ReliabilityResult]):
             reason="the output is no result of this monitor",
         )  # fmt: skip
 
-    def standings(self) -> List[Standing]:
+    def standings(self) -> list[Standing]:
         """Return every threshold after the last step."""
         return [
             Standing(
@@ -291,7 +276,7 @@ class Reliability(Monitor[ReliabilityResult]):
             for one in self._evidence
         ]
 
-    def _why(self, one: Evidence) -> Tuple[Tuple[Tuple[str, str], ...], str]:
+    def _why(self, one: Evidence) -> tuple[tuple[tuple[str, str], ...], str]:
         """Return why a threshold is not active: inputs that are not known, or what else."""
         result = self._result
         if not result.valid and not (self.worst_case and not _trouble(result)):
@@ -303,14 +288,14 @@ class Reliability(Monitor[ReliabilityResult]):
             return (), "; ".join(filter(None, (high, _trouble(result))))
         return (), "it holds, but not for long enough yet"
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return input id -> evidence that is not given because the input is not known."""
         lost = tuple(one.threshold.id for one in self._evidence if not one.active) or ("valid",)
         uses = self.uses
-        names: List[str] = [name for name in not_known if name in uses]
+        names: list[str] = [name for name in not_known if name in uses]
         return dict.fromkeys((*self._result.unknown, *names), lost)
 
-    def faults(self) -> Dict[str, str]:
+    def faults(self) -> dict[str, str]:
         """Return input id -> what was wrong with its value in the last step."""
         return dict(self._faults)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import Any, Dict, FrozenSet, List, Optional, Tuple
+from typing import Any
 
 from .chain import INCONSISTENT, Chain, Seen
 from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader, sure
@@ -29,7 +29,7 @@ class MarkovChain(Component):
     def __init__(
         self,
         chain: Chain,
-        observe: Tuple[Tuple[int, str, bool], ...] = (),
+        observe: tuple[tuple[int, str, bool], ...] = (),
         *,
         repair: bool = False,
     ) -> None:
@@ -37,14 +37,14 @@ class MarkovChain(Component):
         self._observe, self._repair = observe, repair
         self._names = tuple(dict.fromkeys(name for _, name, _ in observe))
         self._verdicts = reader(self._names)
-        self._seen: Dict[Tuple[Any, ...], Seen] = {(): chain.everything}
+        self._seen: dict[tuple[Any, ...], Seen] = {(): chain.everything}
         self._forget()
 
     def _forget(self) -> None:
         self._lost = False  # it was seen that it has failed
         self._vague = False  # something was missed that may still matter
-        self._missed: Optional[Missed] = None
-        self._missing: Dict[str, float] = {}  # input -> hours of age when it was missing last
+        self._missed: Missed | None = None
+        self._missing: dict[str, float] = {}  # input -> hours of age when it was missing last
         self._may_have_failed = False  # for all that is seen now
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
@@ -61,7 +61,7 @@ class MarkovChain(Component):
         self._lost = seen.fatal
         return self.chain.step(moment, seen)
 
-    def _again(self, moment: Moment, seen: Seen, verdicts: Tuple[Any, ...]) -> Estimate:
+    def _again(self, moment: Moment, seen: Seen, verdicts: tuple[Any, ...]) -> Estimate:
         """Take what is seen after a failure."""
         if self._repair:
             if seen.unknown:
@@ -105,7 +105,7 @@ class MarkovChain(Component):
         self._lost = seen.fatal
         return self.chain.bounded(seen, moment.at, reason)
 
-    def _see(self, verdicts: Tuple[Any, ...]) -> Seen:
+    def _see(self, verdicts: tuple[Any, ...]) -> Seen:
         given = dict(zip(self._names, verdicts))
         unknown = tuple(name for name in self._names if given[name] is None)
         consistent = self._consistent(given)
@@ -119,13 +119,13 @@ class MarkovChain(Component):
         self._seen[verdicts] = seen
         return seen
 
-    def _consistent(self, given: Dict[str, Any]) -> FrozenSet[int]:
+    def _consistent(self, given: dict[str, Any]) -> frozenset[int]:
         excluded = {state for state, name, negated in self._observe if given[name] is negated}
         return frozenset(range(self.chain.states)) - excluded
 
     def _completions(
-        self, given: Dict[str, Any], unknown: Tuple[str, ...], consistent: FrozenSet[int]
-    ) -> List[FrozenSet[int]]:
+        self, given: dict[str, Any], unknown: tuple[str, ...], consistent: frozenset[int]
+    ) -> list[frozenset[int]]:
         """Return sets of states that make up what is consistent for each value of the unknown."""
         if len(unknown) > _ALL_VALUES:
             return independent([frozenset(), *(frozenset({state}) for state in consistent)])

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from operator import mul
-from typing import Iterator, List, Sequence
+from typing import Iterator, Sequence
 
 Matrix = Sequence[Sequence[float]]
 
 
-def factors(powers: List[Matrix], quanta: int) -> Iterator[Matrix]:
-    """Yield the powers that make up one of ``quanta``: as many as binary ones in it.
-
-    Args:
-        powers: by 1, 2, 4, ...; those that are missing are added.
-        quanta: at least 0.
-    """
+def factors(powers: list[Matrix], quanta: int) -> Iterator[Matrix]:
+    """Yield the powers that make up one of ``quanta``: as many as binary ones in it."""
     for bit in range(quanta.bit_length()):
         if bit == len(powers):
             columns = list(zip(*powers[-1]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import List, Optional, Tuple
 
 from .component import NAN, Component, Estimate, Known, Moment, Values
 from .laws import Arrhenius, Limit
@@ -30,7 +29,7 @@ class Processor(Component):
         shape: float,
         heat: Arrhenius,
         temperature: str,
-        load: Optional[Tuple[str, float]] = None,
+        load: tuple[str, float] | None = None,
         age: float = 0.0,
     ) -> None:
         self._mean, self._shape, self._age = mean, shape, age
@@ -42,7 +41,7 @@ class Processor(Component):
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         """Add the exposure since the last step; unknown conditions count as the worst ones."""
         del known
-        unknown: List[str] = []
+        unknown: list[str] = []
         hot, known_hot = self._hot.most(values, self)
         if not known_hot:
             unknown.append(self._hot.name)
@@ -60,7 +59,7 @@ class Processor(Component):
         high, alive = -math.expm1(-worst), math.exp(-worst)
         return Estimate(low, high, alive, self._life(stress), tuple(unknown))
 
-    def _ahead(self, exposure: float) -> Tuple[float, float]:
+    def _ahead(self, exposure: float) -> tuple[float, float]:
         """Return the hazard of what lies ahead, at least and at most."""
         if self._shape == 1.0:  # a difference of large numbers would cancel
             same = exposure / self._scale

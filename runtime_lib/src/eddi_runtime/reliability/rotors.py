@@ -6,7 +6,7 @@ Sources: Aslansefat et al., "SafeDrones: Real-Time Reliability Evaluation of UAV
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Sequence, Tuple
 
 from .component import Component, Estimate, Known, Moment, Values, reader
 
@@ -18,11 +18,7 @@ Row = Tuple[float, float, float]
 
 
 class Rows:
-    """What lies ahead of each state, for a horizon that stays the same.
-
-    Args:
-        rows: one for each state.
-    """
+    """What lies ahead of each state, for a horizon that stays the same."""
 
     def __init__(self, rows: Sequence[Row]) -> None:
         self._rows = rows
@@ -43,14 +39,14 @@ class Propulsion(Component):
         repair: a failed motor may work again.
     """
 
-    _last: Optional[Tuple[Any, ...]]
+    _last: tuple[Any, ...] | None
     """Statuses that ask for no further look."""
 
     def __init__(
         self,
-        chain: Union[Rows, Chain],
-        sets: Tuple[Tuple[int, ...], ...],
-        inputs: Tuple[Tuple[str, Optional[int]], ...],
+        chain: Rows | Chain,
+        sets: tuple[tuple[int, ...], ...],
+        inputs: tuple[tuple[str, int | None], ...],
         *,
         repair: bool = False,
     ) -> None:
@@ -73,11 +69,11 @@ class Propulsion(Component):
             found = self._found[moment.at] = Estimate(*bounds, self._unknown)
         return found
 
-    def _take(self, values: Values, statuses: Tuple[Any, ...]) -> None:
+    def _take(self, values: Values, statuses: tuple[Any, ...]) -> None:
         """Find the states that are possible."""
         latched = self.latched
-        failed: List[Optional[bool]] = []
-        unknown: List[str] = []
+        failed: list[bool | None] = []
+        unknown: list[str] = []
         for motor, (name, position) in enumerate(self._inputs):
             value = values[name]
             if position is not None and value is not None:
@@ -94,7 +90,7 @@ class Propulsion(Component):
         self._states = self._consistent(failed)
         self._found.clear()
 
-    def _consistent(self, failed: Sequence[Optional[bool]]) -> List[int]:
+    def _consistent(self, failed: Sequence[bool | None]) -> list[int]:
         """Return the states that are possible when these motors have failed (None: unknown)."""
         down = {motor for motor, one in enumerate(failed) if one}
         maybe = {motor for motor, one in enumerate(failed) if one is not False}
@@ -108,4 +104,4 @@ class Propulsion(Component):
         super().reset()
         self._failed = [False] * len(self._inputs)
         self._last = None
-        self._found: Dict[int, Estimate] = {}  # of the last statuses: position of a horizon
+        self._found: dict[int, Estimate] = {}  # of the last statuses: position of a horizon

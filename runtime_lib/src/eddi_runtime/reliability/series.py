@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import List
 
 from .component import NAN, Component, Estimate, Known, Moment, Values
 
 
 class Series(Component):
-    """Fails as soon as one of its parts does.
-
-    Args:
-        parts: names of models.
-    """
+    """Fails as soon as one of its parts does."""
 
     def __init__(self, *parts: str) -> None:
         self._parts = parts
@@ -30,7 +25,7 @@ class Series(Component):
         return Estimate(low, high, alive, mttf, unknown, reason)
 
 
-def _series(failures: List[float]) -> float:
+def _series(failures: list[float]) -> float:
     if any(p >= 1.0 for p in failures):
         return 1.0
     return -math.expm1(math.fsum(math.log1p(-p) for p in failures)) + 0.0  # never -0.0

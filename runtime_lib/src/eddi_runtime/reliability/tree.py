@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, List, Sequence, Tuple, Type
+from typing import TYPE_CHECKING, Sequence, Tuple
 
 from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, sure
 from .weibull import hazard
@@ -26,32 +26,26 @@ def weibull(age: float, ahead: float, scale: float, shape: float) -> float:
 
 
 class FaultTree(Component):
-    """What a compiled fault tree inherits; its events have numbers from 0 on.
+    """What a compiled fault tree inherits; its events have numbers from 0 on."""
 
-    Attributes:
-        names: of the events.
-        observed: (event, id of the input that reports whether it has happened).
-        models: (event, model whose failure it is).
-        orders: (event that stands for a dynamic gate, chain over the orders of occurrence).
-        repair: an event that has happened may be undone.
-        modules: the diagram, the top event is the last one; empty where it is not needed beside
-            the sums that are written out.
-    """
-
-    names: Tuple[str, ...]
-    observed: Tuple[Tuple[int, str], ...] = ()
-    models: Tuple[Tuple[int, str], ...] = ()
-    orders: Tuple[Tuple[int, Type[Chain]], ...] = ()
-    repair = False
-    modules: Tuple[Module, ...] = ()
+    names: tuple[str, ...]  # of the events
+    # (event, id of the input that reports whether it has happened)
+    observed: tuple[tuple[int, str], ...] = ()
+    models: tuple[tuple[int, str], ...] = ()  # (event, model whose failure it is)
+    # (event that stands for a dynamic gate, chain over the orders of occurrence)
+    orders: tuple[tuple[int, type[Chain]], ...] = ()
+    repair = False  # an event that has happened may be undone
+    # the diagram, the top event is the last one; empty where it is not needed beside the sums that
+    # are written out
+    modules: tuple[Module, ...] = ()
 
     def __init__(self) -> None:
         self._chains = [(i, make()) for i, make in self.orders]
-        self._low: List[float] = []
-        self._high: List[float] = []
+        self._low: list[float] = []
+        self._high: list[float] = []
         self.reset()
 
-    def laws(self, age: float, horizon: float) -> List[float]:
+    def laws(self, age: float, horizon: float) -> list[float]:
         """Return the probability of each event, those without a formula being 0.
 
         An event that is observed not to have happened counts from now on only.
@@ -66,7 +60,7 @@ class FaultTree(Component):
         """Return the probability of the opposite of the top event."""
         return self._evaluated(q, (1.0, 0.0))
 
-    def _evaluated(self, q: Sequence[float], ends: Tuple[float, float]) -> float:
+    def _evaluated(self, q: Sequence[float], ends: tuple[float, float]) -> float:
         p = list(q)
         last = len(self.modules) - 1
         for number, (nodes, root) in enumerate(self.modules):
@@ -77,7 +71,7 @@ class FaultTree(Component):
             p.append(values[root])
         return p[-1]
 
-    def interval(self, low: Sequence[float], high: Sequence[float]) -> Tuple[float, float]:
+    def interval(self, low: Sequence[float], high: Sequence[float]) -> tuple[float, float]:
         """Return bounds of the top event's probability for events in [low, high].
 
         Exact for coherent trees, and where the only intervals are [0, 1] of events that come first
@@ -87,7 +81,7 @@ class FaultTree(Component):
             return self.failure(low), self.failure(high)
         bounds = list(zip(low, high))
         for nodes, root in self.modules:
-            values: List[Tuple[float, float]] = [(0.0, 0.0), (1.0, 1.0)]
+            values: list[tuple[float, float]] = [(0.0, 0.0), (1.0, 1.0)]
             for variable, up, down in nodes:
                 (up_low, up_high), (down_low, down_high) = values[up], values[down]
                 chances = bounds[variable]
@@ -101,7 +95,7 @@ class FaultTree(Component):
         """Find the probabilities of all events and of the top event."""
         low = self.laws(moment.age, moment.horizon)
         reason = ""
-        unknown: List[str] = []
+        unknown: list[str] = []
         for i, chain in self._chains:
             low[i] = chain.step(moment, chain.everything).high
         high = low
@@ -131,13 +125,8 @@ class FaultTree(Component):
             return sure(best, alive, NAN, reason)
         return Estimate(best, worst, alive, NAN, tuple(dict.fromkeys(unknown)), reason)
 
-    def probability(self, low: List[float], high: List[float]) -> Tuple[float, float, float]:
-        """Return the top event's probability at least and at most, and that of its opposite.
-
-        Args:
-            low: probabilities of the events, at least.
-            high: the same list where each is known, else at most.
-        """
+    def probability(self, low: list[float], high: list[float]) -> tuple[float, float, float]:
+        """Return the top event's probability at least and at most, and that of its opposite."""
         if high is low:
             p = self.failure(low)
             alive = 1.0 - p if p <= 0.5 else self.survival(low)
@@ -154,7 +143,7 @@ class FaultTree(Component):
         for _, chain in self._chains:
             chain.reset()
 
-    def importances(self) -> Tuple[Importance, ...]:
+    def importances(self) -> tuple[Importance, ...]:
         """Return how much each event matters in the worst case of the last step, most first."""
         q = list(self._high)
         if not q:
@@ -163,7 +152,7 @@ class FaultTree(Component):
         found = [self._importance(i, q, total) for i in range(len(self.names))]
         return tuple(sorted(found, key=lambda one: (-one.criticality, one.event)))
 
-    def _importance(self, i: int, q: List[float], total: float) -> Importance:
+    def _importance(self, i: int, q: list[float], total: float) -> Importance:
         p = q[i]
         q[i] = 1.0
         sure = self.failure(q)

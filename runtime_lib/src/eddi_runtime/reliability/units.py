@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Optional, Tuple
 
 from .component import Component, Estimate, Known, Moment, Values
 
 
 class KOutOfN(Component):
-    """How many units are available is observed.
+    """How many units are available is observed."""
 
-    Args:
-        k: how many are needed.
-        rate: of each, 1/h.
-        largest: how many there may be; None: not declared.
-        name: id of the input.
-    """
-
-    def __init__(self, k: int, rate: float, largest: Optional[int], name: str) -> None:
+    def __init__(self, k: int, rate: float, largest: int | None, name: str) -> None:
         self._k, self._rate, self._largest, self._name = k, rate, largest, name
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
@@ -31,7 +23,7 @@ class KOutOfN(Component):
         best = 0.0 if self._largest is None else self._failure(self._largest, moment.horizon)[0]
         return Estimate(best, 1.0, 0.0, 0.0, (self._name,))
 
-    def _failure(self, n: int, hours: float) -> Tuple[float, float]:
+    def _failure(self, n: int, hours: float) -> tuple[float, float]:
         if n < self._k:
             return 1.0, 0.0
         q, w = -math.expm1(-self._rate * hours), math.exp(-self._rate * hours)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import Any, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, List, NamedTuple, Optional, Union
 
 from ..plain_values import Absent, plain, show
 
@@ -12,21 +12,13 @@ Taken = Union[bool, float, List[Optional[bool]], None]
 
 
 class Rule(NamedTuple):
-    """What an input is.
+    """What an input is."""
 
-    Attributes:
-        type: ``bool``, ``float``, ``int`` or ``bool[]``.
-        low: least number that is believed.
-        high: largest number.
-        slack: how far outside a number may be and is taken as the limit.
-        length: of a list.
-    """
-
-    type: str
-    low: float = 0.0
-    high: float = math.inf
-    slack: float = 0.0
-    length: int = 0
+    type: str  # ``bool``, ``float``, ``int`` or ``bool[]``
+    low: float = 0.0  # least number that is believed
+    high: float = math.inf  # largest number
+    slack: float = 0.0  # how far outside a number may be and is taken as the limit
+    length: int = 0  # of a list
 
     def divided(self, num: int, den: int) -> Rule:
         """Return the rule of a number that is given in another unit."""
@@ -37,7 +29,7 @@ class Rule(NamedTuple):
 FINITE = sys.float_info.max
 
 
-def take(rule: Rule, raw: object) -> Tuple[Taken, str]:
+def take(rule: Rule, raw: object) -> tuple[Taken, str]:
     """Return the value, None when it is not known, and what is wrong with it (empty: nothing).
 
     Never raises. None and NaN mean unknown and are not wrong.
@@ -59,7 +51,7 @@ def take(rule: Rule, raw: object) -> Tuple[Taken, str]:
     return _number(rule, value, raw)
 
 
-def _number(rule: Rule, value: Any, raw: object) -> Tuple[Taken, str]:
+def _number(rule: Rule, value: Any, raw: object) -> tuple[Taken, str]:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None, _wrong("a number", raw)
     if isinstance(value, float) and math.isnan(value):
@@ -73,7 +65,7 @@ def _number(rule: Rule, value: Any, raw: object) -> Tuple[Taken, str]:
     return min(max(float(value), rule.low), rule.high), ""
 
 
-def _list(rule: Rule, raw: Any) -> Tuple[Taken, str]:
+def _list(rule: Rule, raw: Any) -> tuple[Taken, str]:
     if isinstance(raw, (str, bytes, dict)) or not hasattr(raw, "__len__"):
         return None, "" if raw != raw else _wrong("a list", raw)  # noqa: PLR0124 - NaN
     items = [plain(one) for one in raw]

@@ -11,12 +11,6 @@ _NEW = 1e-9
 def hazard(age: float, ahead: float, scale: float, shape: float) -> float:
     """Return ((age + ahead) / scale) ** shape - (age / scale) ** shape without cancellation.
 
-    Args:
-        age: as ``scale``, at least 0.
-        ahead: the time that counts.
-        scale: above 0.
-        shape: above 0.
-
     Returns:
         The hazard; ``inf`` when it is larger than any number.
     """

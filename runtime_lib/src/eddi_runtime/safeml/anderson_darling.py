@@ -9,8 +9,6 @@ difference of harmonic numbers, and a step need not walk over the reference.
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
-
 import numpy as np
 
 from .arrays import Array, Backend
@@ -35,7 +33,7 @@ class AndersonDarling:
         self._ties = size.size > 0
         self._below, self._size = backend.array(below), backend.array(size)
 
-    def __call__(self, lower: Array, upper: Optional[Array], counts: Optional[Array]) -> Array:
+    def __call__(self, lower: Array, upper: Array | None, counts: Array | None) -> Array:
         """Return A2 (..., K) in float64."""
         low = self._backend.sort(lower)
         high = low if upper is None else self._backend.sort(upper)
@@ -108,7 +106,7 @@ class AndersonDarling:
         return found - rows * self._m
 
 
-def _tied_groups(reference: Array) -> Tuple[Array, Array]:
+def _tied_groups(reference: Array) -> tuple[Array, Array]:
     """Return what is below each value that a row holds more than once, and how often: (K, Q).
 
     Rows are filled up with groups of one value, which correct nothing.

@@ -6,7 +6,7 @@ import hashlib
 import os
 from functools import partial
 from types import ModuleType
-from typing import Any, NamedTuple, Sequence, Tuple, Union
+from typing import Any, NamedTuple, Sequence, Union
 
 import numpy as np
 
@@ -17,31 +17,22 @@ Array = Any
 
 
 class Backend:
-    """Array functions under one name. "Last" is the last axis of an array.
-
-    Attributes:
-        name: ``numpy``, ``torch`` or ``cupy``.
-        array: numpy values -> an array of this backend.
-        numpy: an array -> one of numpy.
-        sort: -> a copy that is sorted along the last axis.
-        highest: -> the maximum along the last axis.
-        lowest: -> the minimum along the last axis.
-        larger: -> the larger one of each two elements.
-        doubles: -> the values as float64.
-        count: -> how many elements are true.
-        positions: sorted flat array, keys -> for each key how many elements are <= it.
-    """
+    """Array functions under one name. "Last" is the last axis of an array."""
 
     def __init__(self, module: ModuleType = np, name: str = "numpy") -> None:
-        self.name = name
-        self.array: Any = module.asarray
-        self.numpy: Any = getattr(module, "asnumpy", module.asarray)
+        self.name = name  # ``numpy``, ``torch`` or ``cupy``
+        self.array: Any = module.asarray  # numpy values -> an array of this backend
+        self.numpy: Any = getattr(module, "asnumpy", module.asarray)  # an array -> one of numpy
+        # -> a copy that is sorted along the last axis
         self.sort: Any = partial(module.sort, axis=-1)
-        self.highest: Any = lambda values: values.max(-1)
-        self.lowest: Any = lambda values: values.min(-1)
-        self.larger: Any = module.maximum
+        self.highest: Any = lambda values: values.max(-1)  # -> the maximum along the last axis
+        self.lowest: Any = lambda values: values.min(-1)  # -> the minimum along the last axis
+        self.larger: Any = module.maximum  # -> the larger one of each two elements
+        # -> the values as float64
         self.doubles: Any = partial(module.asarray, dtype=module.float64)
+        # -> how many elements are true
         self.count: Any = lambda truths: int(module.count_nonzero(truths))
+        # sorted flat array, keys -> for each key how many elements are <= it
         self.positions: Any = partial(module.searchsorted, side="right")
         self._module = module
 
@@ -74,20 +65,14 @@ def rounded(values: Array, *, single: bool) -> Array:
 
 
 class Table(NamedTuple):
-    """A file of doubles, least significant byte first, one row after the other.
+    """A file of doubles, least significant byte first, one row after the other."""
 
-    Attributes:
-        spec: ``__spec__`` of the compiled monitor, beside which the file lies: whatever has
-            loaded the monitor also loads the file, from the source tree as from an archive.
-        file: its name.
-        sha256: of its bytes.
-        shape: numbers of rows and columns.
-    """
-
+    # ``__spec__`` of the compiled monitor, beside which the file lies: whatever has loaded the
+    # monitor also loads the file, from the source tree as from an archive
     spec: Any
-    file: str
-    sha256: str
-    shape: Tuple[int, int]
+    file: str  # its name
+    sha256: str  # of its bytes
+    shape: tuple[int, int]  # numbers of rows and columns
 
 
 Numbers = Union[Table, Sequence[Sequence[float]]]

@@ -7,8 +7,6 @@ row of the reference become equal numbers to the last bit.
 
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
-
 import numpy as np
 
 from .arrays import Array, Numbers, array_of
@@ -24,7 +22,7 @@ class Axes:
             ``None`` when it is not tested.
     """
 
-    def __init__(self, numbers: Numbers, floor: Optional[float] = None) -> None:
+    def __init__(self, numbers: Numbers, floor: float | None = None) -> None:
         found = array_of(numbers)
         self.centre, self.scale, self.vectors = found[0], found[1], found[2:]
         self._floor = floor
@@ -57,7 +55,7 @@ class Axes:
         """
         return np.ascontiguousarray(np.array([self.values(row) for row in rows]).T)
 
-    def weights(self, test: int, most: int = 3) -> List[Tuple[int, float]]:
+    def weights(self, test: int, most: int = 3) -> list[tuple[int, float]]:
         """Return the features that weigh most in a component, with their weights."""
         if test >= len(self.vectors):
             return []

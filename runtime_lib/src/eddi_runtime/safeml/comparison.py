@@ -26,7 +26,6 @@ class Comparison:
         backend: of all arrays.
 
     Attributes:
-        of_ranks: (lower, upper, counts) -> the statistics (..., K); see ``statistics``.
         tests: K.
         n: reference values of each test.
         m: values of a window.
@@ -36,9 +35,10 @@ class Comparison:
         self.metric, self.backend, self.m = metric, backend, m
         self.tests, self.n = (int(size) for size in reference.shape)
         self.reference = backend.array(reference)
+        # (lower, upper, counts) -> the statistics (..., K); see ``statistics``
         self.of_ranks: _Statistic = _STATISTICS[metric](backend, reference, m)
 
-    def counts(self, windows: Array) -> Optional[Array]:
+    def counts(self, windows: Array) -> Array | None:
         """Return how many values of a window are <= each one, ascending; None if all differ."""
         if self.metric == "ks":
             return None  # not asked for

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple, Union
+from typing import Any, Iterable, Mapping
 
 import numpy as np
 
@@ -26,43 +26,27 @@ class SafeML(Monitor[SafeMLResult]):
     """What the class ``Monitor`` of a compiled SafeML monitor inherits. Not thread-safe.
 
     It has one input, which takes every message.
-
-    Attributes, beside those of ``eddi_runtime.Monitor``:
-        metric: ``ks``, ``cvm`` or ``ad``.
-        metric_name: its name in the configuration.
-        window_size: samples in a window.
-        stride: only every so manieth sample enters the window.
-        significance_level: per step, over all tests.
-        threshold: of every test; n m D for ``ks``.
-        threshold_theoretical: the same for independent samples.
-        tail: statistic of one test -> probability of at least this.
-        hold: the last verdict is kept while there is none; else it becomes false.
-        max_age: seconds without a sample after which the window is emptied; ``None``: never.
-        single: samples come as float32.
-        axes: ``None`` when the features themselves are tested.
-        reference: without axes the features, each ascending; with axes the rows of the sample.
-        array_backend: library of the arrays that the configuration asks for.
-        backend: name of the one that is used.
-        labels: name of each test for people.
     """
 
     kind = "safeml"
-    metric: str
-    metric_name: str
-    window_size: int
-    stride: int
-    significance_level: float
-    threshold: Union[int, float]
-    threshold_theoretical: Union[int, float]
-    tail: Tail
-    hold: bool
-    max_age: Optional[float]
-    single: bool
-    axes: Optional[Axes] = None
+    metric: str  # ``ks``, ``cvm`` or ``ad``
+    metric_name: str  # its name in the configuration
+    window_size: int  # samples in a window
+    stride: int  # only every so manieth sample enters the window
+    significance_level: float  # per step, over all tests
+    threshold: int | float  # of every test; n m D for ``ks``
+    threshold_theoretical: int | float  # the same for independent samples
+    tail: Tail  # statistic of one test -> probability of at least this
+    hold: bool  # the last verdict is kept while there is none; else it becomes false
+    # seconds without a sample after which the window is emptied; ``None``: never
+    max_age: float | None
+    single: bool  # samples come as float32
+    axes: Axes | None = None  # ``None`` when the features themselves are tested
+    # without axes the features, each ascending; with axes the rows of the sample
     reference: Numbers
-    array_backend = "numpy"
+    array_backend = "numpy"  # library of the arrays that the configuration asks for
     _phase: int
-    _statistics: Optional[Array]
+    _statistics: Array | None
 
     def __init__(self) -> None:
         arrays = NUMPY
@@ -70,10 +54,11 @@ class SafeML(Monitor[SafeMLResult]):
             from .accelerators import backend  # noqa: PLC0415 - few monitors ask for one
 
             arrays = backend(self.array_backend)
-        self.backend = arrays.name
+        self.backend = arrays.name  # name of the one that is used
         reference = array_of(self.reference)
         if self.axes is None:
             self._features = len(reference)
+            # name of each test for people
             self.labels = tuple(f"feature {k}" for k in range(self._features))
         else:
             self._features = len(self.axes.centre)
@@ -89,13 +74,13 @@ class SafeML(Monitor[SafeMLResult]):
         """Forget all samples and verdicts."""
         self._clear()
         self._accepted = self._rejected = 0
-        self._accepted_ns: Optional[int] = None
+        self._accepted_ns: int | None = None
         self._violation = self._judged = False
         self._fault, self._timeless = "", False
         self._source = None
         self._last = self._result(FILLING)
 
-    def execute_step(self, eddi_input: object, t_ns: Optional[int] = None) -> SafeMLResult:
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> SafeMLResult:
         """Take over new samples and compare once; never raises an Exception.
 
         Args:
@@ -134,7 +119,7 @@ class SafeML(Monitor[SafeMLResult]):
             return self._verdict()
         return self._result(taken.bad[0] if taken.bad else FILLING)
 
-    def _push(self, rows: List[Array]) -> None:
+    def _push(self, rows: list[Array]) -> None:
         entering = rows[-self._phase % self.stride :: self.stride]
         self._phase = (self._phase + len(rows)) % self.stride
         for row in entering[-self.window_size :]:
@@ -174,7 +159,7 @@ class SafeML(Monitor[SafeMLResult]):
         self._phase = 0
         self._statistics = None
 
-    def omission(self) -> Tuple[str, str]:
+    def omission(self) -> tuple[str, str]:
         """Return why there is no verdict now: as in the status, and in words for people.
 
         Both are empty when there is one.
@@ -187,7 +172,7 @@ class SafeML(Monitor[SafeMLResult]):
             words = NO_TIME if self._timeless else f"the last sample is older than {limit}"
         return reason, words if reason else ""
 
-    def explain(self) -> Tuple[OneTest, ...]:
+    def explain(self) -> tuple[OneTest, ...]:
         """Return every test of the present window, the largest distance first.
 
         Empty while there is no verdict.
@@ -203,19 +188,19 @@ class SafeML(Monitor[SafeMLResult]):
         weights = () if self.axes is None else tuple(self.axes.weights(test))
         return OneTest(test, self.labels[test], value, self._value, violated, p_value, weights)
 
-    def as_json(self, output: SafeMLResult) -> Mapping[str, Union[bool, int, float, str, None]]:
+    def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
         """Return a result with its names; NaN becomes None."""
         return {
             name: None if isinstance(value, float) and not math.isfinite(value) else value
             for name, value in output._asdict().items()
         }
 
-    def series(self, output: SafeMLResult) -> Mapping[str, Union[bool, float, str, None]]:
+    def series(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
         """Return statistic, threshold, verdict and omission."""
         known = self.as_json(output)
         return {name: known[name] for name in ("statistic", "threshold", *self.decided(output))}
 
-    def decided(self, output: SafeMLResult) -> Mapping[str, Union[bool, float, str, None]]:
+    def decided(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
         """Return verdict and omission."""
         return {"odd_violation": output.odd_violation, "omission": output.omission}
 
@@ -238,7 +223,7 @@ class SafeML(Monitor[SafeMLResult]):
     def status_message(self) -> Tree:
         """Return the facts behind the last step as a ``SafeMLStatus`` tree without header."""
         last = self._last
-        fields: Dict[str, Any] = {
+        fields: dict[str, Any] = {
             **last._asdict(),
             "held": last.omission and self.hold and self._judged,
             "metric": self.metric_name,
@@ -250,18 +235,18 @@ class SafeML(Monitor[SafeMLResult]):
         del fields["significance_level"]
         return "SafeMLStatus", fields
 
-    def standings(self) -> List[Standing]:
+    def standings(self) -> list[Standing]:
         """Return whether the window is in scope after the last step."""
         if self._last.omission:
             return [Standing("", "in_scope", False, ((self.inputs[0].id, self.omission()[1]),))]
         reason = "the samples differ from the reference" if self._last.odd_violation else ""
         return [Standing("", "in_scope", not reason, (), reason)]
 
-    def blocked(self, not_known: Iterable[str] = ()) -> Dict[str, Tuple[str, ...]]:
+    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return the input and what is not known because of it, while there is no verdict."""
         name = self.inputs[0].id
         return {name: ("odd_violation",)} if self._last.omission or name in set(not_known) else {}
 
-    def faults(self) -> Dict[str, str]:
+    def faults(self) -> dict[str, str]:
         """Return what was wrong with a message of the last step."""
         return {self.inputs[0].id: self._fault} if self._fault else {}

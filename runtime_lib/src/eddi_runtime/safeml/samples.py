@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, List, NamedTuple, Set
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,17 +15,12 @@ WRONG_LENGTH = "wrong_length"
 
 
 class Taken(NamedTuple):
-    """What one step brings.
+    """What one step brings."""
 
-    Attributes:
-        rows: samples (d,), in the order in which they came.
-        bad: why each other one cannot be used (``empty``, ``not_finite``, ``wrong_length``).
-        fault: what was wrong with the first of these, for people.
-    """
-
-    rows: List[Array]
-    bad: List[str]
-    fault: str = ""
+    rows: list[Array]  # samples (d,), in the order in which they came
+    # why each other one cannot be used (``empty``, ``not_finite``, ``wrong_length``)
+    bad: list[str]
+    fault: str = ""  # what was wrong with the first of these, for people
 
 
 def take(value: object, features: int, *, single: bool) -> Taken:
@@ -39,7 +34,7 @@ def take(value: object, features: int, *, single: bool) -> Taken:
         single: round to float32.
     """
     taken = Taken([], [])
-    faults: List[str] = []
+    faults: list[str] = []
     for message in _messages(value):
         try:
             found = _array(message)
@@ -88,7 +83,7 @@ def _array(message: Any) -> Any:
     return found if shape is None else found.reshape(shape)
 
 
-def _check_elements(types: Set[type]) -> None:
+def _check_elements(types: set[type]) -> None:
     """Refuse what numpy would make numbers of, in a list: it was not meant as a sample."""
     if any(issubclass(one, (bool, np.bool_)) for one in types):
         raise _NoNumbersError("Booleans")
@@ -105,7 +100,7 @@ def _laid_out(layout: Any, data: Any) -> Any:
     return data, None
 
 
-def _sort_out(found: Array, features: int, taken: Taken, faults: List[str]) -> None:
+def _sort_out(found: Array, features: int, taken: Taken, faults: list[str]) -> None:
     if found.size == 0:
         taken.bad.append(EMPTY)
         faults.append("the message is empty")

@@ -14,8 +14,6 @@ Notation: K tests, N = n + m, b = 1..m. Each statistic is a function of
 
 from __future__ import annotations
 
-from typing import Optional
-
 import numpy as np
 
 from .arrays import Array, Backend
@@ -32,7 +30,7 @@ class KolmogorovSmirnov:
         self._n, self._m = int(reference.shape[1]), m
         self._ascending = backend.array(self._n * np.arange(1, m + 1, dtype=np.int64))
 
-    def __call__(self, lower: Array, upper: Optional[Array], counts: Optional[Array]) -> Array:
+    def __call__(self, lower: Array, upper: Array | None, counts: Array | None) -> Array:
         """Return n m D (..., K)."""
         backend = self._backend
         gaps = self._ascending - self._m * backend.sort(lower)
@@ -61,7 +59,7 @@ class CramerVonMises:
         self._rows = backend.array(np.arange(tests, dtype=np.int64)[:, None] * (n + 1))
         self._b = backend.array(np.arange(1, m + 1, dtype=np.int64))
 
-    def __call__(self, lower: Array, upper: Optional[Array], counts: Optional[Array]) -> Array:
+    def __call__(self, lower: Array, upper: Array | None, counts: Array | None) -> Array:
         """Return T (..., K) in float64."""
         n, m = self._n, self._m
         low = self._backend.sort(lower)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from typing import Sequence, Tuple, Union
+from typing import Sequence, Union
 
 
 class Kolmogorov:
@@ -35,7 +35,7 @@ class Interpolated:
         slope: growth of the critical value per unit of -ln(level) beyond the last one.
     """
 
-    def __init__(self, points: Sequence[Tuple[float, float]], slope: float) -> None:
+    def __init__(self, points: Sequence[tuple[float, float]], slope: float) -> None:
         self._values = [value for value, _ in points]
         self._levels = [level for _, level in points]
         self._slope = slope

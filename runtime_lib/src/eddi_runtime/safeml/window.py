@@ -7,7 +7,7 @@ the values themselves, each replaced as a whole: nothing is added up over time, 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, Tuple
 
 import numpy as np
 
@@ -100,13 +100,13 @@ def _look_up(comparison: Comparison) -> Callable[[Array], _Ranks]:
     return in_arrays
 
 
-def _in_lists(rows: List[List[float]]) -> Callable[[Array], _Ranks]:
+def _in_lists(rows: list[list[float]]) -> Callable[[Array], _Ranks]:
     n = len(rows[0])
 
     def look_up(sample: Array) -> _Ranks:
         values = sample.tolist()
         lower = [bisect_left(row, value) for row, value in zip(rows, values)]
-        upper: Optional[List[int]] = None
+        upper: list[int] | None = None
         ties = 0
         for k, place in enumerate(lower):
             if place < n and rows[k][place] == values[k]:

@@ -3,9 +3,11 @@
 ``--ros-args -r __ns:=/robot1 -r /rte/e0:=/sim/e0 -p frequency:=5.0``.
 """
 
+from __future__ import annotations
+
 import contextlib
 import re
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Union
+from typing import Mapping, NamedTuple, Sequence, Union
 
 from ...node.start import StartError
 
@@ -16,19 +18,12 @@ Parameter = Union[bool, int, float, str]
 
 
 class Arguments(NamedTuple):
-    """Names, remaps and parameters of a node.
+    """Names, remaps and parameters of a node."""
 
-    Attributes:
-        name: of the node.
-        namespace: ``/``, or such as ``/robot1``.
-        remaps: full name of a topic -> the full name that is meant.
-        parameters: private parameters by name.
-    """
-
-    name: str
-    namespace: str
-    remaps: Mapping[str, str]
-    parameters: Mapping[str, Parameter]
+    name: str  # of the node
+    namespace: str  # ``/``, or such as ``/robot1``
+    remaps: Mapping[str, str]  # full name of a topic -> the full name that is meant
+    parameters: Mapping[str, Parameter]  # private parameters by name
 
     @property
     def full_name(self) -> str:
@@ -58,8 +53,8 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
     Raises:
         StartError: a word is not understood, or no name of ROS 2.
     """
-    remaps: Dict[str, str] = {}
-    parameters: Dict[str, Parameter] = {}
+    remaps: dict[str, str] = {}
+    parameters: dict[str, Parameter] = {}
     for option, assignment in _pairs(words):
         key, found, value = assignment.partition(":=")
         if not found:
@@ -82,7 +77,7 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
     return plain._replace(remaps=full)
 
 
-def _pairs(words: Sequence[str]) -> List[List[str]]:
+def _pairs(words: Sequence[str]) -> list[list[str]]:
     """Return option and value of all between ``--ros-args`` and ``--``."""
     given = list(words)
     begin = given.index("--ros-args") if "--ros-args" in given else len(given)

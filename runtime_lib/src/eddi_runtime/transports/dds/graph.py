@@ -4,12 +4,14 @@ No listener is set anywhere: they run on threads of DDS, and a process that ends
 crash. One thread waits for data in place of them.
 """
 
+from __future__ import annotations
+
 import contextlib
 import gc
 import threading
 import time
 from types import SimpleNamespace
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Mapping, NamedTuple
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
 from cyclonedds.core import (
@@ -61,17 +63,11 @@ _DISCOVERY = "ros_discovery_info"
 
 
 class Publication(NamedTuple):
-    """One writer of a ROS topic, anywhere on the graph.
+    """One writer of a ROS topic, anywhere on the graph."""
 
-    Attributes:
-        topic: full name.
-        type: as DDS calls it.
-        deadline: seconds between two messages that it promises, if it does.
-    """
-
-    topic: str
-    type: str
-    deadline: Optional[float]
+    topic: str  # full name
+    type: str  # as DDS calls it
+    deadline: float | None  # seconds between two messages that it promises, if it does
 
 
 class Reader(NamedTuple):
@@ -79,7 +75,7 @@ class Reader(NamedTuple):
 
     reader: Any
     receive: Receive
-    greeted: Dict[int, bool]
+    greeted: dict[int, bool]
 
 
 class Graph:
@@ -109,8 +105,8 @@ class Graph:
         apart = Qos(Policy.Partition([partition])) if partition else None
         self._publisher = Publisher(participant, apart)
         self._subscriber = Subscriber(participant, apart)
-        self._writers: Dict[str, Any] = {}
-        self._readers: Dict[str, Reader] = {}
+        self._writers: dict[str, Any] = {}
+        self._readers: dict[str, Reader] = {}
         self._known: Any = BuiltinDataReader(participant, BuiltinTopicDcpsPublication)
         gone = InstanceState.NotAliveDisposed | InstanceState.NotAliveNoWriters
         self._gone = ReadCondition(self._known, ViewState.Any | SampleState.Any | gone)
@@ -146,7 +142,7 @@ class Graph:
         self._tell([one.reader for one in self._readers.values()], [*self._writers.values()])
         self._thread.start()
 
-    def _tell(self, readers: List[Any], writers: List[Any]) -> None:
+    def _tell(self, readers: list[Any], writers: list[Any]) -> None:
         types, (namespace, name) = self._types, self._node
         nodes = [
             types.rmw_dds_common_NodeEntitiesInfo(
@@ -179,7 +175,7 @@ class Graph:
         for condition in (*conditions, self._guard):
             waiting.detach(condition)
 
-    def publications(self) -> List[Publication]:
+    def publications(self) -> list[Publication]:
         """Return every publication of a ROS topic in the domain that is known now."""
         with self._use:
             if self._stopped:
@@ -237,7 +233,7 @@ class Graph:
         gc.collect()
 
 
-def _deadline(qos: Any) -> Optional[float]:
+def _deadline(qos: Any) -> float | None:
     promised = None if qos is None else qos[Policy.Deadline]
     if promised is None or not 0 < promised.deadline < duration(infinite=True):
         return None

@@ -4,16 +4,18 @@ A writer of another type whose name is the same may match, and its bytes may dec
 have exactly the length of the message that was made of them, and a Boolean must be 0 or 1.
 """
 
+from __future__ import annotations
+
 import time
 from types import SimpleNamespace
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Tuple
+from typing import Any, Callable, Iterable, Mapping
 
 from cyclonedds.idl import make_idl_struct, types
 
 from ...node.health import Status
 from ...node.outputs import Converter, MessageClasses
 
-_PRIMITIVES: Mapping[str, Tuple[Any, Callable[[], object]]] = {
+_PRIMITIVES: Mapping[str, tuple[Any, Callable[[], object]]] = {
     "bool": (bool, bool),
     "string": (str, str),
     "byte": (types.uint8, int),
@@ -62,8 +64,7 @@ def _differ_in_padding(data: bytes, again: bytes) -> bool:
 
 
 def message_classes(
-    definitions: Mapping[str, str],
-    hashes: Mapping[str, str] = {},
+    definitions: Mapping[str, str], hashes: Mapping[str, str] = {}
 ) -> SimpleNamespace:
     """Return the classes of messages by name: ``std_msgs_Bool``.
 
@@ -75,7 +76,7 @@ def message_classes(
             one comes before it.
         hashes: ``package/Name`` -> by what ROS 2 knows the definition since Iron.
     """
-    made: Dict[str, Any] = {}
+    made: dict[str, Any] = {}
     for name, text in definitions.items():
         pairs = [part.split() for part in text.split(",") if part.strip()]
         fields = {field: of for of, field in pairs} or _EMPTY
@@ -95,7 +96,7 @@ def message_classes(
     return SimpleNamespace(**{name.replace("/", "_"): cls for name, cls in made.items()})
 
 
-def _built(of: str, made: Mapping[str, Any]) -> Tuple[Any, Callable[[], object]]:
+def _built(of: str, made: Mapping[str, Any]) -> tuple[Any, Callable[[], object]]:
     """Return a type for cyclonedds, and what makes its first value."""
     if not of.endswith("]"):
         return _PRIMITIVES[of] if of in _PRIMITIVES else (made[of], made[of])
@@ -136,7 +137,7 @@ def stamp() -> object:
     return OWN.builtin_interfaces_Time(sec=seconds, nanosec=rest)
 
 
-def _fields(cls: Any) -> Iterable[Tuple[str, str]]:
+def _fields(cls: Any) -> Iterable[tuple[str, str]]:
     found: Mapping[str, str] = cls.FIELDS
     return found.items()
 
@@ -159,7 +160,7 @@ def converter(messages: SimpleNamespace) -> Converter:
     return Converter(MessageClasses(module, _fields, _type, stamp))
 
 
-def diagnostics_of(statuses: List[Status]) -> object:
+def diagnostics_of(statuses: list[Status]) -> object:
     """Return statuses as one message."""
     array = OWN.diagnostic_msgs_DiagnosticArray(
         status=[

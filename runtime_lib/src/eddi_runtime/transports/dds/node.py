@@ -1,12 +1,14 @@
 """The DDS node of one monitor: a participant of a ROS 2 graph, on a machine without ROS."""
 
+from __future__ import annotations
+
 import logging
 import math
 import os
 import signal
 import sys
 import time
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, Sequence
 
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
@@ -45,23 +47,21 @@ class MonitorNode(Node):
         self,
         monitor: Steps,
         eddi_input: EDDIInputBase,
-        options: Optional[Settings] = None,
-        given: Optional[Arguments] = None,
+        options: Settings | None = None,
+        given: Arguments | None = None,
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._given = given or arguments([], self.NAME)
-        self._domain: Optional[Graph] = None
-        self._unreadable: Dict[str, float] = {}
-        self._clock: Optional[int] = (
-            0 if self._given.parameters.get("use_sim_time") is True else None
-        )
+        self._domain: Graph | None = None
+        self._unreadable: dict[str, float] = {}
+        self._clock: int | None = 0 if self._given.parameters.get("use_sim_time") is True else None
 
     @property
     def _graph(self) -> Graph:
         assert self._domain is not None, "the node has not joined a graph"
         return self._domain
 
-    def topics(self) -> Dict[str, str]:
+    def topics(self) -> dict[str, str]:
         """Return input id -> full name of its topic."""
         return {one.id: self._given.topic(one.topic) for one in self._sources}
 
@@ -82,7 +82,7 @@ class MonitorNode(Node):
         qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
         self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
 
-    def simulated_ns(self) -> Optional[int]:
+    def simulated_ns(self) -> int | None:
         """Return the time of ``/clock`` where that counts, 0 before its first message."""
         return self._clock
 
@@ -93,8 +93,7 @@ class MonitorNode(Node):
     def check_serialises(self, message: object) -> None:
         """Raise what writing would raise; for messages made by hand."""
         made: Any = message
-        if made is not None:
-            made.serialize()
+        made.serialize()
 
     def graph(self) -> GraphFact:
         """Return why topics are silent, and which have publishers of another type."""
@@ -103,7 +102,7 @@ class MonitorNode(Node):
         topics = [self._topic(source, age, known) for source, age in quiet]
         return self._silence.explained(topics, {one.topic for one in known})
 
-    def _topic(self, source: Input, age: Optional[float], known: Sequence[Publication]) -> Topic:
+    def _topic(self, source: Input, age: float | None, known: Sequence[Publication]) -> Topic:
         name = self._given.topic(source.topic)
         found = [one for one in known if one.topic == name]
         unreadable = time.monotonic() - self._unreadable.get(source.id, -math.inf)
@@ -143,16 +142,14 @@ class MonitorNode(Node):
             self.ending.wait()
         return self.ending.status
 
-    def _statuses(self) -> Callable[[List[Status]], None]:
+    def _statuses(self) -> Callable[[list[Status]], None]:
         cls = OWN.diagnostic_msgs_DiagnosticArray
         write = self._graph.writer("/diagnostics", cls, writing({}, 1))
         return lambda statuses: write(diagnostics_of(statuses))
 
     @classmethod
     def main(
-        cls,
-        eddi_input_class: Callable[[], EDDIInputBase],
-        eddi_monitor_class: Callable[[], Steps],
+        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
     ) -> int:
         """Run the node of a generated package and return its exit status: 1 when it cannot start.
 

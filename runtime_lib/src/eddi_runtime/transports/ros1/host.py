@@ -4,12 +4,14 @@ Topics, private parameters and names in the diagnostics are those of separate no
 raises, hangs in hand-written code or cannot be started does not stop the others.
 """
 
+from __future__ import annotations
+
 import sys
 import threading
 import traceback
 from contextlib import contextmanager
 from functools import partial
-from typing import Callable, Dict, Iterator, Optional, Tuple, Type
+from typing import Callable, Iterator
 
 import rosgraph.names
 import rospy
@@ -40,8 +42,8 @@ class Host:
 
     def __init__(self, name: str) -> None:
         self._name = name
-        self._nodes: Dict[str, MonitorNode] = {}
-        self._failed: Dict[str, str] = {}
+        self._nodes: dict[str, MonitorNode] = {}
+        self._failed: dict[str, str] = {}
         self._ending, self._refusals = RosEnding(), TypeRefusals()
 
     @contextmanager
@@ -62,7 +64,7 @@ class Host:
 
     def add(
         self,
-        node_class: Type[MonitorNode],
+        node_class: type[MonitorNode],
         eddi_input_class: Callable[[], EDDIInputBase],
         eddi_monitor_class: Callable[[], Steps],
     ) -> None:
@@ -102,7 +104,7 @@ class Host:
         self._ending.wait()
         return self._ending.status
 
-    def _begin(self, watched: Optional[Watchdog]) -> None:
+    def _begin(self, watched: Watchdog | None) -> None:
         diagnostics = Diagnostics(diagnostics_publisher())
         self._ending.on_end(diagnostics.stop)
         diagnostics.start()
@@ -131,8 +133,8 @@ class Host:
                 one._replace(every_message=one.topic in queued) for one in node.INPUTS
             ]
 
-    def _expected_types(self) -> Dict[str, Tuple[str, str]]:
-        found: Dict[str, Tuple[str, str]] = {}
+    def _expected_types(self) -> dict[str, tuple[str, str]]:
+        found: dict[str, tuple[str, str]] = {}
         for node in self._nodes.values():
             found.update(node.expected_types())
         return found

@@ -4,9 +4,11 @@ rospy's own proxies have none: a host that vanished, or a master that hangs, wou
 caller for minutes.
 """
 
+from __future__ import annotations
+
 import http.client
 import xmlrpc.client
-from typing import Dict, Optional, Tuple, Union
+from typing import Dict, Tuple, Union
 
 Address = Union[str, Tuple[str, Dict[str, str]]]
 TIMEOUT_S = 2.0
@@ -34,10 +36,7 @@ class Refused(Exception):  # noqa: N818 - the answer "no"
 class Peer:
     """One XML-RPC server: the master or the slave API of a node. Not for use by two threads.
 
-    Args:
-        uri: address such as ``http://localhost:11311``.
-        caller: own node name, which every call of the ROS API carries.
-        timeout: seconds for connecting and for each answer.
+    Every call of the ROS API carries the name of the node that calls.
     """
 
     def __init__(self, uri: str, caller: str, timeout: float = TIMEOUT_S) -> None:
@@ -70,7 +69,7 @@ class Peer:
             raise Refused(str(text))
         return value
 
-    def uri_of(self, node: str) -> Optional[str]:
+    def uri_of(self, node: str) -> str | None:
         """Return the address of a node, ``None`` when this master does not know it."""
         try:
             return str(self.call("lookupNode", node))

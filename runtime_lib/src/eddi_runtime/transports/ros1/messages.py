@@ -1,10 +1,11 @@
 """Messages of rospy and genpy: made, received with their age, reported, logged."""
 
+from __future__ import annotations
+
 import threading
 import time
-from io import BytesIO
 from types import ModuleType
-from typing import Any, Callable, Dict, Iterable, List, Tuple
+from typing import Any, Callable, Iterable
 
 import rospy
 import rospy.impl.paramserver
@@ -14,7 +15,7 @@ from ...inputs import UNKNOWN_AGE
 from ...node.health import Status
 from ...node.logs import LOG
 from ...node.outputs import Converter, MessageClasses
-from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Receipts
+from ...node.receipts import Receipts
 
 _ROSOUT_SWITCH = "/rosout_disable_topics_generation"
 _MAX_PUBLISHERS = 32
@@ -35,37 +36,21 @@ def ros_type(message: object) -> str:
     return str(known._type)  # noqa: SLF001 - genpy's interface, in spite of its name
 
 
-def _fields(cls: Any) -> Iterable[Tuple[str, str]]:
+def _fields(cls: Any) -> Iterable[tuple[str, str]]:
     return zip(cls.__slots__, cls._slot_types)
 
 
 def converter(messages: ModuleType) -> Converter:
-    """Return what makes messages of a package; rospy itself counts ``header.seq``.
-
-    Args:
-        messages: module that holds the message classes by name (``eddi_messages.msg``).
-    """
+    """Return what makes messages of a package; rospy itself counts ``header.seq``."""
     return Converter(MessageClasses(messages, _fields, ros_type, stamp))
 
 
-def check_serialises(message: object) -> None:
-    """Raise what rospy would raise once somebody listens; for messages made by hand."""
-    made: Any = message
-    if made is not None:
-        made.serialize(BytesIO())
-
-
 class Callback:
-    """Takes the messages of one input; rospy calls it in a thread of each publisher.
-
-    Args:
-        source: id of the input.
-        receipts: where they are stored.
-    """
+    """Takes the messages of one input; rospy calls it in a thread of each publisher."""
 
     def __init__(self, source: str, receipts: Receipts) -> None:
         self._source, self._receipts = source, receipts
-        self._greeted: Dict[str, object] = {}
+        self._greeted: dict[str, object] = {}
         self._lock = threading.Lock()
 
     def __call__(self, message: object) -> None:
@@ -92,24 +77,11 @@ def _stamped_age(message: object) -> float:
     return age if age >= 0.0 else UNKNOWN_AGE
 
 
-def subscribe(source: Input, receipts: Receipts) -> Any:
-    """Return the subscriber of an input; blocks while the ROS master does not answer."""
-    large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
-    return rospy.Subscriber(
-        source.topic,
-        source.type,
-        Callback(source.id, receipts),
-        queue_size=MAX_QUEUED if source.every_message else 1,
-        tcp_nodelay=True,
-        **({"buff_size": source.buffer_bytes} if large else {}),
-    )
-
-
-def diagnostics_publisher() -> Callable[[List[Status]], None]:
+def diagnostics_publisher() -> Callable[[list[Status]], None]:
     """Return what publishes statuses on ``/diagnostics``."""
     publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
 
-    def publish(statuses: List[Status]) -> None:
+    def publish(statuses: list[Status]) -> None:
         array = DiagnosticArray(status=[_status(one) for one in statuses])
         array.header.stamp = stamp()
         publisher.publish(array)

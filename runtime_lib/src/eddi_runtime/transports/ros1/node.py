@@ -4,8 +4,10 @@ The names ``create_ros_msg``, ``init_publisher``, ``init_subscriber`` and ``ros_
 of SESAME D7.2 Fig 31; a person may override them in the generated RosNode.
 """
 
-import sys
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from __future__ import annotations
+
+from io import BytesIO
+from typing import Any, Callable, Mapping
 
 import rospy
 
@@ -14,12 +16,12 @@ from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.node import Node
 from ...node.outputs import MessageError, Output, Publish
-from ...node.receipts import Input
+from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input
 from ...node.report import GraphFact
 from ...node.settings import Settings
 from ...node.silence import Topic
-from ...node.start import StartError
-from .messages import check_serialises, converter, diagnostics_publisher, start_log, subscribe
+from ...node.start import StartError, write_to_stderr
+from .messages import Callback, converter, diagnostics_publisher, start_log
 from .process import RosEnding, node_name, options_of
 from .watchdog import LOST, TypeRefusals, Watchdog, standing, watch
 
@@ -27,26 +29,28 @@ _REGISTERED = "its publisher is registered, and silent"  # a master does not kno
 
 
 class MonitorNode(Node):
-    """Base class of the generated RosNode.
-
-    Args:
-        monitor: the generated EDDIMonitor.
-        eddi_input: the generated EDDIInput.
-        options: private parameters.
-    """
+    """Base class of the generated RosNode."""
 
     def __init__(
-        self, monitor: Steps, eddi_input: EDDIInputBase, options: Optional[Settings] = None
+        self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings | None = None
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
-        self._subscribers: Dict[str, Any] = {}
+        self._subscribers: dict[str, Any] = {}
         self._refusals = TypeRefusals()
-        self._watchdog: Optional[Watchdog] = None
+        self._watchdog: Watchdog | None = None
         self.ending: RosEnding = RosEnding()
 
     def subscribe(self, source: Input) -> None:
         """Subscribe to an input topic; blocks while the ROS master does not answer."""
-        self._subscribers[source.id] = subscribe(source, self._receipts)
+        large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
+        self._subscribers[source.id] = rospy.Subscriber(
+            source.topic,
+            source.type,
+            Callback(source.id, self._receipts),
+            queue_size=MAX_QUEUED if source.every_message else 1,
+            tcp_nodelay=True,
+            **({"buff_size": source.buffer_bytes} if large else {}),
+        )
 
     def advertise(self, channel: Output) -> Publish:
         """Return a publisher: latched, with a queue, so that no subscriber can block."""
@@ -57,9 +61,10 @@ class MonitorNode(Node):
 
     def check_serialises(self, message: object) -> None:
         """Raise what rospy would raise once somebody listens; for messages made by hand."""
-        check_serialises(message)
+        made: Any = message
+        made.serialize(BytesIO())
 
-    def simulated_ns(self) -> Optional[int]:
+    def simulated_ns(self) -> int | None:
         """Return the time of ``/clock`` where that counts."""
         return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
 
@@ -78,8 +83,8 @@ class MonitorNode(Node):
         refused = dict(self._refusals.heard)
         receipts = self._receipts.latest()
         shared = set() if watchdog is None else watchdog.shared
-        wrong: Dict[str, str] = {}
-        mixed: List[str] = []
+        wrong: dict[str, str] = {}
+        mixed: list[str] = []
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
@@ -101,7 +106,7 @@ class MonitorNode(Node):
         found = self._silence.explained(silent, known or ())
         return found._replace(values=(("master", state),), warnings=warnings, wrong_types=wrong)
 
-    def expected_types(self) -> Dict[str, Tuple[str, str]]:
+    def expected_types(self) -> dict[str, tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
         subscribers = dict(self._subscribers)
         return {one.resolved_name: (name, str(one.type)) for name, one in subscribers.items()}
@@ -120,27 +125,18 @@ class MonitorNode(Node):
         self.ending.wait()
         return self.ending.status
 
-    def share(
-        self, ending: RosEnding, refusals: TypeRefusals, watchdog: Optional[Watchdog]
-    ) -> None:
+    def share(self, ending: RosEnding, refusals: TypeRefusals, watchdog: Watchdog | None) -> None:
         """Be one of several monitors of a process, which has these once."""
         self.ending, self._refusals, self._watchdog = ending, refusals, watchdog
 
     @classmethod
     def main(
-        cls,
-        eddi_input_class: Callable[[], EDDIInputBase],
-        eddi_monitor_class: Callable[[], Steps],
+        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
     ) -> int:
         """Run the node of a generated package and return its exit status.
 
-        Args:
-            eddi_input_class: the generated EDDIInput.
-            eddi_monitor_class: the generated EDDIMonitor.
-
-        Returns:
-            0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS
-            master was lost and did not come back.
+        0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS master was
+        lost and did not come back.
         """
         name = node_name(cls.NAME)
         try:
@@ -149,14 +145,11 @@ class MonitorNode(Node):
             node = cls(eddi_monitor_class(), eddi_input_class(), options)
             node.prepare()
             rospy.init_node(cls.NAME)
-        except (StartError, ModelError, MessageError) as error:
-            sys.stderr.write(f"{name}: error: {error}\n")
-            return 1
         except KeyboardInterrupt:
             return 0
-        except rospy.ROSInitException as error:
+        except (StartError, ModelError, MessageError, rospy.ROSInitException) as error:
             if rospy.is_shutdown():
                 return 0  # ended while it waited for the ROS master
-            sys.stderr.write(f"{name}: error: {error}\n")
+            write_to_stderr(name, f"error: {error}")
             return 1
         return node.run()

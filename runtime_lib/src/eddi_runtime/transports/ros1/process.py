@@ -5,9 +5,10 @@ node. rospy's own shutdown talks to the ROS master without a time limit: a maste
 host that vanished, would keep the process (and roslaunch) waiting.
 """
 
+from __future__ import annotations
+
 import sys
 import time
-from typing import Dict
 
 import rosgraph
 import rosgraph.names
@@ -62,11 +63,6 @@ def wait_for_master(node: str) -> Peer:
 def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
     """Return what a person has set, as soon as the master answers and nothing forbids a start.
 
-    Args:
-        node: its full name.
-        frequency: of the generated node.
-        startup_grace: of the generated node.
-
     Raises:
         StartError: a living node has our name, or a parameter is wrong.
     """
@@ -89,13 +85,13 @@ def _refuse_duplicate(master: Peer, node: str) -> None:
         raise StartError(f"a node with the name {node} is running at {uri}; nothing was started")
 
 
-def _private_parameters(master: Peer, node: str) -> Dict[str, object]:
+def _private_parameters(master: Peer, node: str) -> dict[str, object]:
     """Return the private parameters: the master's, then those of the command line."""
     try:
         given = master.call("getParam", node)
     except (Refused, Unreachable):
         given = {}
-    parameters: Dict[str, object] = dict(given) if isinstance(given, dict) else {}
+    parameters: dict[str, object] = dict(given) if isinstance(given, dict) else {}
     try:
         parameters.update(rospy.client.load_command_line_node_params(list(sys.argv)))
     except rospy.ROSInitException as error:

@@ -6,10 +6,12 @@ report. The watchdog detects it and registers the node again, or ends the proces
 message type does not fit.
 """
 
+from __future__ import annotations
+
 import logging
 import threading
 import time
-from typing import Any, Callable, Dict, List, Optional, Set, Tuple
+from typing import Any, Callable
 
 import rosgraph
 import rospy
@@ -33,7 +35,7 @@ class TypeRefusals(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
-        self.heard: Dict[str, Tuple[float, str]] = {}
+        self.heard: dict[str, tuple[float, str]] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keep the reason of a refused connection."""
@@ -51,14 +53,10 @@ class TypeRefusals(logging.Handler):
         logging.getLogger("rospy.internal").addHandler(self)
 
 
-def standing(known: Optional[Tuple[float, str]], last_receipt: Optional[float]) -> str:
+def standing(known: tuple[float, str] | None, last_receipt: float | None) -> str:
     """Return what is wrong with the publisher of a topic, empty once a message came since.
 
     The master keeps the type of a publisher that is gone, and another one may publish beside it.
-
-    Args:
-        known: when that was found, and what.
-        last_receipt: when the last message came.
     """
     if known is None or (last_receipt is not None and last_receipt > known[0]):
         return ""
@@ -68,54 +66,36 @@ def standing(known: Optional[Tuple[float, str]], last_receipt: Optional[float]) 
 class Watchdog:
     """Compares what the master knows with what this node is.
 
-    Args:
-        master_uri: address of the ROS master.
-        period: seconds between two looks.
-        reregister: register again at a new master; otherwise end the process.
-        expected: returns resolved topic -> (input id, ROS type name) of all subscriptions.
-        end: called with an exit status and a reason when the process must end.
-        changed: called whenever ``state`` or ``wrong_types`` changed.
-
-    Attributes:
-        state: of the master.
-        wrong_types: topic -> when it was found; the type expected, and that of its publisher.
-        published: topics with a publisher -> type, when the master was asked last.
-        shared: topics with more than one publisher, then.
+    ``expected`` returns resolved topic -> (input id, ROS type name) of all subscriptions;
+    ``changed`` is called whenever ``state`` or ``wrong_types`` changed.
     """
 
     def __init__(
         self,
-        master_uri: str,
-        period: float,
-        *,
-        reregister: bool,
-        expected: Callable[[], Dict[str, Tuple[str, str]]],
-        end: Callable[[int, str], None],
+        options: Settings,
+        ending: RosEnding,
+        expected: Callable[[], dict[str, tuple[str, str]]],
         changed: Callable[[], None],
     ) -> None:
-        self.state = OK
-        self.wrong_types: Dict[str, Tuple[float, str]] = {}
-        self.published: Optional[Dict[str, Optional[str]]] = None
-        self.shared: Set[str] = set()
+        self.state = OK  # of the master
+        self.wrong_types: dict[str, tuple[float, str]] = {}  # topic -> when found, and what
+        # topics with a publisher -> type, when the master was asked last
+        self.published: dict[str, str | None] | None = None
+        self.shared: set[str] = set()  # topics with more than one publisher, then
         self._node = str(rospy.get_name())
         self._own_uri = str(rospy.get_node_uri())
-        self._master = Peer(master_uri, self._node)
-        self._period = period
-        self._reregister = reregister
-        self._expected = expected
-        self._end = end
-        self._changed = changed
+        self._master = Peer(rosgraph.get_master_uri(), self._node)
+        self._period = options.watchdog_period
+        self._reregister = options.words.get("on_master_loss") != "exit"
+        self._expected, self._end, self._changed = expected, ending.end, changed
         self._failures = 0
+        # The event is only ever waited for in our own thread, so a signal handler cannot deadlock.
         self._stop = threading.Event()
+        ending.on_end(self._stop.set)
 
     def start(self) -> None:
         """Begin to watch."""
         threading.Thread(target=self._run, name="master watchdog", daemon=True).start()
-
-    def stop(self) -> None:
-        """Look no more; returns at once and may be called in a signal handler."""
-        # The event is only ever waited for in our own thread, so a handler cannot deadlock here.
-        self._stop.set()
 
     def _run(self) -> None:
         while not self._stop.wait(self._period):
@@ -176,10 +156,10 @@ class Watchdog:
         self.state = REREGISTERED
         LOG.warn("the ROS master did not know this node any more: registered again")
 
-    def _check_types(self, published: Dict[str, Optional[str]]) -> None:
+    def _check_types(self, published: dict[str, str | None]) -> None:
         # Only topics with a publisher: the master keeps the types of all others, too.
         self.published = published
-        wrong: Dict[str, Tuple[float, str]] = {}
+        wrong: dict[str, tuple[float, str]] = {}
         for topic, (_, expected) in self._expected().items():
             found = published.get(topic)
             if found not in (None, "*", expected):
@@ -195,25 +175,14 @@ class Watchdog:
 def watch(
     options: Settings,
     ending: RosEnding,
-    expected: Callable[[], Dict[str, Tuple[str, str]]],
+    expected: Callable[[], dict[str, tuple[str, str]]],
     changed: Callable[[], None],
-) -> Optional[Watchdog]:
+) -> Watchdog | None:
     """Return the watchdog of this process, ``None`` where a person wants none."""
-    if not options.watchdog_period:
-        return None
-    made = Watchdog(
-        rosgraph.get_master_uri(),
-        options.watchdog_period,
-        reregister=options.words.get("on_master_loss") != "exit",
-        expected=expected,
-        end=ending.end,
-        changed=changed,
-    )
-    ending.on_end(made.stop)
-    return made
+    return Watchdog(options, ending, expected, changed) if options.watchdog_period else None
 
 
-def _own_topics() -> List[str]:
+def _own_topics() -> list[str]:
     topics: Any = rospy.impl.registration.get_topic_manager()
     return [topic for topic, _ in topics.get_publications()]
 
@@ -223,10 +192,6 @@ def reregister(master: Peer, node: str, own_uri: str) -> None:
 
     The topic manager and the service manager are inner parts of rospy (ros_comm 1.15.15): a test
     guards this function per version.
-
-    Raises:
-        Unreachable: the master or our own slave API did not answer.
-        Refused: the master did not accept a registration.
     """
     topics: Any = rospy.impl.registration.get_topic_manager()
     services: Any = rospy.impl.registration.get_service_manager()

@@ -1,6 +1,8 @@
 """The ROS 2 node of one monitor with a life cycle: a managed node of rclpy."""
 
-from typing import Any, Callable, ClassVar, Dict, List, Type
+from __future__ import annotations
+
+from typing import Any, Callable, ClassVar
 
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import QoSProfile
@@ -16,13 +18,9 @@ __all__ = ["ManagedMonitorNode"]
 
 
 class _ManagedNode(LifecycleNode):  # type: ignore[misc]
-    """A node of rclpy that hands its transitions over.
+    """A node of rclpy that hands its transitions over."""
 
-    Attributes:
-        life: what they mean.
-    """
-
-    life: LifeCycle
+    life: LifeCycle  # what they mean
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         return _done("configure", self.life.configure)
@@ -65,8 +63,8 @@ class ManagedProcess(Process):
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
-        self._publishers: Dict[str, Any] = {}
-        self._subscriptions: List[Any] = []
+        self._publishers: dict[str, Any] = {}
+        self._subscriptions: list[Any] = []
 
     def new_node(self, name: str) -> Any:
         """Return the node of rclpy."""
@@ -99,7 +97,7 @@ class ManagedProcess(Process):
 class ManagedMonitorNode(MonitorNode):
     """Base class of the generated RosNode where ``lifecycle: true`` is configured."""
 
-    PROCESS: ClassVar[Type[Process]] = ManagedProcess
+    PROCESS: ClassVar[type[Process]] = ManagedProcess
 
     def init_publisher(self) -> None:
         """Advertise every topic, that of diagnostics too: one of an active node would not send."""

@@ -1,8 +1,10 @@
 """Messages of rclpy: their fields as a ``.msg`` file spells them, and statuses as a message."""
 
+from __future__ import annotations
+
 import re
 from types import ModuleType
-from typing import Any, Callable, Iterable, List, Tuple
+from typing import Any, Callable, Iterable
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
@@ -26,7 +28,7 @@ def msg_type(of: str) -> str:
     return _SPELT.get(of, of)
 
 
-def _fields(cls: Any) -> Iterable[Tuple[str, str]]:
+def _fields(cls: Any) -> Iterable[tuple[str, str]]:
     return ((name, msg_type(of)) for name, of in cls.get_fields_and_field_types().items())
 
 
@@ -46,7 +48,7 @@ def converter(messages: ModuleType, stamp: Callable[[], object]) -> Converter:
     return Converter(MessageClasses(messages, _fields, ros_type, stamp))
 
 
-def diagnostics_of(statuses: List[Status], stamp: object) -> object:
+def diagnostics_of(statuses: list[Status], stamp: object) -> object:
     """Return statuses as one message."""
     array = DiagnosticArray(
         status=[

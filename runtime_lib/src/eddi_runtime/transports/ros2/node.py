@@ -4,8 +4,10 @@ Steps follow the monotonic clock, never a timer of ROS: with ``use_sim_time`` an
 such a timer would not fire at all.
 """
 
+from __future__ import annotations
+
 import time
-from typing import Any, Callable, ClassVar, Dict, List, Mapping, Optional, Tuple, Type
+from typing import Any, Callable, ClassVar, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.qos import QoSProfile
@@ -35,9 +37,6 @@ _DEPTH = 5
 class MonitorNode(Node):
     """Base class of the generated RosNode.
 
-    Class attributes:
-        PROCESS: what it runs in.
-
     Args:
         monitor: the generated EDDIMonitor.
         eddi_input: the generated EDDIInput.
@@ -45,16 +44,16 @@ class MonitorNode(Node):
         process: the node of rclpy.
     """
 
-    PROCESS: ClassVar[Type[Process]] = Process
+    PROCESS: ClassVar[type[Process]] = Process  # what it runs in
 
     def __init__(
         self, monitor: Steps, eddi_input: EDDIInputBase, options: Settings, process: Process
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES, process.stamp), options)
         self._process = process
-        self._read: Dict[str, Tuple[str, QoSProfile]] = {}
+        self._read: dict[str, tuple[str, QoSProfile]] = {}
 
-    def simulated_ns(self) -> Optional[int]:
+    def simulated_ns(self) -> int | None:
         """Return the time of ``/clock`` where that counts."""
         return self._process.simulated_ns()
 
@@ -72,14 +71,14 @@ class MonitorNode(Node):
         qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
         kept = keeps(qos)
 
-        def receive(message: Any, sent: Optional[int]) -> None:
+        def receive(message: Any, sent: int | None) -> None:
             age = self._age(message, sent) if kept else 0.0
             self._receipts.receive(source.id, message, age)
 
         made = self._process.subscription(source.topic, source.type, qos, receive)
         self._read[source.id] = (made.topic_name, made.qos_profile)
 
-    def _age(self, message: Any, sent: Optional[int]) -> float:
+    def _age(self, message: Any, sent: int | None) -> float:
         """Return how old a message is that may have been kept; one of the future may have any age.
 
         Which publisher a message comes from is not told, so each is looked at.
@@ -95,8 +94,7 @@ class MonitorNode(Node):
 
     def check_serialises(self, message: object) -> None:
         """Raise what publishing would raise; for messages made by hand."""
-        if message is not None:
-            serialize_message(message)
+        serialize_message(message)
 
     def graph(self) -> GraphFact:
         """Return why topics are silent, which have publishers of another type, and namesakes."""
@@ -107,7 +105,7 @@ class MonitorNode(Node):
         warnings = (several,) if self._process.namesakes() > 1 else ()
         return self._silence.explained(topics, published)._replace(warnings=warnings)
 
-    def _topic(self, source: Input, age: Optional[float]) -> Topic:
+    def _topic(self, source: Input, age: float | None) -> Topic:
         name, qos = self._read[source.id]
         known = self._process.publications(source.topic)
         expected = ros_type(source.type)
@@ -131,13 +129,13 @@ class MonitorNode(Node):
         """
         self.run_on(self._process.name, self.statuses, begun)
 
-    def statuses(self) -> Callable[[List[Status]], None]:
+    def statuses(self) -> Callable[[list[Status]], None]:
         """Return what publishes statuses."""
         publish = self._process.publisher("/diagnostics", DiagnosticArray, writing({}, 1))
         return lambda statuses: publish(diagnostics_of(statuses, self._process.stamp()))
 
     @classmethod
-    def serve(cls, process: Any, make: "Callable[[], MonitorNode]") -> int:
+    def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
         """Run a node until its process is to end; return the exit status.
 
         Args:
@@ -152,9 +150,7 @@ class MonitorNode(Node):
 
     @classmethod
     def main(
-        cls,
-        eddi_input_class: Callable[[], EDDIInputBase],
-        eddi_monitor_class: Callable[[], Steps],
+        cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
     ) -> int:
         """Run the node of a generated package and return its exit status: 1 when it cannot start.
 

@@ -1,7 +1,9 @@
 """Parameters of a node, declared with their meaning and their range (``ros2 param describe``)."""
 
+from __future__ import annotations
+
 import sys
-from typing import Any, Dict, List, Tuple
+from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import ParameterException
@@ -23,7 +25,7 @@ def declared_settings(node: Any, frequency: float, startup_grace: float) -> Sett
     Raises:
         StartError: a parameter has a wrong type or value.
     """
-    given: Dict[str, Any] = {}
+    given: dict[str, Any] = {}
     for name, value, text, ranges in _parameters(frequency, startup_grace):
         given[name] = declared(node, name, value, text, **ranges)
     options, wrong = settings(given, frequency, startup_grace)
@@ -50,7 +52,7 @@ def declared(node: Any, name: str, default: object, meaning: str, **ranges: Any)
 
 def _parameters(
     frequency: float, startup_grace: float
-) -> List[Tuple[str, object, str, Dict[str, Any]]]:
+) -> list[tuple[str, object, str, dict[str, Any]]]:
     """Return name, default, meaning and range of each."""
     grace = "seconds in which an input may wait for its first message"
     queue = "messages that wait for a slow subscriber of the outputs"
@@ -64,7 +66,7 @@ def _parameters(
     ]
 
 
-def _between(low: float, high: float) -> Dict[str, Any]:
+def _between(low: float, high: float) -> dict[str, Any]:
     made = FloatingPointRange(from_value=low, to_value=high, step=0.0)
     return {"floating_point_range": [made]}
 

@@ -3,12 +3,14 @@
 Signals are the monitor's own: rclpy would end its context while the last step still publishes.
 """
 
+from __future__ import annotations
+
 import contextlib
 import signal
 import sys
 import threading
 import time
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional
+from typing import Any, Callable, Iterator, NamedTuple, Optional
 
 import rclpy
 import rclpy.subscription
@@ -49,10 +51,6 @@ class Process:
     Args:
         name: of the node, unless the command line has another one.
 
-    Attributes:
-        node: of rclpy.
-        name: full name of the node.
-
     Raises:
         StartError: an argument is wrong, or there is no middleware.
     """
@@ -60,15 +58,15 @@ class Process:
     def __init__(self, name: str) -> None:
         try:
             rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
-            self.node: Any = self.new_node(name)
+            self.node: Any = self.new_node(name)  # of rclpy
         except Exception as error:  # rclpy has no base of what it raises for arguments and names
             rclpy.try_shutdown()
             raise StartError(one_line(error)) from error
-        self.name = str(self.node.get_fully_qualified_name())
+        self.name = str(self.node.get_fully_qualified_name())  # full name of the node
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
-        self._signs: Dict[str, Any] = {}
+        self._signs: dict[str, Any] = {}
         self._closed = False
         self._open = threading.RLock()
 
@@ -115,7 +113,7 @@ class Process:
         except UnsupportedEventTypeError:  # of this middleware: nothing is told of signs of life
             return made()
 
-    def alive(self, topic: str) -> Optional[bool]:
+    def alive(self, topic: str) -> bool | None:
         """Return whether a publisher of a topic gives signs of life, ``None`` if that is not told.
 
         Args:
@@ -159,7 +157,7 @@ class Process:
                 LOG.error("rclpy: %s", one_line(error))
                 time.sleep(_WAIT_S)
 
-    def simulated_ns(self) -> Optional[int]:
+    def simulated_ns(self) -> int | None:
         """Return the time of ``/clock``, None where the node has wall time."""
         clock = self.node.get_clock()
         return int(clock.now().nanoseconds) if clock.ros_time_is_active else None
@@ -171,7 +169,7 @@ class Process:
             now = Time(nanoseconds=time.time_ns())
         return now.to_msg()
 
-    def publications(self, topic: str) -> List[Publication]:
+    def publications(self, topic: str) -> list[Publication]:
         """Return every publisher of a topic, by the name that the node uses for it."""
         with self._open:
             found = [] if self._closed else self.node.get_publishers_info_by_topic(topic)
@@ -179,7 +177,7 @@ class Process:
             Publication(one.topic_type.replace("/msg/", "/"), one.qos_profile) for one in found
         ]
 
-    def published(self) -> List[str]:
+    def published(self) -> list[str]:
         """Return the full names of all topics that somebody publishes."""
         with self._open:
             known = [] if self._closed else self.node.get_topic_names_and_types()
@@ -191,7 +189,7 @@ class Process:
             known = [] if self._closed else self.node.get_node_names_and_namespaces()
         return sum(f"{space.rstrip('/')}/{name}" == self.name for name, space in known)
 
-    def writers(self) -> Dict[str, Callable[..., None]]:
+    def writers(self) -> dict[str, Callable[..., None]]:
         """Return what writes the lines of the log."""
         log = self.node.get_logger()
         # one line each: rclpy remembers the level of every place that it is called from

@@ -1,6 +1,8 @@
 """Quality of service: what a configuration gives, and what is usual where it gives nothing."""
 
-from typing import Any, Dict, Iterable, Mapping, Optional
+from __future__ import annotations
+
+from typing import Any, Iterable, Mapping
 
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -41,7 +43,7 @@ def writing(given: Mapping[str, Any], depth: int) -> QoSProfile:
 
 
 def _profile(wanted: Mapping[str, Any]) -> QoSProfile:
-    times: Dict[str, Any] = {
+    times: dict[str, Any] = {
         name: Duration(seconds=wanted[name]) for name in ("deadline", "lifespan") if name in wanted
     }
     return QoSProfile(
@@ -76,12 +78,12 @@ def _lacking(reader: QoSProfile, writer: QoSProfile) -> str:
     return ""
 
 
-def deadline(writers: Iterable[QoSProfile]) -> Optional[float]:
+def deadline(writers: Iterable[QoSProfile]) -> float | None:
     """Return the shortest time between two messages that a writer promises, in seconds."""
     return min((one for one in map(_period, writers) if one is not None), default=None)
 
 
-def _period(profile: QoSProfile) -> Optional[float]:
+def _period(profile: QoSProfile) -> float | None:
     """Return the deadline in seconds: ROS 2 writes none as zero, and as the longest there is."""
     given = profile.deadline.nanoseconds
     return given / 1e9 if 0 < given < _FOR_EVER_NS else None
