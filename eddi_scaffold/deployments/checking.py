@@ -204,7 +204,7 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
         index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
         for binding in monitor.inputs:
             if binding.requires and not binding.is_given:
-                of = f"{binding.model.id} (input of {monitor.model.name})"
+                of = f"{binding.model.id} (input of {monitor.id})"
                 place = monitor.config.place("EDDIInputs", index[binding.model.id])
                 hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
                 names = tuple(filter(None, (binding.model.id, binding.renamed_from)))

@@ -133,6 +133,11 @@ class BoundMonitor:
     default_guarantees: tuple[str, ...] = ()
     cross_check: str = ""
 
+    @property
+    def id(self) -> str:
+        """The id in its configuration, else the name of its model: for people."""
+        return self.config.config.Model.id if self.config is not None else self.model.name
+
     def topic(self, name: str) -> str:
         """Return the full name of a topic of its node, as it is in a bag."""
         return full_topic(name, "", self.package)
@@ -361,6 +366,11 @@ class _InputBinder:
             message = f"{entry.id!r} has `event:`, but no `expression_file:` that it is of"
             self._error("K043", message, "event")
         if not entry.is_computed:
+            if entry.polarity == "HAZARD":
+                message = f"{entry.id!r} has `polarity: HAZARD`, but no expression"
+                hint = "it has no effect; without a message the input is unknown: leave it out"
+                place = self._place("polarity")
+                self.problems.append(warning("K043", message, place, hint))
             return None
         if entry.field is not None:
             key = "expression" if entry.expression_file is None else "expression_file"

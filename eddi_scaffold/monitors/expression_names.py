@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold import units
@@ -44,6 +44,7 @@ class ExpressionNames:
         inputs: Mapping[str, InputEntry],
         types: Mapping[str, str],
         fields_of: FieldsOf,
+        below: Container[str] = (),
     ) -> None:
         """Take over what can be named.
 
@@ -53,7 +54,9 @@ class ExpressionNames:
             inputs: name -> other input.
             types: input of the model -> its type.
             fields_of: message type -> fields.
+            below: names of the inputs that are computed later.
         """
+        self._below = below
         self.problems: list[Problem] = []
         self.checks: dict[str, list[JsonValue]] = {}
         self._entry, self._sources, self._inputs = entry, sources, inputs
@@ -130,6 +133,9 @@ class ExpressionNames:
             hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
             hint = hint or f"there are: {', '.join(names) or 'none'}"
             message = f"there is no simulator output {head!r}"
+            if head == name and head in self._below:
+                message = f"the input {head!r} stands below"
+                hint = "inputs are computed in their order: move it above"
             self.problems.append(error("E008", message, locate(at), hint))
         return self._sources.get(head)
 

@@ -82,7 +82,8 @@ class _ExpressionBinder:
         before = config.config.EDDIInputs[:index]
         self.inputs = {attribute(one.id): one for one in before}
         self.polarity = self.entry.polarity
-        self.names = ExpressionNames(self.entry, self.sources, self.inputs, types, fields_of)
+        below = {attribute(one.id) for one in config.config.EDDIInputs[index + 1 :]}
+        self.names = ExpressionNames(self.entry, self.sources, self.inputs, types, fields_of, below)
 
     def bind(self) -> tuple[CheckedExpression | None, list[Problem]]:
         if self.item.type not in ("bool", "float", "int", "state"):

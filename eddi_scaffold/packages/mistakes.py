@@ -274,13 +274,15 @@ def _is_self(node: ast.AST) -> bool:
 
 
 def _is_decimal_comma(node: ast.expr) -> bool:
-    """Tell ``x - 0,5``: a tuple without parentheses of which the ends at the comma are integers."""
+    """Tell ``x - 0,5 < y``: a tuple without parentheses, with integers beside its comma."""
     if not isinstance(node, ast.Tuple) or len(node.elts) != 2:
         return False
     left, right = node.elts
     bare = (node.lineno, node.col_offset) == (left.lineno, left.col_offset)
     while isinstance(left, ast.BinOp | ast.UnaryOp | ast.Compare | ast.BoolOp):
         left = _last(left)
+    while isinstance(right, ast.BinOp | ast.Compare):
+        right = right.left
     return bare and _is_integer(left) and _is_integer(right)
 
 

@@ -64,9 +64,9 @@ def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
             id_ = one.model.id
             topics = [monitor.topic(source.topic) for source in one.requires]
             meaning = (one.model.type, one.unit, one.expression, one.computed_text, topics)
-            first, same = owners.setdefault(id_, (monitor.model.name, meaning))
+            first, same = owners.setdefault(id_, (monitor.id, meaning))
             if same != meaning:
-                message = f"{id_!r} of {first} and of {monitor.model.name} would be one column"
+                message = f"{id_!r} of {first} and of {monitor.id} would be one column"
                 hint = "run one configuration alone, or use --bag, which knows topics"
                 raise EddiError(error("G020", message, hint=hint))
             found[id_] = one.model.type

@@ -147,10 +147,10 @@ def _beside(running: RuntimeMonitor[Any], output: object) -> str:
 
 
 def _plain(value: object) -> Value:
-    """Return a value as JSON has it; what is not finite is not known, as for the monitor."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, bool | int | str) else repr(value)
+    """Return a value as JSON has it: NaN is not known, as for the monitor, ``inf`` is a text."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value if value is None or isinstance(value, bool | int | float | str) else repr(value)
 
 
 def _is_list(value: object) -> bool:

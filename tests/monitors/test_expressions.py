@@ -140,6 +140,7 @@ def test_another_input_may_be_named() -> None:
         ("expression: motor.data > 2\n    field: data", "K043", 8, 12, "`field:`"),
         ("states: {High: motor.data > 2}", "K043", 7, 5, "give `expression:`"),
         ("event: hot", "K043", 7, 12, "no `expression_file:`"),
+        ("expression: MotorIsCool", "E008", 7, 17, "the input 'MotorIsCool' stands below"),
         ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
     ],
 )

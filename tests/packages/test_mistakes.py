@@ -49,6 +49,7 @@ def doubts(
         ("self.Charge == battery.level", "'self.Charge == battery.level' only compares"),
         ("pass", "nothing here assigns 'self.Charge', so the input stays unknown"),
         ("level = battery.level\nprint(level)", "nothing here assigns 'self.Charge'"),
+        ("self.Charge = 0,5 < battery.level", "makes a tuple; a decimal number has a point"),
         ("self.Charge = battery.level - 0,5", "makes a tuple; a decimal number has a point"),
         (
             "self.Charge = battery.level - 0.05\nself.Charge = None",

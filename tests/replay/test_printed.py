@@ -47,6 +47,16 @@ def test_every_form_has_the_same_steps(kind: str, tmp_path: Path) -> None:
     assert {name for name in rows[0] if name not in ("t", "reason", "unknown")} <= names
 
 
+def test_json_tells_an_infinite_number_from_one_that_is_not_known(tmp_path: Path) -> None:
+    recording = tmp_path / "r.csv"
+    recording.write_text("t,vehicleSpeed,pedestrianDistance\n0,inf,-inf\n0.1,nan,nan\n")
+    words = [*RECORDED["bayesian_network"].split(), "--inputs", recording, "--json"]
+    rows = [
+        json.loads(line)["inputs"] for line in run("run", *words, cwd=EXAMPLES).out.splitlines()
+    ]
+    assert [list(row.values()) for row in rows] == [["inf", "-inf"], [None, None]]
+
+
 def test_a_line_is_printed_when_and_only_when_a_verdict_changes() -> None:
     rows = list(csv.DictReader(printed("consert", "--csv").splitlines()))
     names = [name for name in rows[0] if name != "t"]

@@ -100,6 +100,7 @@ class _Entry:
         numbers = self._numbers()
         self._hysteresis(bins, numbers)
         self._choices()
+        self._default(source)
         of = self._type(source)
         mapping = self._map(of)
         sentinel = self._sentinel()
@@ -238,6 +239,12 @@ class _Entry:
                 self._error("B404", f"`{key}` must be {' or '.join(known)}", key)
         if "allow_inf" in self.given and not isinstance(self.given["allow_inf"], bool):
             self._error("B404", "`allow_inf` must be true or false", "allow_inf")
+
+    def _default(self, source: str | None) -> None:
+        declared = next((one for one in self.inputs if one.id == source), None)
+        if self.given.get("missing") == "default" and declared and declared.default is None:
+            hint = f"give {source!r} a `default`, or write `missing: prior`"
+            self._error("B404", f"the input {source!r} has no `default`", "missing", hint=hint)
 
     def _type(self, source: str | None) -> InputType:
         """Return the declared type of the input, or the one that fits."""

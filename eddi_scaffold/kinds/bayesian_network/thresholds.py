@@ -17,8 +17,8 @@ KEY = "evidence"
 _KEYS = ("id", "node", "state", "at_most", "at_least", "release", "hold", "topic")
 _LIMITS = ("at_most", "at_least")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_RESERVED = ("t", "reason", "unknown")
-"""Columns of what ``run --csv`` writes."""
+_RESERVED = ("t", "reason", "unknown", "valid")
+"""Columns of what ``run --csv`` writes, and what reads as if it were about all evidence."""
 _LONGEST_S = 31_536_000.0
 
 

@@ -22,7 +22,7 @@ from eddi_scaffold.kinds.reliability.model import (
     Threshold,
 )
 from eddi_scaffold.kinds.reliability.values import KEY, Values
-from eddi_scaffold.problems import Problem, did_you_mean
+from eddi_scaffold.problems import Problem, did_you_mean, warning
 
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 _NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
@@ -106,6 +106,10 @@ def _horizon(values: Values, base: ReliabilitySystem | None) -> tuple[float, boo
                 hint="add `mission_time: 2 h`",
             )
         return longest or 1.0, True
+    if longest is not None:
+        hint = "write `horizon: mission_end`, or leave it out"
+        message = "`mission_time` has no effect without `horizon: mission_end`"
+        values.problems.append(warning("R001", message, values.place("mission_time", KEY), hint))
     given = values.quantity("horizon", quantities.duration, positive=True)
     if given is None:
         return (base.horizon, base.mission_end) if base else (1.0, False)
@@ -288,8 +292,8 @@ def _battery(entry: Values, _: str) -> Mapping[str, Any] | None:
 
 
 def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
-    keys = ("mttf_ref", "t_ref", "t_max", "u_max", "activation_energy", "shape", "repair", "age")
-    entry.only(("type", *keys))
+    keys = ("mttf_ref", "t_ref", "t_max", "u_max", "activation_energy", "shape", "age")
+    _only_without_repair(entry, ("type", *keys), "it is never observed to have failed")
     age = entry.quantity("age", quantities.duration)
     mean = entry.quantity("mttf_ref", quantities.duration, required=True)
     if mean == 0.0:
@@ -306,13 +310,22 @@ def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
 
 
 def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any] | None:
-    entry.only(("type", "k", "rate", "max", "repair"))
+    keys = ("type", "k", "rate", "max")
+    _only_without_repair(entry, keys, "it follows its input, and what returns is available again")
     k = entry.whole("k", 1, 10_000, required=True)
     return {
         "k": k,
         "rate": entry.quantity("rate", quantities.rate, required=True),
         "max": entry.whole("max", k or 1, 10_000),
     }
+
+
+def _only_without_repair(entry: Values, keys: Sequence[str], why: str) -> None:
+    """Report unknown keys, and `repair`, which other types have."""
+    if "repair" in entry.names():
+        message = f"a {entry.text('type')} has no `repair`"
+        entry.error("R001", message, "repair", KEY, hint=f"leave it out: {why}")
+    entry.only((*keys, "repair"))
 
 
 _MAKERS: Mapping[str, _Make] = {

@@ -97,6 +97,7 @@ MISTAKES: dict[str, tuple[object, str]] = {
     "negative": ({NODE: {**ENTRY, "hysteresis": -1}}, "`hysteresis` must not be negative"),
     "descending": ({NODE: {**ENTRY, "range": [3, 1]}}, "`range` must be two ascending numbers"),
     "other word": ({NODE: {**ENTRY, "closed": "both"}}, "`closed` must be right or left"),
+    "no default": ({NODE: {**ENTRY, "missing": "default"}}, "the input 'value' has no `default`"),
     "no truth": ({NODE: {**ENTRY, "allow_inf": 1}}, "`allow_inf` must be true or false"),
     "empty": ({NODE: {"input": "value", "map": {}}}, "`map` must be a map from values to states"),
     "no list of pairs": ({NODE: {**ENTRY, "sentinel": -1}}, "`sentinel` must be a list of pairs"),
