@@ -38,11 +38,11 @@ def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
 
 def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
     """Return what the declarations of the nodes accept in place of a known state."""
-    ages = {spec["id"]: spec["max_age"] for spec in document["inputs"]}
+    specs = {spec["id"]: spec for spec in document["inputs"]}
     return [
         one
         for node, declared in document["model"].get("discretisation", {}).items()
-        for one in _of_node(node, declared, ages[declared["input"]], frequency)
+        for one in _of_node(node, declared, specs[declared["input"]], frequency)
     ]
 
 
@@ -53,11 +53,11 @@ def lag(document: Mapping[str, Any], frequency: float) -> float:
 
 
 def _of_node(
-    node: str, declared: Mapping[str, Any], age: object, frequency: float
+    node: str, declared: Mapping[str, Any], spec: Mapping[str, Any], frequency: float
 ) -> Iterator[Acceptance]:
     path = ("Model", "discretisation", node)
-    policy = declared.get("missing", "unobserved")
-    if policy in _POLICIES:
+    policy, age = declared.get("missing", "unobserved"), spec["max_age"]
+    if policy in _POLICIES and (policy != "default" or spec["default"] is not None):
         seconds = age + 1 / frequency if policy == "hold" and isinstance(age, float) else None
         lasts = "while it is unknown" if seconds is None else f"for {seconds:g} s"
         text = f"{_POLICIES[policy]} of {node}"

@@ -243,8 +243,12 @@ class _Entry:
     def _default(self, source: str | None) -> None:
         declared = next((one for one in self.inputs if one.id == source), None)
         if self.given.get("missing") == "default" and declared and declared.default is None:
-            hint = f"give {source!r} a `default`, or write `missing: prior`"
-            self._error("B404", f"the input {source!r} has no `default`", "missing", hint=hint)
+            message = (
+                f"discretisation of {self.node.id!r}: `missing: default` has no effect: the input "
+                f"{source!r} has no `default`"
+            )
+            place, hint = self.at("missing"), f"give {source!r} a `default`, or leave it out"
+            self.problems.append(warning("B404", message, place, hint))
 
     def _type(self, source: str | None) -> InputType:
         """Return the declared type of the input, or the one that fits."""
