@@ -293,7 +293,7 @@ def _battery(entry: Values, _: str) -> Mapping[str, Any] | None:
 
 def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
     keys = ("mttf_ref", "t_ref", "t_max", "u_max", "activation_energy", "shape", "age")
-    _only_without_repair(entry, ("type", *keys), "it is never observed to have failed")
+    _only_with_idle_repair(entry, ("type", *keys), "it is never observed to have failed")
     age = entry.quantity("age", quantities.duration)
     mean = entry.quantity("mttf_ref", quantities.duration, required=True)
     if mean == 0.0:
@@ -311,7 +311,7 @@ def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
 
 def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any] | None:
     keys = ("type", "k", "rate", "max")
-    _only_without_repair(entry, keys, "it follows its input, and what returns is available again")
+    _only_with_idle_repair(entry, keys, "it follows its input, and what returns is available again")
     k = entry.whole("k", 1, 10_000, required=True)
     return {
         "k": k,
@@ -320,11 +320,12 @@ def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any] | None:
     }
 
 
-def _only_without_repair(entry: Values, keys: Sequence[str], why: str) -> None:
-    """Report unknown keys, and `repair`, which other types have."""
+def _only_with_idle_repair(entry: Values, keys: Sequence[str], why: str) -> None:
+    """Report unknown keys, and `repair`, which has an effect on other types."""
     if "repair" in entry.names():
-        message = f"a {entry.text('type')} has no `repair`"
-        entry.error("R001", message, "repair", KEY, hint=f"leave it out: {why}")
+        message = f"`repair` has no effect on a {entry.text('type')}"
+        place, hint = entry.place("repair", KEY), f"leave it out: {why}"
+        entry.problems.append(warning("R001", message, place, hint))
     entry.only((*keys, "repair"))
 
 
