@@ -141,10 +141,12 @@ def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
             # Outside, line ends are the generator's; inside, every byte is the person's.
             body.append(line) if begin else parts.append(line.replace("\r\n", "\n"))
         elif marker.what == "begin":
+            if begin and _is_stray(begin, marker, lines):
+                faults.append(Fault(number, f"{_inside(begin)}; remove this line"))
+                continue
             if begin:
-                faults.append(_nested(begin, marker))
-            else:
-                begin, body = marker, []
+                faults.append(_nested(begin, marker, lines))
+            begin, body = marker, []
         elif begin is None:
             faults.append(
                 Fault(number, "end marker without begin; put the begin marker back above it")
@@ -160,12 +162,30 @@ def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     return MarkedFile(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
 
 
-def _nested(outer: Marker, inner: Marker) -> Fault:
-    reason = (
-        f"begin marker inside the region that begins in line {outer.line}; "
-        "regions do not nest: put the missing end marker back or remove this line"
-    )
-    return Fault(inner.line, reason)
+def _is_stray(outer: Marker, inner: Marker, lines: Sequence[str]) -> bool:
+    """Return whether a begin marker is one too many, by the end marker that follows."""
+    if outer.id is None or outer.id == inner.id:
+        return outer.id is not None
+    following = (read_marker(lines[at], at + 1) for at in range(inner.line, len(lines)))
+    marker = next((one for one in following if one is not None), None)
+    return isinstance(marker, Marker) and (marker.what, marker.id) == ("end", outer.id)
+
+
+def _inside(outer: Marker) -> str:
+    return f"begin marker inside the region that begins in line {outer.line}"
+
+
+def _nested(outer: Marker, inner: Marker, lines: Sequence[str]) -> Fault:
+    """Report a region without its end marker, where that belongs."""
+    body, indent = range(outer.line, inner.line - 1), len(indent_of(outer.text))
+    outside = (at for at in body if lines[at].strip() and len(indent_of(lines[at])) < indent)
+    at = next(outside, inner.line - 1)
+    while at > outer.line and not lines[at - 1].strip():
+        at -= 1
+    begins = f"begins in line {outer.line}"
+    name = f"region {outer.id!r}, which {begins}," if outer.id else f"the region that {begins}"
+    reason = f"the end marker of {name} is missing; put it back before line {at + 1}"
+    return Fault(at + 1, reason)
 
 
 def _region(

@@ -96,7 +96,7 @@ def test_id_on_one_marker_is_enough() -> None:
 @pytest.mark.parametrize(
     ("text", "line", "word"),
     [
-        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}\n", 2, "do not nest"),
+        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}\n", 2, "is missing"),
         (f"x\n{END}  # region: a\n", 2, "without begin"),
         (f"x\n{BEGIN}  # region: a\n", 2, "no end marker"),
         (f"{BEGIN}  # region: a\n{END}\n{BEGIN}  # region: a\n{END}\n", 3, "second region 'a'"),
@@ -112,6 +112,52 @@ def test_id_on_one_marker_is_enough() -> None:
 def test_faults(text: str, line: int, word: str) -> None:
     _, faults = parse(text)
     assert any(f.line == line and word in f.reason for f in faults), faults
+
+
+METHODS = f"""class C:
+    def f(self):
+        {BEGIN}  # region: a
+        x = 1
+
+    @cached
+    def g(self):
+        {BEGIN}  # region: b
+        y = 1
+        {END}  # region: b
+    def h(self):
+        {BEGIN}
+        z = 1
+        {END}
+    def i(self):
+        {BEGIN}
+        z = 1
+        {END}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        (METHODS, 5, ("end marker of region 'a', which begins in line 3", "before line 5")),
+        (METHODS.replace("\n", "\r\n"), 5, ("region 'a'", "before line 5")),
+        (
+            METHODS.replace(f"{END}\n    def i", "\n    def i").replace(
+                "x = 1\n", f"x = 1\n        {END}\n"
+            ),
+            15,
+            ("end marker of the region that begins in line 13", "before line 15"),
+        ),
+        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: b\n", 2, ("'a'", "line 2")),
+        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: a\n", 2, ("remove this",)),
+        (f"{BEGIN}  # region: a\n{BEGIN}  # region: a\n{END}  # region: a\n", 2, ("remove this",)),
+    ],
+)
+def test_one_marker_that_is_missing_or_too_many_is_one_fault(
+    text: str, line: int, words: tuple[str, ...]
+) -> None:
+    (fault,) = parse(text)[1]
+    assert fault.line == line
+    assert all(word in fault.reason for word in words), fault
 
 
 def test_sig_is_replaced_in_every_form() -> None:
