@@ -40,7 +40,6 @@ NOT_IN_THE_FILES = {
     "H011 a slip outside the regions": "about a package that is there",
     "H012 a folder of somebody else": "about the destination",
     "D003 ConSerts that feed each other in one workspace": "about a package that is there",
-    "D005 the same in one workspace": "about a package that is there",
     "D017 the same in one workspace": "about a package that is there",
     "K001 a model in place of a configuration": "`check` sees that it is a model",
     "K001 the file is XML": "a model in place of a configuration: `check` sees that it is a model",

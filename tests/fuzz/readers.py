@@ -573,7 +573,7 @@ def _adopt(folder: Path) -> Made:
     from eddi_scaffold.adopting.adopt import adopt
 
     ros = write_old_ros_package(folder / "ros", _consert_yaml())
-    xdsl = _exported(folder, "PedestrianRisk.xdsl") or _exported(folder, ".xdsl")
+    xdsl = _exported("PedestrianRisk.xdsl") or _exported(".xdsl")
     network = write_old_network(folder / "bn", xdsl[0].data.decode())
     sound = {p.relative_to(folder).as_posix(): p.read_bytes() for p in _files(ros, network)}
     samples = [Sample(name, data) for name, data in sound.items() if name.endswith(".py")]

@@ -118,9 +118,9 @@ def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
                 hint += (
                     f"; if the model has a new name, add `--rename {other.package}={one.package}`"
                 )
-            yield error(
-                "D005", message, place, f"{hint}; else remove the package that is of no use"
-            )
+            hint += "; else remove the package that is of no use"
+            # No error: nodes may be started in namespaces of their own, or not at all.
+            yield warning("D005", message, place, hint)
 
 
 def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
