@@ -200,6 +200,7 @@ def _scalar_11(text: str) -> Any:
 
 _NEAR = 5
 """Lines above the one that the parser stops at, in which the cause is looked for."""
+_TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
 _NOT = "put the text in quotes, and write NOT for `!`"
 _INDENT = "indent the keys of one map alike; put a text with a colon in quotes"
 _RESOLVE = (
@@ -259,6 +260,8 @@ class _Composer:
         except yaml.MarkedYAMLError as problem:
             mark = problem.problem_mark or problem.context_mark
             place = Place(self.name) if mark is None else self._place(mark)
+            if "maximum nesting depth" in (problem.problem or ""):  # the parser's own, 1000
+                raise _Stop(_TOO_DEEP, place) from None
             conflict = self._conflict(mark.line) if mark is not None else None
             if conflict is not None:
                 message = "a merge conflict that nobody has resolved begins here"
@@ -357,7 +360,7 @@ class _Composer:
         self._check_tag(event)
         place = self._place(event.start_mark)
         if len(self.open) >= MAX_DEPTH:
-            raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
+            raise _Stop(_TOO_DEEP, place)
         if event.anchor is not None:
             self.anchors[event.anchor] = None  # an alias to what is still open is recursive
         is_map = isinstance(event, yaml.MappingStartEvent)
@@ -377,7 +380,7 @@ class _Composer:
             raise _Stop(f"the alias *{event.anchor} is inside the node that it refers to", place)
         node, visits, depth = found
         if len(self.open) + depth > MAX_DEPTH:
-            raise _Stop(f"nested deeper than the limit of {MAX_DEPTH}", place)
+            raise _Stop(_TOO_DEEP, place)
         self._add(node, None, visits, depth)
 
     def _add(self, node: Node, anchor: str | None, visits: int, depth: int) -> None:
