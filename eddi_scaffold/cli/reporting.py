@@ -10,6 +10,7 @@ import typer
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages.generation import Outcome
+from eddi_scaffold.problems import counted
 from eddi_scaffold.regions.bases import BASES, bases_of
 
 _SHOWN = 12
@@ -50,9 +51,7 @@ def _report(outcome: Outcome, *, dry_run: bool) -> None:
         diff = outcome.diff()
         if diff:
             console.data(diff.rstrip("\n"))
-        number = len(outcome.changes) - len(_records(outcome))
-        what = _files(number) if number or not outcome.changes else "records of hand edits"
-        console.say(f"{what} would change below {outcome.root}")
+        console.say(f"{_size(outcome)} would change below {outcome.root}")
     else:
         _list_changes(outcome)
     for note in outcome.notes:
@@ -63,12 +62,14 @@ def _report(outcome: Outcome, *, dry_run: bool) -> None:
         console.say("hand edits need a look: see the notes, and `eddi-scaffold regions --check`")
 
 
-def _files(number: int) -> str:
-    return "1 file" if number == 1 else f"{number} files"
-
-
 def _records(outcome: Outcome) -> set[str]:
     return {path for path in outcome.changes if _RECORDS in path}
+
+
+def _size(outcome: Outcome) -> str:
+    """Return how many files change, without records of hand edits, which people do not read."""
+    number = len(outcome.changes) - len(_records(outcome))
+    return counted(number, "file") if number or not outcome.changes else "records of hand edits"
 
 
 def _list_changes(outcome: Outcome) -> None:
@@ -76,9 +77,7 @@ def _list_changes(outcome: Outcome) -> None:
     if not outcome.changes:
         console.success(f"nothing to change below {outcome.root}")
         return
-    records = _records(outcome)
-    number = len(outcome.changes) - len(records)
-    console.success(f"{outcome.root}: {_files(number) if number else 'records of hand edits'}")
+    console.success(f"{outcome.root}: {_size(outcome)}")
     editable = dict(_editable(outcome))
     yours = [path for path in outcome.changes if editable.get(path)]
     if yours:
@@ -87,7 +86,7 @@ def _list_changes(outcome: Outcome) -> None:
             console.say(f"    {_SIGNS[_change(outcome, path)]} {path}")
         if len(yours) > _SHOWN:
             console.say(f"    ... and {len(yours) - _SHOWN} more")
-    others = sorted(outcome.changes.keys() - records - {*yours})
+    others = sorted(outcome.changes.keys() - _records(outcome) - {*yours})
     if others:
         counts = Counter(_change(outcome, path) for path in others)
         what = ", ".join(f"{counts[change]} {change}" for change in _SIGNS if counts[change])

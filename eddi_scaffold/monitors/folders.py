@@ -45,9 +45,10 @@ def inputs_beside(configs: Sequence[Path]) -> dict[str, str]:
                 config, _ = read_config(read_source(path))
             except EddiError:
                 continue
-            for one in config.config.EDDIInputs if config is not None else ():
-                name = config.config.Model.id if config is not None else ""
-                found.setdefault(one.id, f"it is an input of {name}: run both, with -c {path}")
+            if config is None:
+                continue
+            advice = f"it is an input of {config.config.Model.id}: run both, with -c {path}"
+            found |= {one.id: advice for one in config.config.EDDIInputs if one.id not in found}
     return found
 
 

@@ -325,7 +325,7 @@ def _merged(
     said = [note.text for note in report.notes]
     look += [
         _open(package, still_open[one.id, one.file])
-        for one in open_edits(target)
+        for one in (open_edits(target) if still_open else ())
         if (one.id, one.file) in still_open and not any(repr(one.id) in text for text in said)
     ]
     return _Merged(changed, look, report, is_open)

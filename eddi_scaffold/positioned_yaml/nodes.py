@@ -202,7 +202,15 @@ _NEAR = 5
 """Lines above the one that the parser stops at, in which the cause is looked for."""
 _TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
 _NOT = "put the text in quotes, and write NOT for `!`"
-_INDENT = "indent the keys of one map alike; put a text with a colon in quotes"
+_NO_COLON = "could not find expected ':'"
+_HINTS = {
+    _NO_COLON: "put a colon and a blank after the key",
+    "mapping values are not allowed": (
+        "indent the keys of one map alike; put a text with a colon in quotes"
+    ),
+    "did not find expected ',' or": "close it, or put a text with brackets or a comma in quotes",
+}
+"""What the parser says -> what to do."""
 _RESOLVE = (
     "keep what is right of both sides, and delete the lines of `<<<<<<<`, `=======`, `>>>>>>>`"
 )
@@ -226,6 +234,10 @@ class _Stop(Exception):  # noqa: N818 - control flow inside this module
     def __init__(self, message: str, place: Place, hint: str | None = None) -> None:
         super().__init__(message)
         self.message, self.place, self.hint = message, place, hint
+
+
+def _hint(problem: str) -> str | None:
+    return next((hint for words, hint in _HINTS.items() if words in problem), None)
 
 
 class _Composer:
@@ -277,13 +289,9 @@ class _Composer:
                 raise _Stop(message, place, advice) from None
             parts = [part for part in (problem.context, problem.problem) if part]
             hint = None if mark is None else self._quotes(problem.context or "", mark.line)
-            if problem.problem == "could not find expected ':'" and problem.context_mark:
+            if problem.problem == _NO_COLON and problem.context_mark:
                 place = self._place(problem.context_mark)  # of the key; the other is below it
-                hint = hint or "put a colon and a blank after the key"
-            elif problem.problem == "mapping values are not allowed in this context":
-                hint = hint or _INDENT
-            elif "did not find expected ',' or" in (problem.problem or ""):
-                hint = hint or "close it, or put a text with brackets or a comma in quotes"
+            hint = hint or _hint(problem.problem or "")
             raise _Stop(f"this is not YAML: {': '.join(parts)}", place, hint) from None
         except yaml.reader.ReaderError as problem:
             raise _Stop(*self._unreadable(problem)) from None

@@ -134,11 +134,7 @@ def test_what_is_said_to_do_puts_it_right(world: World) -> None:
     assert world.command("regions", "--check", world.package).status == 0
 
 
-def test_what_both_branches_generated_is_generated_again(world: World) -> None:
-    diverge(world, "model", "renamed")
-    git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
-    assert not merge(world)
-    assert b"<<<<<<<" not in b"".join(snapshot(world.package).values())
+def generate_what_both_changed(world: World) -> None:
     world.change(START[0], Element("bravo", was="beta"), START[2], Element("delta"))
     assert world.command("regions", "--check", world.package).status == 3
     assert world.generate().status == 0
@@ -147,6 +143,14 @@ def test_what_both_branches_generated_is_generated_again(world: World) -> None:
     assert updated(world)
     assert not list(world.package.glob(".eddi/rejects/*"))
     assert world.command("regions", "--check", world.package).status == 0
+
+
+def test_what_both_branches_generated_is_generated_again(world: World) -> None:
+    diverge(world, "model", "renamed")
+    git(world.workspace, "config", "merge.eddi-scaffold.driver", DRIVER)
+    assert not merge(world)
+    assert b"<<<<<<<" not in b"".join(snapshot(world.package).values())
+    generate_what_both_changed(world)
 
 
 def test_records_in_conflict_do_not_make_generated_text_a_persons(world: World) -> None:
@@ -158,14 +162,7 @@ def test_records_in_conflict_do_not_make_generated_text_a_persons(world: World) 
     git(world.package, "checkout", "--ours", world.main)
     for token in [token for token in world.lines if token not in world.text()]:
         del world.lines[token]  # the person's choice
-    world.change(START[0], Element("bravo", was="beta"), START[2], Element("delta"))
-    assert world.command("regions", "--check", world.package).status == 3
-    assert world.generate().status == 0
-    world.settle()
-    world.check()
-    assert updated(world)
-    assert not list(world.package.glob(".eddi/rejects/*"))
-    assert world.command("regions", "--check", world.package).status == 0
+    generate_what_both_changed(world)
 
 
 def test_plain_update_after_the_merge(world: World) -> None:

@@ -19,8 +19,8 @@ from eddi_scaffold.readers.xml_text import looks_like_xml
 from eddi_scaffold.source import Source, beside
 
 ROBOTS = "Robots"
-BINDINGS = "Bindings"
-"""The section that tells a deployment file from all others."""
+_SECTIONS = (ROBOTS, "Bindings")
+"""Sections that tell a deployment file from all others, also where one of them is misspelt."""
 _ROBOTS_LINE = re.compile(rb"^Robots[ \t]*:", re.MULTILINE)
 
 
@@ -73,13 +73,13 @@ class FleetFile:
 
 def is_fleet(source: Source) -> bool:
     """Return whether a file is a deployment file."""
-    known = (ROBOTS, BINDINGS)
-    if looks_like_xml(source.data) or not any(name.encode() in source.data for name in known):
+    named = any(name.encode() in source.data for name in _SECTIONS)
+    if looks_like_xml(source.data) or not named:
         return False
     node, _ = read_map(source, "K001")
     if node is None:  # no YAML, or damaged: what it is meant to be still shows
         return _ROBOTS_LINE.search(source.data) is not None
-    return any(node.get(name) is not None for name in known)
+    return any(node.get(name) is not None for name in _SECTIONS)
 
 
 def read_fleet(source: Source) -> tuple[FleetFile | None, list[Problem]]:

@@ -121,8 +121,13 @@ class _Entry:
         return Declaration(self.node.id, source, of, data | numbers)
 
     def _error(self, code: str, message: str, *path: str | int, hint: str | None = None) -> None:
-        text = f"discretisation of {self.node.id!r}: {message}"
-        self.problems.append(error(code, text, self.at(*path), hint))
+        self.problems.append(error(code, self._about(message), self.at(*path), hint))
+
+    def _warn(self, message: str, key: str, hint: str) -> None:
+        self.problems.append(warning("B404", self._about(message), self.at(key), hint))
+
+    def _about(self, message: str) -> str:
+        return f"discretisation of {self.node.id!r}: {message}"
 
     def _keys(self) -> None:
         for key in self.given:
@@ -227,11 +232,10 @@ class _Entry:
         width = min((b - a for a, b in pairwise(edges)), default=math.inf)
         if 0 < width <= band:
             message = (
-                f"discretisation of {self.node.id!r}: a `hysteresis` of {band:g} is not less than "
-                f"the narrowest bin, {width:g}: a state beside it is kept that was left long ago"
+                f"a `hysteresis` of {band:g} is not less than the narrowest bin, {width:g}: "
+                "a state beside it is kept that was left long ago"
             )
-            place, hint = self.at("hysteresis"), f"write less than {width:g}, or 0"
-            self.problems.append(warning("B404", message, place, hint))
+            self._warn(message, "hysteresis", f"write less than {width:g}, or 0")
 
     def _choices(self) -> None:
         for key, known in _CHOICES.items():
@@ -243,12 +247,8 @@ class _Entry:
     def _default(self, source: str | None) -> None:
         declared = next((one for one in self.inputs if one.id == source), None)
         if self.given.get("missing") == "default" and declared and declared.default is None:
-            message = (
-                f"discretisation of {self.node.id!r}: `missing: default` has no effect: the input "
-                f"{source!r} has no `default`"
-            )
-            place, hint = self.at("missing"), f"give {source!r} a `default`, or leave it out"
-            self.problems.append(warning("B404", message, place, hint))
+            message = f"`missing: default` has no effect: the input {source!r} has no `default`"
+            self._warn(message, "missing", f"give {source!r} a `default`, or leave it out")
 
     def _type(self, source: str | None) -> InputType:
         """Return the declared type of the input, or the one that fits."""
