@@ -17,6 +17,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.data_files import left_out
+
 collect_ignore = ["golden"]  # generated packages, whose tests run where they belong
 
 _MEMORY = Path("/dev/shm")
@@ -68,6 +70,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         marks = {mark.name for mark in item.iter_markers()} & {"ros", "slow"}
         ranks[item.path] = max(ranks.get(item.path, 0), len(marks))
     items.sort(key=lambda item: -ranks[item.path])
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say what a run without other people's files does not show."""
+    skipped = terminalreporter.stats.get("skipped", ())
+    if line := left_out([str(report.longrepr) for report in skipped]):
+        terminalreporter.write_line(line)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -10,7 +10,7 @@ from eddi_scaffold import units
 from eddi_scaffold.config.message_types import Fields, element
 from eddi_scaffold.config.message_types.common import common_messages
 from eddi_scaffold.config.message_types.documented import _rows, documented
-from tests.shared_data import shared
+from tests.data_files import data_file
 
 KNOWN = common_messages()
 VAGUE = {"none", "mixed", "context", "undocumented"}
@@ -27,7 +27,7 @@ def said(message: str, path: str) -> tuple[str, ...] | None:
 
 def test_units_are_those_of_the_shared_table() -> None:
     """Every unit of a message that we know, and nothing where the table says there is none."""
-    table = shared("messages/units.tsv")
+    table = data_file("messages/units.tsv")
     with table.open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file, delimiter="\t") if row["type"] in KNOWN]
     assert len(rows) > 400

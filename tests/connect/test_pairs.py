@@ -12,17 +12,12 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.matching import Decision, Offer, decide
 from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.topics import RobotTopic
-from tests.shared_data import ROOT, shared
+from tests.data_files import data_file
 
-_FILE = ROOT / "connect" / "pairs.yml"
-_DATA: Mapping[str, Any] = yaml.safe_load(_FILE.read_text("utf-8")) if _FILE.exists() else {}
-
-
-def test_the_pairs_are_there() -> None:
-    shared("connect/pairs.yml")
+_DATA: Mapping[str, Any] = yaml.safe_load(data_file("connect/pairs.yml").read_text("utf-8"))
 
 
-@pytest.mark.parametrize("pair", _DATA.get("pairs", ()), ids=lambda pair: pair["id"])
+@pytest.mark.parametrize("pair", _DATA["pairs"], ids=lambda pair: pair["id"])
 def test_a_pair_is_taken_or_left_to_a_person(pair: Mapping[str, Any]) -> None:
     decision, answer = decided(pair), pair["answer"]
     listed = [one.topic.id for one in decision.candidates]
@@ -41,7 +36,7 @@ def decided(pair: Mapping[str, Any]) -> Decision:
     need = Need(is_demand=given.pop("demand", False), **given)
     topics = (
         robot.get("topics")
-        or yaml.safe_load((_FILE.parent / robot["outputs"]).read_text("utf-8"))["SimulatorOutputs"]
+        or yaml.safe_load(data_file(robot["outputs"]).read_text("utf-8"))["SimulatorOutputs"]
     )
     found = [RobotTopic(one["id"], one["type"].replace(".", "/"), one["topic"]) for one in topics]
     offers = [

@@ -10,7 +10,7 @@ import pytest
 
 from eddi_scaffold.positioned_yaml.nodes import dump_plain
 from tests.cli.command import run
-from tests.shared_data import shared
+from tests.data_files import data_file
 
 ROBOTS = [
     (
@@ -93,7 +93,7 @@ def test_a_draft_becomes_a_monitor(
     count: int,
     tmp_path: Path,
 ) -> None:
-    folder = shared(f"mros/expected/{robot}.models")
+    folder = data_file(f"mros/expected/{robot}.models")
     system = min(folder.rglob(f"{robot}.rossystem"), key=lambda path: len(path.parts))
     (tmp_path / "Model.yml").write_text(consert(inputs), "utf-8")
     words = ("connect", "Model.yml", "--system", system, "--models", folder, "-o", "draft.yml")

@@ -17,11 +17,11 @@ from eddi_scaffold.deployments.wiring.check import check_wiring
 from eddi_scaffold.deployments.wiring.deployment import Member
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.problems import Problem
+from tests.data_files import ORACLES
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.world import Claims, World
-from tests.shared_data import ROOT, shared
 
-NAMES = sorted(path.stem for path in (ROOT / "deployments").glob("*.yml")) or ["all_five"]
+NAMES = sorted(path.stem for path in (ORACLES / "deployments").glob("*.yml"))
 
 REFUSED = {
     "bn_raw_prior": ("a raw posterior is not evidence", "evidence[ID].active"),
@@ -52,7 +52,7 @@ WARNED = {
 
 @pytest.fixture
 def case(request: pytest.FixtureRequest, tmp_path: Path) -> Case:
-    file = shared("deployments") / f"{request.param}.yml"
+    file = ORACLES / "deployments" / f"{request.param}.yml"
     return read_case(file.read_text("utf-8"), tmp_path)
 
 

@@ -11,10 +11,10 @@ from eddi_scaffold.replay.parts import of_messages
 from eddi_scaffold.replay.playing import play
 from eddi_scaffold.replay.recordings import Sample, Tape
 from eddi_scaffold.replay.steps import Rhythm
+from tests.data_files import data_file
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.test_oracle import NAMES
 from tests.deployments.world import MS, Claims, World
-from tests.shared_data import shared
 
 NOT_ON_A_TAPE = {"dead", "restarts", "clock", "latching"}
 
@@ -33,7 +33,7 @@ def is_played(case: Case) -> bool:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_same_is_claimed(name: str, tmp_path: Path) -> None:
-    case = read_case((shared("deployments") / f"{name}.yml").read_text("utf-8"), tmp_path)
+    case = read_case(data_file(f"deployments/{name}.yml").read_text("utf-8"), tmp_path)
     if not is_played(case):
         return
     deployment = deployment_of(case)

@@ -3,9 +3,9 @@
 import pytest
 
 from tests.connect.test_robots import consert, decided
+from tests.data_files import data_file
 from tests.e2e.robot import Run
 from tests.e2e.workspace import Workspace
-from tests.shared_data import shared
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 GUARANTEES = "/base/guarantees"
@@ -24,7 +24,7 @@ class BaseRun(Run):
 
 @pytest.fixture(scope="module")
 def built(generator, folder, home):
-    models = shared("mros/expected/cob4_ros_tool_test.models")
+    models = data_file("mros/expected/cob4_ros_tool_test.models")
     system = models / "cob4_ros_tool_test.rossystem"
     config, model = folder / "eddi_config.yml", folder / "Base.yml"
     model.write_text(consert(INPUTS))

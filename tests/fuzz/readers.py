@@ -59,9 +59,9 @@ from eddi_scaffold.source import Source, read_source
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
+from tests.data_files import FOREIGN, ORACLES
 from tests.fuzz.damage import Reader, Sample
 from tests.regions.rendering import FILES, Package, elements, render
-from tests.shared_data import ROOT as SHARED
 
 EXAMPLES = ROOT / "examples"
 MAPS = Path(__file__).parents[1] / "readers" / "models"
@@ -87,10 +87,10 @@ Steps = Iterator[None]
 Made = tuple[Sequence[Sample], Callable[[Sample], Steps]]
 
 
-def _samples(paths: Sequence[Path | str], shared: str = "") -> list[Sample]:
-    """Return sound files: examples, and shared ones where they are on this machine."""
+def _samples(paths: Sequence[Path | str], oracles: str = "") -> list[Sample]:
+    """Return sound files: examples, and oracles."""
     found = [EXAMPLES / path for path in paths]
-    found += sorted(SHARED.glob(shared)) if shared else []
+    found += sorted(ORACLES.glob(oracles)) if oracles else []
     return [Sample(p.name, p.read_bytes()) for p in found if p.stat().st_size <= SMALL]
 
 
@@ -146,7 +146,7 @@ def _compiled(path: Path, configs: Sequence[Path], platform: str) -> Steps:
         yield
 
 
-def _models(*files: str, shared: str = "") -> Callable[[Path], Made]:
+def _models(*files: str, oracles: str = "") -> Callable[[Path], Made]:
     def make(folder: Path) -> Made:
         beside = {Path(file).parent for file in files}
         for path in (one for name in beside for one in (EXAMPLES / name).iterdir()):
@@ -158,7 +158,7 @@ def _models(*files: str, shared: str = "") -> Callable[[Path], Made]:
             path.write_bytes(sample.data)
             yield from used(path)
 
-        return _samples(files, shared), attempt
+        return _samples(files, oracles), attempt
 
     return make
 
@@ -229,7 +229,7 @@ def _written(folder: Path) -> Made:
 
 def _exported(suffix: str) -> list[Sample]:
     found = []
-    for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(SHARED.glob("bn/net_[abc].xml"))):
+    for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(ORACLES.glob("bn/net_[abc].xml"))):
         for model in read_models(read_source(path)).models:
             for name, text in kinds()[model.kind].functions.export(model).items():
                 if name.endswith(suffix) and len(text) <= SMALL:
@@ -408,7 +408,7 @@ EVENT Both := Fast AND Held
 def _robots(folder: Path) -> Made:
     paths = [p for p in sorted((EXAMPLES / "robot-models").rglob("*.ros*")) if p.is_file()]
     samples = _samples(paths)
-    few = sorted(SHARED.glob("mros/corpus/**/*.ros*"))[::5]
+    few = sorted(FOREIGN.glob("mros/corpus/**/*.ros*"))[::5]
     samples += [Sample(p.name, p.read_bytes()) for p in few if p.stat().st_size <= SMALL]
 
     def attempt(sample: Sample) -> Steps:
@@ -606,7 +606,7 @@ def _files(*folders: Path) -> Iterator[Path]:
 _MAKERS: dict[str, Callable[[Path], Made]] = {
     "EDDI XML": _models(
         "two-conserts/two_conserts.xml", "drone/drone.xml", "pedestrian/pedestrian.xml",
-        shared="bn/eddi_pedestrian_fig12.xml",
+        oracles="bn/eddi_pedestrian_fig12.xml",
     ),
     "EDDI with maps": _models(
         *(f"{MAPS}/{name}.xml" for name in ("landing", "rover_hazards", "scope"))

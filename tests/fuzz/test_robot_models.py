@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.as_json import model_json, system_json
+from tests.data_files import data_file
 from tests.fuzz.mutations import mutations
 from tests.mros.test_outputs import ARM, LASERS, NODES
 from tests.mros.test_reading import BRACE, INDENT, MODEL
-from tests.shared_data import shared
 
 pytestmark = pytest.mark.slow
 
@@ -31,7 +31,7 @@ LIMIT = 1.0
 def corpus() -> list[tuple[str, bytes]]:
     found = [(suffix, text.encode()) for suffix, text in OWN]
     try:
-        folder = shared("mros/corpus")
+        folder = data_file("mros/corpus")
     except pytest.skip.Exception:
         return found
     files = sorted(path for path in folder.rglob("*.ros*") if path.stat().st_size < 60_000)

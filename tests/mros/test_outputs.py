@@ -18,8 +18,8 @@ from eddi_scaffold.mros.interface_definitions import InterfaceReference
 from eddi_scaffold.mros.outputs import Outputs, simulator_outputs
 from eddi_scaffold.mros.topics import Topic, topic_name
 from eddi_scaffold.problems import Place, Problem, has_errors
+from tests.data_files import data_file
 from tests.mros.words import as_word
-from tests.shared_data import shared
 
 
 def outputs_of(system: Path, folder: Path, **options: Any) -> tuple[Outputs, list[Problem]]:
@@ -30,18 +30,17 @@ def outputs_of(system: Path, folder: Path, **options: Any) -> tuple[Outputs, lis
 
 
 def cases() -> list[Any]:
-    try:
-        return list(yaml.safe_load(shared("mros/expected/cases.yml").read_text("utf-8")))
-    except pytest.skip.Exception:
-        return [{"name": "none"}]
+    return list(yaml.safe_load(data_file("mros/expected/cases.yml").read_text("utf-8")))
 
 
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case["name"])
 def test_whole_systems(case: dict[str, Any]) -> None:
-    folder = shared("mros/expected")
+    system, models, result = (
+        data_file(f"mros/expected/{case[key]}") for key in ("system", "models", "result")
+    )
     options = {"include": [word for word in case["options"] if word != "--include"]}
-    found, problems = outputs_of(folder / case["system"], folder / case["models"], **options)
-    wanted = yaml.safe_load((folder / case["result"]).read_text("utf-8"))["SimulatorOutputs"]
+    found, problems = outputs_of(system, models, **options)
+    wanted = yaml.safe_load(result.read_text("utf-8"))["SimulatorOutputs"]
     assert [{"id": t.id, "type": t.type, "topic": t.topic} for t in found.topics] == wanted
     assert sorted(
         (p.level, p.place.file, p.place.line, as_word(p.code)) for p in problems
@@ -53,8 +52,7 @@ def test_whole_systems(case: dict[str, Any]) -> None:
 
 def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
     """Every listed publisher in file order: last part of its reference, its name as it stands."""
-    folder = shared("mros/expected")
-    case = folder / "cob4_ros_tool_test.models"
+    case = data_file("mros/expected/cob4_ros_tool_test.models")
     system, _ = load_system(case / "cob4_ros_tool_test.rossystem", case)
     models = load_models(case).definitions
     found = []
@@ -71,7 +69,7 @@ def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
                         "type": definitions[0].interface.type if definitions else None,
                     }
                 )
-    wanted = yaml.safe_load((folder / "cob4_ros_tool_test.figure33.yml").read_text("utf-8"))
+    wanted = yaml.safe_load((case.parent / "cob4_ros_tool_test.figure33.yml").read_text("utf-8"))
     assert len(found) == 54
     assert [row for row in found if row["type"]] == [
         {key: row[key] for key in ("id", "topic", "type")}

@@ -9,8 +9,8 @@ import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.as_json import failure_json, model_json, system_json
+from tests.data_files import data_file
 from tests.mros.words import as_word
-from tests.shared_data import shared
 
 
 def found(data: bytes | str, name: str) -> dict[str, Any]:
@@ -23,8 +23,8 @@ def found(data: bytes | str, name: str) -> dict[str, Any]:
 
 
 def test_every_file_of_the_corpus() -> None:
-    corpus = shared("mros/corpus")
-    lines = shared("mros/golden.jsonl").read_text("utf-8").splitlines()
+    corpus = data_file("mros/corpus")
+    lines = data_file("mros/golden.jsonl").read_text("utf-8").splitlines()
     different = []
     for line in lines:
         wanted = json.loads(line)
@@ -41,7 +41,7 @@ def test_every_file_of_the_corpus() -> None:
 
 def test_the_errors_of_damaged_texts() -> None:
     different: list[str] = []
-    for line in shared("mros/errors.jsonl").read_text("utf-8").splitlines():
+    for line in data_file("mros/errors.jsonl").read_text("utf-8").splitlines():
         case = json.loads(line)
         read = read_rossystem if case["file"] == "rossystem" else read_ros_models
         try:

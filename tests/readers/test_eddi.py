@@ -16,8 +16,8 @@ from eddi_scaffold.readers.spelling import ClassName, Spelling, fold, package_ke
 from eddi_scaffold.readers.survey import survey
 from eddi_scaffold.readers.xmi import Limits
 from eddi_scaffold.source import Source, read_source
+from tests.data_files import ORACLES, data_file
 from tests.readers.eddi_texts import OLDER, ROVER, SAFETY_CASE, texts
-from tests.shared_data import ROOT, shared
 
 
 def document(text: str) -> EddiDocument:
@@ -118,10 +118,9 @@ def test_survey_of_what_has_no_monitor() -> None:
     ]
 
 
-def test_survey_of_shared_networks_and_failure_models() -> None:
-    shared("bn")
+def test_survey_of_oracle_networks_and_failure_models() -> None:
     kinds = set()
-    for path in [*ROOT.glob("bn/*.xml"), *ROOT.glob("monitors/*.xml")]:
+    for path in [*ORACLES.glob("bn/*.xml"), *ORACLES.glob("monitors/*.xml")]:
         doc, problems = read_document(read_source(path))
         assert doc is not None
         assert problems == []
@@ -133,7 +132,7 @@ def test_survey_of_shared_networks_and_failure_models() -> None:
 
 
 def test_survey_of_the_shared_example() -> None:
-    doc, _ = read_document(read_source(shared("conserts/eddi_consert_example.xml")))
+    doc, _ = read_document(read_source(data_file("conserts/eddi_consert_example.xml")))
     assert doc is not None
     found = survey(doc)
     assert (found.elements, found.references, found.unresolved) == (50, 20, 0)

@@ -17,7 +17,7 @@ from eddi_scaffold.compiling.bayesian_network.graph import Shape
 from eddi_scaffold.compiling.bayesian_network.model import Network
 from eddi_scaffold.compiling.document import ModelError
 from runtime_lib.tests.bayesian_network.networks import discretiser, engine, furthest
-from tests.shared_data import shared
+from tests.data_files import data_file
 
 _REFERENCE = re.compile(r"//@nodes\.(\d+)(?:/@nodeStates\.(\d+))?")
 
@@ -68,10 +68,10 @@ def evidence(case, net, engine):
 @pytest.mark.slow
 @pytest.mark.parametrize("tables", [True, False])
 def test_posteriors(tables):
-    oracle = yaml.safe_load(shared("bn/oracle.yml").read_text("utf-8"))
+    oracle = yaml.safe_load(data_file("bn/oracle.yml").read_text("utf-8"))
     worst = 0.0
     for number, case in enumerate(oracle["posteriors"]):
-        net = read(shared("bn/" + case["file"]))
+        net = read(data_file("bn/" + case["file"]))
         names = net.shape.names
         outputs = [names.index(name) for name in case["outputs"]]
         observed = [names.index(name) for name in case["evidence"]]
@@ -90,7 +90,7 @@ def test_posteriors(tables):
 
 
 def test_discretisation():
-    oracle = yaml.safe_load(shared("bn/oracle.yml").read_text("utf-8"))
+    oracle = yaml.safe_load(data_file("bn/oracle.yml").read_text("utf-8"))
     for case in oracle["discretise"]:
         given = dict(case["config"], input="x")
         if "map" in given:
@@ -104,7 +104,7 @@ def test_discretisation():
 
 
 def test_discretisations_that_are_refused():
-    oracle = yaml.safe_load(shared("bn/oracle.yml").read_text("utf-8"))
+    oracle = yaml.safe_load(data_file("bn/oracle.yml").read_text("utf-8"))
     for case in oracle["discretise_errors"]:
         if case["id"] in ("nan_edge", "negative_hysteresis"):
             continue  # JSON has no NaN; the generator refuses both

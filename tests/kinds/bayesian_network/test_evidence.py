@@ -16,9 +16,9 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1.package_answers import monitor_answers
 from eddi_scaffold.ros.messages import messages_of
+from tests.data_files import data_file
 from tests.kinds.bayesian_network.networks import running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
-from tests.shared_data import shared
 
 LOW = '{id: RiskIsLow, node: Critical, state: "Yes", at_most: 0.3, hold: 1 s, topic: risk_is_low}'
 MORE = "{id: Safe, node: Critical, state: ['No'], at_least: 0.8, release: 0.75}"
@@ -116,7 +116,7 @@ CASES = (
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_the_network_of_a_shared_case_may_claim(name: str, tmp_path: Path) -> None:
-    case = yaml.safe_load(shared(f"deployments/{name}.yml").read_text("utf-8"))
+    case = yaml.safe_load(data_file(f"deployments/{name}.yml").read_text("utf-8"))
     for file, text in case["files"].items():
         (tmp_path / file).write_text(text, "utf-8")
     (one,) = (m for m in case["monitors"] if m["model"].endswith(".xmlbif"))

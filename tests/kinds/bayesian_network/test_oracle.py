@@ -13,17 +13,13 @@ import yaml
 from eddi_scaffold.kinds.bayesian_network.model import Network
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.source import Source
+from tests.data_files import data_file
 from tests.kinds.bayesian_network.networks import KIND, joined, read, read_path, running
-from tests.shared_data import shared
 
 
 @cache
 def oracle() -> dict[str, list[Any]]:
-    try:
-        text = shared("bn/oracle.yml").read_text("utf-8")
-    except pytest.skip.Exception:
-        return {}
-    return dict(yaml.safe_load(text))
+    return dict(yaml.safe_load(data_file("bn/oracle.yml").read_text("utf-8")))
 
 
 def cases(section: str) -> list[Any]:
@@ -50,7 +46,7 @@ def row(network: Network, wanted: str) -> list[float]:
 @pytest.mark.slow
 @pytest.mark.parametrize("case", cases("posteriors"), ids=ident)
 def test_posteriors(case: dict[str, Any]) -> None:
-    model = read_path(shared("bn") / case["file"])
+    model = read_path(data_file("bn/" + case["file"]))
     names = json.dumps(case["outputs"])
     nodes = "".join(
         f"  - {{id: {json.dumps(one)}, requires: [x], max_age: none}}\n" for one in case["evidence"]
@@ -116,7 +112,7 @@ def test_wrong_discretisation(case: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("case", cases("import"), ids=ident)
 def test_damaged_eddi(case: dict[str, Any]) -> None:
-    text = shared("bn/eddi_pedestrian.xml").read_text("utf-8")
+    text = data_file("bn/eddi_pedestrian.xml").read_text("utf-8")
     assert case["old"] in text
     reading = read(text.replace(case["old"], case["new"], case["count"]), "x.xml")
     codes = {problem.code: problem.level for problem in reading.problems}
@@ -150,7 +146,7 @@ def test_other_formats(section: str) -> None:
 
 @pytest.mark.parametrize("case", cases("exports"), ids=ident)
 def test_exports(case: dict[str, Any]) -> None:
-    model = read_path(shared("bn") / case["file"])
+    model = read_path(data_file("bn/" + case["file"]))
     for name, text in KIND.functions.export(model).items():
         reading = read_models(Source(name, text.encode()))
         node = reading.models[0].data.node(case["node"])

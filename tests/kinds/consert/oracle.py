@@ -8,12 +8,12 @@ from typing import Any
 import yaml
 
 from eddi_scaffold.source import Source
-from tests.shared_data import shared
+from tests.data_files import data_file
 
 
 @cache
 def oracle() -> dict[str, Any]:
-    path = shared("conserts/oracle.yml")
+    path = data_file("conserts/oracle.yml")
     data = yaml.load(path.read_bytes(), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     return dict(data)
 

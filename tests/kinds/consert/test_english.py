@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.kinds.consert.english import read_english
 from eddi_scaffold.kinds.consert.model import BinaryDimension, Bound, NumericDimension, Range
-from tests.shared_data import shared
+from tests.data_files import data_file
 
 
 def _oracle() -> list[dict[str, object]]:
-    path = shared("conserts/oracle.yml")
+    path = data_file("conserts/oracle.yml")
     entries: list[dict[str, object]] = yaml.safe_load(path.read_text())["xml_import"]
     return entries
 

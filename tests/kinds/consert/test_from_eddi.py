@@ -27,8 +27,8 @@ from eddi_scaffold.kinds.consert.model import (
     RequiredService,
 )
 from eddi_scaffold.problems import Problem, has_errors
+from tests.data_files import data_file
 from tests.readers.eddi_texts import OLDER, ROVER, SAFETY_CASE, codes, read, texts
-from tests.shared_data import shared
 
 DRIVE = ConSert(
     name="Drive",
@@ -97,7 +97,7 @@ def test_places_have_file_line_and_path() -> None:
 
 
 def _example() -> str:
-    return shared("conserts/eddi_consert_example.xml").read_text()
+    return data_file("conserts/eddi_consert_example.xml").read_text()
 
 
 def _without_descriptions(consert: ConSert) -> dict[str, object]:
@@ -133,7 +133,7 @@ def _without_descriptions(consert: ConSert) -> dict[str, object]:
 
 
 def test_the_shared_example_gives_the_models_of_the_oracle() -> None:
-    want = yaml.safe_load(shared("conserts/oracle.yml").read_text())["models"]
+    want = yaml.safe_load(data_file("conserts/oracle.yml").read_text())["models"]
     conserts, problems = read(_example())
     assert problems == []
     for consert in conserts:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 from functools import cache
-from itertools import combinations, product
 from typing import Any
 
 import pytest
@@ -15,18 +13,16 @@ from eddi_runtime.thresholds import Evidence, Threshold
 from eddi_scaffold.compiling.reliability.structures import CONFIGURATIONS
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.model import FaultTree, Law
 from eddi_scaffold.kinds.reliability.proximity import proximity
-from eddi_scaffold.kinds.reliability.report import cut_sets
 from eddi_scaffold.kinds.reliability.trial import mean_life
 from eddi_scaffold.quantities import rate
+from tests.data_files import data_file
 from tests.kinds.reliability.monitors import at_start, everything, models_of, sound
-from tests.shared_data import shared
 
 
 @cache
 def oracle() -> dict[str, Any]:
-    text = shared("monitors/oracle_safedrones.yml").read_text("utf-8")
+    text = data_file("monitors/oracle_safedrones.yml").read_text("utf-8")
     found: dict[str, Any] = yaml.safe_load(text)
     return found
 
@@ -184,7 +180,7 @@ def test_evidence() -> None:
 
 
 def test_the_example_of_the_metamodel() -> None:
-    path = shared("monitors/eddi_reliability_example.xml")
+    path = data_file("monitors/eddi_reliability_example.xml")
     models, problems = models_of(path)
     warned = [one.message.split("'")[1] for one in problems if one.code == "R003"]
     for case in oracle()["ode_models"]:
@@ -237,79 +233,3 @@ def test_storm() -> None:
     assert mean_life(model.data) == pytest.approx(tree["MTTF"], rel=1e-9)
     for one in tree["minimal_cut_sets"]:
         assert f"- {', '.join(sorted(one))}" in FUNCTIONS.readme(model)
-
-
-PUBLIC = {
-    "h1": "public/mobstr-fta-h1-omitted-braking-maneuver.ft.integration",
-    "h2": "public/mobstr-fta-h2-omitted-avoidance-maneuver.ft.integration",
-    "h3": "public/mobstr-fta-h3-unintended-braking.ft.integration",
-}
-
-
-@pytest.mark.parametrize("tree", PUBLIC)
-def test_public_fault_trees(tree: str) -> None:
-    models, _ = models_of(shared(PUBLIC[tree]))
-    case = next(one for one in oracle()["public_fault_trees"] if one["tree"] == tree)
-    (model,) = models.values()
-    for key, hours in (("p_fail_1h", 1.0), ("p_fail_10000h", 1e4), ("p_fail_1e8h", 1e8)):
-        configured, _ = FUNCTIONS.configure(model, Options(values={"horizon": f"{hours} h"}))
-        assert configured is not None
-        assert at_start(configured).p_fail == pytest.approx(case[key], rel=1e-12, abs=0.0)
-
-    component = model.data.components[model.data.top]
-    found = cut_sets(component)
-    assert found is not None
-    assert Counter(map(len, found)) == case["minimal_cut_sets_by_order"]
-    assert {frozenset(one) for one in found} == expanded(component.content)
-
-
-def expanded(tree: FaultTree) -> set[frozenset[str]]:
-    """Return the minimal cut sets by writing out every gate (Fussell and Vesely 1972)."""
-
-    @cache
-    def below(name: str) -> frozenset[frozenset[str]]:
-        if name in tree.events:
-            return frozenset({frozenset({tree.events[name].name})})
-        gate = tree.gates[name]
-        parts = [below(one) for one in gate.of]
-        k = {"OR": 1, "AND": len(parts), "VOTE": gate.k or 0}[gate.type]
-        sets = {
-            frozenset().union(*chosen)
-            for some in combinations(parts, k)
-            for chosen in product(*some)
-        }
-        return frozenset(one for one in sets if not any(other < one for other in sets))
-
-    return set(below(tree.top))
-
-
-@pytest.mark.parametrize("name", ["etcs", "trackside"])
-def test_public_railway_models(name: str) -> None:
-    models, problems = models_of(shared(f"public/{name}.model"))
-    cycles = [
-        problem.message
-        for model in models.values()
-        for problem in FUNCTIONS.check(model)
-        if problem.code == "R012"
-    ]
-    assert models
-    assert bool(cycles) == (name == "etcs"), problems
-    assert all(" -> " in message for message in cycles)
-    for model in models.values():
-        if any(problem.code == "R012" for problem in FUNCTIONS.check(model)):
-            continue
-        for component in model.data.components.values():
-            if isinstance(component.content, FaultTree):
-                tree = with_probabilities(component.content)
-                found = cut_sets(replace(component, content=tree))
-                assert found is not None
-                assert {frozenset(one) for one in found} == expanded(tree)
-
-
-def with_probabilities(tree: FaultTree) -> FaultTree:
-    """Return a tree in which no probability is missing; cut sets do not depend on them."""
-    law = Law("fixed", (0.5,))
-    return replace(
-        tree,
-        events={name: replace(event, law=event.law or law) for name, event in tree.events.items()},
-    )

@@ -20,13 +20,13 @@ from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.thresholds import ks_asymptotic, ks_tail, theoretical
 from eddi_scaffold.kinds.safeml.windows import of_windows
 from eddi_scaffold.source import Source
+from tests.data_files import data_file
 from tests.kinds.safeml.monitors import LONG_NAMES, running
-from tests.shared_data import shared
 
 
 @cache
 def oracle() -> dict[str, Any]:
-    text = shared("monitors/oracle_safeml.yml").read_text("utf-8")
+    text = data_file("monitors/oracle_safeml.yml").read_text("utf-8")
     return dict(yaml.safe_load(text))
 
 
