@@ -129,7 +129,6 @@ def generate(
         left=[
             *outcome.left,
             *swapped,
-            *assembly.ageless,
             *(text for text, is_new in older if is_new),
         ],
         notes=[

@@ -26,7 +26,7 @@ from eddi_scaffold.config.message_types import (
 )
 from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
-from eddi_scaffold.config.schema import FleetSection, InputEntry, SimulatorOutput
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
@@ -404,11 +404,7 @@ class _InputBinder:
             self._error("K016", message, "type")
 
     def _max_age(self) -> float | str | None:
-        max_age = (
-            self.entry.max_age
-            if self.entry.max_age is not None
-            else _shortest(self.requires, self.config.config.Fleet)
-        )
+        max_age = self.entry.max_age if self.entry.max_age is not None else self._of_sources()
         if max_age is None and self.item.safety and self.requires:
             topics = ", ".join(source.topic for source in self.requires)
             message = (
@@ -421,6 +417,23 @@ class _InputBinder:
             )
             self.problems.append(warning("K017", message, self._place(), hint))
         return max_age
+
+    def _of_sources(self) -> float | str | None:
+        """Return the least age that the sources allow; the word of a robot has a lease.
+
+        The limit of a monitor's message is none of a sensor that an expression reads beside it.
+        """
+        fleet = self.config.config.Fleet
+        lease = fleet.lease if fleet is not None else None
+        limits = [lease if one.peers else one.limit for one in self.requires]
+        written = self.entry.is_computed and None in limits
+        allowed = (
+            one.max_age if one.max_age is not None or (written and not one.peers) else limit
+            for one, limit in zip(self.requires, limits, strict=True)
+        )
+        ages = [age for age in allowed if age is not None]
+        numbers = [age for age in ages if not isinstance(age, str)]
+        return min(numbers) if numbers else next(iter(ages), None)
 
     def _expression(self) -> str | None:
         """Return the expression of ``field:``, or of the only field where that fits."""
@@ -586,17 +599,6 @@ class _InputBinder:
         )
         hint = "leave it out, or write `allow_unsafe_default: true` next to it"
         self._error("K024", message, "default", hint)
-
-
-def _shortest(
-    requires: Sequence[SimulatorOutput], fleet: FleetSection | None
-) -> float | str | None:
-    """Return the least age that the sources allow; the word of a robot has a lease."""
-    lease = fleet.lease if fleet is not None else None
-    allowed = (lease if one.peers and one.max_age is None else one.max_age for one in requires)
-    ages = [age for age in allowed if age is not None]
-    numbers = [age for age in ages if not isinstance(age, str)]
-    return min(numbers) if numbers else (ages[0] if ages else None)
 
 
 def _only_fitting_field(

@@ -85,7 +85,7 @@ class ExpressionNames:
         found = None if source is None else self._resolve(name, source, locate, at)
         if source is None or found is None:
             return None
-        timeout = _nanoseconds(self._entry.max_age, source.max_age)
+        timeout = _nanoseconds(self._entry.max_age, source.limit)
         of = "float" if found.type in ("time", "duration") else found.type
         if of is not None and of not in _TYPES:
             message = f"{name} is a {of}; an expression needs a number or a boolean"

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.packages.assembly import without_limits
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import doubts_of
 from eddi_scaffold.packages.moved import moved_out, way_back
@@ -73,7 +72,6 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         group.root, packages, own_template(), within=group.within, dry_run=True
     )
     reports = []
-    left = [*outcome.left, *without_limits(group.present, packages)]
     for folder in group.present:
         root = group.root / folder
         changed = sorted(
@@ -86,9 +84,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         edited = [str(path) for path in changed_generated(root)]
         regions = list_regions(root, doubts_of(root))
         states = Counter(str(region.state) for region in regions)
-        findings = [
-            line for line in left if line.startswith((f"{folder} ", f"{folder}/", f"{folder}: "))
-        ]
+        findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
         findings += [
             ": ".join(filter(None, (r.file, r.id, "; ".join(r.notes)))) for r in regions if r.review
         ]

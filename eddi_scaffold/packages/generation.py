@@ -18,7 +18,7 @@ from typing import Any
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages import transaction
 from eddi_scaffold.packages.current import UNCOMMITTED, is_current
-from eddi_scaffold.packages.handwritten import lost_limits, lost_sources
+from eddi_scaffold.packages.handwritten import lost_sources
 from eddi_scaffold.packages.links import follow
 from eddi_scaffold.packages.moved import committed_base, gone
 from eddi_scaffold.packages.obstacles import obstacles
@@ -238,7 +238,7 @@ class _Merged:
 
     Attributes:
         changes: path -> new state, ``None`` for a removed file.
-        look: inputs without their sources or age limits, files that do not fit their base, what is
+        look: inputs without their sources, files that do not fit their base, what is
             left to do since an earlier run.
         report: what happened to hand edits.
         is_open: a person must look at hand edits, because of this run or of an earlier one.
@@ -307,10 +307,7 @@ def _merged(
     ours = {*_names(rendered / PRISTINE), *_names(rendered / GENERATED)}
     _check_python(after, ours, target)
     changed = {p: after.get(p) for p in {*before, *after} if before.get(p) != after.get(p)}
-    lost = [
-        *lost_sources(staged, was, package.answers),
-        *lost_limits(was, package.answers),
-    ]
+    lost = lost_sources(staged, was, package.answers)
     unfit = unfit_files(staged, partial(former_texts, target)) if package.answers else ()
     look = [
         *(f"{package.folder}: {one}" for one in lost),

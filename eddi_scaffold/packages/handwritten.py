@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,8 +11,6 @@ from typing import Any
 
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.message_types import TIMES, known_messages
-from eddi_scaffold.deployments.wiring.lifetimes import limit_of
-from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.mistakes import Messages
@@ -85,33 +82,6 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
         f"it was made by `{was}`"
         for names, was in lost.items()
         if not edited.intersection(names)
-    ]
-
-
-def lost_limits(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
-    """Return a line for each input that had an age limit, and has none now.
-
-    One that the configuration gives up by ``max_age: none`` is accepted, and reported as that.
-
-    Args:
-        before: the former answers of a package.
-        after: its answers.
-    """
-    was, now = remembered("", before), remembered("", after)
-    if was is None or now is None:
-        return []
-    limits = {spec["id"]: limit_of(was, spec["id"]) for spec in was.document["inputs"]}
-    former = {marker.id: marker.was for marker, _ in _statements(after)}
-    lost = {}
-    for spec in now.document["inputs"]:
-        id_ = spec["id"]
-        if spec["max_age"] is None and math.isinf(limit_of(now, id_)):
-            names = [name.removeprefix("input:") for name in former.get(f"input:{id_}", ())]
-            lost[id_] = next((limits[name] for name in (id_, *names) if name in limits), math.inf)
-    return [
-        f"input {id_!r} has no age limit any more: it was unknown after {seconds:g} s"
-        for id_, seconds in lost.items()
-        if not math.isinf(seconds)
     ]
 
 
