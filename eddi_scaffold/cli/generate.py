@@ -139,6 +139,6 @@ def generate(
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:
         console.say(f"note: {shared}")
-    steps = [f"write this input: {where}" for where in unwritten(root, monitors)]
+    steps = [f"write {where}" for where in unwritten(root, monitors)]
     steps += target.next_steps(place, assembly.monitors)
     finish(outcome, dry_run=dry_run, next_steps=steps)

@@ -9,7 +9,9 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
+from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
@@ -52,7 +54,9 @@ def join(
         pairs = [(model, None) for model in models]
     monitors, found = join_pairs(pairs, marks)
     found += _check_packages(monitors)
-    return monitors, [*problems, *found, *check_wiring(members_of(monitors))]
+    members = members_of(monitors)
+    wrong = [*check_wiring(members), *check_ages(deployment(members))]
+    return monitors, [*problems, *found, *wrong]
 
 
 def join_pairs(

@@ -29,7 +29,7 @@ from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, full_topic, package_name
-from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
+from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.monitors import accepting
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
@@ -58,15 +58,15 @@ _MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
 
 @dataclass(frozen=True)
 class UntilWritten(Problem):
-    """A problem of an input that ends when a person writes its region.
+    """A problem that ends when a person writes a region.
 
     Attributes:
         package: of the monitor.
-        inputs: id of the input, and the one before where it was renamed.
+        regions: ids of the regions, one of which ends it.
     """
 
     package: str = ""
-    inputs: tuple[str, ...] = ()
+    regions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -111,6 +111,11 @@ class InputBinding:
         """Whether the value comes without hand-written code."""
         return self.expression is not None or self.computed is not None
 
+    @property
+    def regions(self) -> tuple[str, ...]:
+        """The id of its region, and the one before where it was renamed."""
+        return tuple(f"input:{id_}" for id_ in (self.model.id, self.renamed_from) if id_)
+
 
 @dataclass(frozen=True)
 class BoundMonitor:
@@ -137,6 +142,12 @@ class BoundMonitor:
     def id(self) -> str:
         """The id in its configuration, else the name of its model: for people."""
         return self.config.config.Model.id if self.config is not None else self.model.name
+
+    @property
+    def needed_methods(self) -> list[EditableMethod]:
+        """The methods of its kind that only a person can write."""
+        modules = self.kind.functions.modules(self.model)
+        return [method for module in modules for method in module.methods if method.is_needed]
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic of its node, as it is in a bag."""
@@ -467,10 +478,10 @@ class _InputBinder:
         if holds(message, self.item.type, self._fields_of) is False:
             text = f"{self.item.id!r} is of type {self.item.type}, and no field of {message} is"
             hint = "is it the right topic? An `expression:` or code in EDDIInput.py can convert it"
-            names = tuple(filter(None, (self.entry.id, self.entry.renamed_from)))
+            own = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
             package = package_name(self.config.config.Model.id)
             place = self._place("requires")
-            found = UntilWritten("warning", "K062", text, place, hint, None, package, names)
+            found = UntilWritten("warning", "K062", text, place, hint, None, package, own)
             self.problems.append(found)
 
     def _numbers(self) -> str | None:

@@ -14,6 +14,7 @@ from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
+from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
@@ -280,8 +281,9 @@ def wiring_with(
         monitors: the new ones.
         present: package -> answers of those that are there.
     """
-    new = {monitor.package for monitor in monitors}
-    return check_wiring(members_of(monitors), _beside(present, new))
+    others = _beside(present, {monitor.package for monitor in monitors})
+    members = members_of(monitors)
+    return [*check_wiring(members, others), *check_ages(deployment(members, others))]
 
 
 def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:

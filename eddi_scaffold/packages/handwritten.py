@@ -48,13 +48,16 @@ class HandwrittenRegion:
 
 
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
-    """Return where a person must still write how an input is made of its messages."""
+    """Return what a person must still write, and where: inputs, methods of a kind."""
     needed = {
-        monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if not b.is_given}
+        monitor.package: {
+            *(binding.regions[0] for binding in monitor.inputs if not binding.is_given),
+            *(method.region for method in monitor.needed_methods),
+        }
         for monitor in monitors
     }
     return [
-        f"{root / package / status.file}:{status.line}"
+        f"this {status.id.partition(':')[0]}: {root / package / status.file}:{status.line}"
         for package, ids in needed.items()
         for status in (regions_of(root / package) if ids else ())
         if status.id in ids and status.state == "untouched"
@@ -134,7 +137,7 @@ def until_written(
     def is_written(problem: Problem) -> bool:
         if not isinstance(problem, UntilWritten):
             return False
-        regions = {f"input:{name}" for name in problem.inputs}
+        regions = set(problem.regions)
         there = edited(problem.package)
         return bool(there) and all(map(regions.intersection, there))
 

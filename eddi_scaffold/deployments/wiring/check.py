@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eddi_scaffold.deployments.wiring.acceptances import check_acceptances
-from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.composition import check_composition
 from eddi_scaffold.deployments.wiring.deployment import Member, deployment
 from eddi_scaffold.deployments.wiring.hidden import check_hidden
@@ -18,7 +17,7 @@ from eddi_scaffold.problems import Problem
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009 but D006, D016, D017, D019, K029).
+    """Check what monitors read of each other (D001 to D009 but D006, D016, D017, D019).
 
     Args:
         members: the monitors that are at hand.
@@ -32,7 +31,6 @@ def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) 
         *check_topics(together),
         *check_types(together),
         *check_spellings(together),
-        *check_ages(together),
         *check_qualities(together.participants),
         *rings,
         *([] if rings else check_hidden(together.participants)),

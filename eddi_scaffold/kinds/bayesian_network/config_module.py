@@ -54,6 +54,7 @@ def _method(node: Node, attribute: str, settings: NetworkOptions) -> EditableMet
         was=(f"node:{former}",) if former else (),
         uses=(*outcomes, "dra_data"),
         after=("return is_bn_output, {", *pairs, "}"),
+        is_needed=node.id in settings.by_hand,
     )
 
 
