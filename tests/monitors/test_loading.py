@@ -47,8 +47,7 @@ def test_a_file_without_a_model(tmp_path: Path, name: str, data: bytes, said: st
             "version: 3\nnetworks: {}\n",
             1,
             "this is no file of ours: it has the keys version, networks",
-            "a ConSert has `guarantees`, a configuration has `Model`, "
-            "a deployment file has `Robots`",
+            "a ConSert has `guarantees`, a configuration has `Model`, a deployment file has `Robots`",
         ),
     ],
 )
