@@ -53,7 +53,7 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
-_MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
+_MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 
 @dataclass(frozen=True)
