@@ -1,4 +1,4 @@
-"""A ``byte`` of a message: ``bytes`` of length 1 in rclpy, in lists too, a number everywhere else."""
+"""A ``byte`` of a message is ``bytes`` of length 1 in rclpy, and a number everywhere else."""
 
 from types import SimpleNamespace as Give
 
