@@ -17,7 +17,7 @@ from typing import Any
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.message_types.ros2 import ros2_fields
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.identifiers import full_topic
+from eddi_scaffold.identifiers import full_topic, is_ros_name
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
@@ -171,7 +171,11 @@ def read_contents(path: Path) -> Contents:
     times: dict[str, list[int]] = {}
     topics: dict[str, str] = {}
     with opened(path) as reader:
-        known = [one for one in reader.connections if _is_known(reader, one)]
+        known = [
+            one
+            for one in reader.connections
+            if is_ros_name(_absolute(one.topic)) and _is_known(reader, one)
+        ]
         for connection, t, _ in reader.messages(known):
             topic, of = _absolute(connection.topic), connection.msgtype.replace("/msg/", "/")
             times.setdefault(topic, []).append(t)
