@@ -131,8 +131,8 @@ class ExpressionParser(Cursor):
         if self._is_symbol("("):
             return self._call(token)
         if self._is_symbol("[") and self._peek(2).text in (":", ",") and token.word in _PAST:
-            hint = self._temporal_hint(self._k - 1)
-            self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=hint)
+            instead = self._temporal_hint(self._k - 1)
+            self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=instead)
         name = self._path_rest(token.text)
         return self._add(SyntaxNode("name", (), token.start, token.start, name))
 
@@ -142,8 +142,8 @@ class ExpressionParser(Cursor):
             return self._window(token)
         if token.word not in FUNCTIONS and token.word not in MORE:
             names = {name: name for name in (*WINDOWS, *REDUCTIONS, *FUNCTIONS, *MORE)}
-            hint = self._temporal_hint(self._k - 2) or did_you_mean(token.text, names)
-            hint = hint or f"functions: {', '.join(names)}"
+            near = self._temporal_hint(self._k - 2) or did_you_mean(token.text, names)
+            hint = near or f"functions: {', '.join(names)}"
             self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=hint)
         args = [] if self._is_symbol(")") else [self._expression()]
         while self._is_symbol(","):

@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from heapq import merge
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from rosbags.interfaces import MessageDefinitionFormat
 from rosbags.rosbag1 import Reader as Ros1Reader
@@ -40,14 +40,14 @@ class _McapReader(McapReader):
 
 
 class _DirectoryReader(DirectoryReader):
-    STORAGE_PLUGINS: ClassVar[Mapping[str, Any]] = {
+    STORAGE_PLUGINS: Mapping[str, Any] = {
         **DirectoryReader.STORAGE_PLUGINS,
         "mcap": _McapReader,
     }
 
 
 class _Ros2Reader(Reader):
-    STORAGE_PLUGINS: ClassVar[Mapping[str, Any]] = {
+    STORAGE_PLUGINS: Mapping[str, Any] = {
         **Reader.STORAGE_PLUGINS,
         "dir": _DirectoryReader,
         ".mcap": _McapReader,
@@ -75,8 +75,9 @@ class Bag:
         metadata = path / "metadata.yaml"
         whole = metadata.exists() and not _OTHER_FORMAT.search(metadata.read_text("utf-8"))
         paths = [path] if whole else storage_files(path) or [path]
-        of = Ros1Reader if self.is_ros1 else _Ros2Reader
-        self._more, self._stores = more, {}
+        of: Any = Ros1Reader if self.is_ros1 else _Ros2Reader
+        self._more = more
+        self._stores: dict[str, Any] = {}
         with ExitStack() as stack:
             self._readers = [stack.enter_context(of(one)) for one in paths]
             self._close = stack.pop_all().close

@@ -137,9 +137,9 @@ def _strange_times(place: Place, samples: Sequence[Sample], *, is_cut: bool) -> 
 
 def _stamp(message: Any) -> int:
     """Return when a message says that it was made, 0 where it does not."""
-    stamp = getattr(getattr(message, "header", None), "stamp", None)
-    stamp = getattr(message, "clock", None) if stamp is None else stamp
-    return stamp.sec * 10**9 + stamp.nanosec if hasattr(stamp, "nanosec") else 0
+    stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
+    stamp = getattr(message, "clock", stamp)
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec) if hasattr(stamp, "nanosec") else 0
 
 
 def _tables(bag: Any, connections: Iterable[Any]) -> MessageFields:
@@ -210,10 +210,10 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
     place = Place(str(path))
     _refuse_special(path, place)
-    hint: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
+    advice: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
     try:
         with closing(Bag(path, _own_messages(monitors))) as bag:
-            hint = None
+            advice = None
             yield bag
     except EddiError:
         raise
@@ -221,7 +221,7 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         reason = " ".join(str(failed).split()) or type(failed).__name__
         if isinstance(failed, UnicodeDecodeError):
             reason = "it is damaged, or something else under the name of one"
-        raise EddiError(error("I011", f"cannot read the bag: {reason}", place, hint)) from None
+        raise EddiError(error("I011", f"cannot read the bag: {reason}", place, advice)) from None
 
 
 def _repair(path: Path) -> str:

@@ -57,13 +57,14 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
 def _check_topics(node: MonitorNode) -> Iterator[Problem]:
     """Refuse names that ROS 1 takes and ROS 2 does not."""
     config = node.config.config
+    sections = {
+        "EDDIOutputs": [one.topic for one in config.EDDIOutputs],
+        "SimulatorOutputs": [one.topic for one in config.SimulatorOutputs],
+    }
     places = {
-        one.topic: node.config.place(section, index, "topic")
-        for section, entries in (
-            ("EDDIOutputs", config.EDDIOutputs),
-            ("SimulatorOutputs", config.SimulatorOutputs),
-        )
-        for index, one in enumerate(entries)
+        topic: node.config.place(section, index, "topic")
+        for section, topics in sections.items()
+        for index, topic in enumerate(topics)
     }
     used = [*(one.output.topic for one in node.found), *(one.topic for one in node.heard)]
     for topic in dict.fromkeys([*used, *node.between_robots]):
