@@ -53,7 +53,9 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
-_MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
+_PLAIN = frozenset({None, "", *units.RATIO.names})
+"""Units of a number that has none."""
+_MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 
 @dataclass(frozen=True)
@@ -543,7 +545,8 @@ class _InputBinder:
         message = f"{what} is in {shown}, {self.entry.id!r} in {wanted or 'a ratio'}"
         key = "unit" if self.entry.unit is not None else self._given_by
         if not any(factors):
-            self._error("K052", f"{message}: they are not of one dimension", key)
+            reason = units.apart(given[0], wanted)
+            self._error("K052", f"{message}: {reason}", key, _shifted(given[0], wanted))
             return
         unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
         times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
@@ -576,7 +579,7 @@ class _InputBinder:
 
     def _factor(self) -> tuple[int, int] | None:
         given, wanted = self.entry.unit, self.item.unit
-        if given is None or given == (wanted or ""):
+        if given is None or given == (wanted or "") or {given, wanted} <= _PLAIN:
             return None
         if self.item.type not in {"float", "int"}:
             self._error("K021", f"input {self.entry.id!r} is not a number and has no unit", "unit")
@@ -585,8 +588,8 @@ class _InputBinder:
         if factor is None:
             fitting = [unit or '""' for unit in self.item.units or {}]
             message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
-            hint = NearNames(fitting, "units that can be").hint(given)
-            self._error("K022", message, "unit", hint)
+            near = NearNames(fitting, "units that can be").hint(given)
+            self._error("K022", message, "unit", _shifted(given, wanted) or near)
             return None
         return None if factor[0] == factor[1] else factor
 
@@ -610,6 +613,12 @@ class _InputBinder:
         )
         hint = "leave it out, or write `allow_unsafe_default: true` next to it"
         self._error("K024", message, "default", hint)
+
+
+def _shifted(given: str, wanted: str | None) -> str | None:
+    """Return the hint at how a temperature gets from one scale to the other."""
+    sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((given, wanted or ""))
+    return f"write `expression: value {sign} 273.15` instead" if sign else None
 
 
 def _only_fitting_field(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from operator import attrgetter
 from typing import Any, Iterable, Sequence, TypeVar, Union
 
+from .plain_values import plain
+
 T = TypeVar("T")
 Step = Union[str, int, Sequence[Union[str, int]]]
 """One step of a path into a message, see ``follow``."""
@@ -67,11 +69,11 @@ def follow(message: object, path: Iterable[Step]) -> object:
         else:
             values, names, wanted = (str(part) for part in step)
             there = by_name(getattr(there, values), getattr(there, names), wanted)
-    return there
+    return plain(there) if type(there) is bytes and len(there) == 1 else there
 
 
 def _only(key: str, wanted: object, keyed: Sequence[tuple[object, T]]) -> T:
-    found = [item for one, item in keyed if one == wanted]
+    found = [item for one, item in keyed if plain(one) == wanted]
     if len(found) == 1:
         return found[0]
     what = f"{len(found)} elements have" if found else "no element has"
