@@ -13,7 +13,8 @@ from eddi_scaffold.regions.python_text import parse_python
 NO_MESSAGES = Messages()
 _BASE = "EDDIInputBase"
 _INHERITED = (
-    *("bind", "begin_step", "end_step", "expression", "processing", "states"),
+    *("begin_processing", "begin_step", "bind", "end_step", "expression", "look_again"),
+    *("processing", "received", "states"),
     *("update", "update_each", "update_expression"),
     *dir(object),
 )
