@@ -1,6 +1,7 @@
 """Plain Python keeps the ages: a message in another object is new, the same object ages."""
 
 import time
+from types import MappingProxyType
 
 import pytest
 from eddi_runtime import InputSpec, look_again
@@ -18,7 +19,7 @@ class Either(Expression):
     """``a OR b``."""
 
     type = "bool"
-    names = {"a": ("message", "a"), "b": ("message", "b")}
+    names = MappingProxyType({"a": ("message", "a"), "b": ("message", "b")})
 
     def step(self, t, messages, ages):
         values = [messages[one] for one in ("a", "b")]
@@ -87,7 +88,10 @@ def test_the_same_object_ages(told, message):
         assert (told.clear, told.states["clear"].age) == (getattr(message, "data", message), t)
     told.processing({"bumper": message}, at(0.51))
     assert told.clear is None
-    assert told.states["clear"][:2] == ("stale", "the last message is 0.51 s old, the limit is 0.5 s")
+    assert told.states["clear"][:2] == (
+        "stale",
+        "the last message is 0.51 s old, the limit is 0.5 s",
+    )
     assert told.free is True
 
 
@@ -143,8 +147,8 @@ def test_a_step_looks_at_ages_again(told):
     assert told.clear is True
 
 
-def test_a_step_does_not_begin_by_itself_to_be_fresh(told):
-    """Nothing but ``processing`` makes a value count again."""
+def test_only_processing_makes_a_value_count_again(told):
+
     told.processing({"bumper": give(data=True)}, 0)
     told.begin_step(t_ns=at(0.6))
     look_again(told, at(0.6))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import traceback
 from pathlib import Path
 from typing import Any, Mapping, Sequence
@@ -66,9 +67,10 @@ class EDDIInputBase(inputs.EDDIInputBase):
         try:
             self.__given.processing(messages)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            file = getattr(sys.modules.get(type(self.__given).__module__), "__file__", "")
             calls = traceback.extract_tb(problem.__traceback__)
-            file = type(self.__given).processing.__code__.co_filename
-            last = [one for one in calls if one.filename == file][-1]
+            last = ([one for one in calls if one.filename == file] or calls)[-1]
             state = invalid(problem, None)
-            return state._replace(reason=f"{state.reason} in {Path(file).name} line {last.lineno}")
+            where = f"{Path(last.filename).name} line {last.lineno}"
+            return state._replace(reason=f"{state.reason} in {where}")
         return None
