@@ -19,7 +19,7 @@ def test_without_rostest_it_says_so(tmp_path: Path) -> None:
     made, only = tmp_path / "made", tmp_path / "only"
     (made / "src").mkdir(parents=True)
     sources = ("-m", EXAMPLE / "two_conserts.xml", "-c", EXAMPLE / "consert_b_config.yml")
-    assert run("generate", "-w", made, *sources).status == 0
+    assert run("generate", "-w", made, *sources, cwd=tmp_path).status == 0
     shutil.copytree(made / "src" / "eddi_monitor" / "consertb", only / "src" / "consertb")
     command = ["/usr/bin/catkin_make", "-DPYTHON_EXECUTABLE=/usr/bin/python3", "run_tests"]
     done = subprocess.run(
