@@ -272,8 +272,9 @@ class EDDIInputBase:
             return self.__ages.get(name, 0.0)
         now, known = self.__now, self.__arrivals.get(name)
         if message is not None and (known is None or known[0] is not message):
-            known = self.__arrivals[name] = message, now
+            self.__arrivals[name] = message, now
             self.__arrived.add(name)
+            return UNKNOWN_AGE if now is None else 0.0
         then = None if known is None else known[1]
         if now is None or then is None or now < then:
             return UNKNOWN_AGE
