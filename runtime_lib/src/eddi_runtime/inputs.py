@@ -284,7 +284,7 @@ class EDDIInputBase:
         unfit = [self.__words[name].unfit for name in absent if name in self.__words]
         if not unfit:
             return InputState("missing", f"no message of {', '.join(absent)}")
-        heard = all(name in self.__words and name in self.__ages for name in absent)
+        heard = all(name in self.__words and name in (self.__ages or ()) for name in absent)
         return InputState("stale" if heard else "missing", "; ".join(unfit))
 
     def __robots(self, requires: Sequence[str]) -> tuple[str, ...]:
