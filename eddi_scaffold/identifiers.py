@@ -57,11 +57,14 @@ RESERVED = frozenset(
 )
 INPUT_MEMBERS = frozenset(
     {
+        "begin_processing",
         "begin_step",
         "bind",
         "end_step",
         "expression",
+        "look_again",
         "processing",
+        "received",
         "states",
         "update",
         "update_each",

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.packages.generation import write_packages
-from eddi_scaffold.packages.handwritten import doubts_of
+from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.moved import moved_out, way_back
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
-from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.generated import changed_generated
 
 
@@ -82,7 +81,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             and not path.endswith(f"/{ANSWERS_FILE}")
         )
         edited = [str(path) for path in changed_generated(root)]
-        regions = list_regions(root, doubts_of(root))
+        regions = looked_at(root)
         states = Counter(str(region.state) for region in regions)
         findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
         findings += [

@@ -24,12 +24,13 @@ from eddi_scaffold.packages.moved import committed_base, gone
 from eddi_scaffold.packages.obstacles import obstacles
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames, mentions
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
+from eddi_scaffold.packages.review import ADOPT, is_of_d72
 from eddi_scaffold.packages.scratch import scratch_folder
 from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 from eddi_scaffold.packages.unpacking import unpacked
 from eddi_scaffold.packages.workspace import linked_package, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
-from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.problems import EddiError, Place, Problem, error
 from eddi_scaffold.regions.bases import BASES, FORMER, bases_of, read_bases, write_bases
 from eddi_scaffold.regions.check import RegionStatus, broken_files, open_edits, unfit_files
 from eddi_scaffold.regions.files import entries, stays
@@ -477,13 +478,13 @@ def _names(folder: Path) -> list[str]:
 
 
 def _refuse(refusals: Sequence[Refusal], target: Path) -> None:
+    def problem(refusal: Refusal) -> Problem:
+        file = target / refusal.file
+        hint = ADOPT if is_of_d72(file) else None
+        return error("H010", refusal.reason, Place(str(file), refusal.line), hint)
+
     if refusals:
-        raise EddiError(
-            *(
-                error("H010", refusal.reason, Place(str(target / refusal.file), refusal.line))
-                for refusal in refusals
-            )
-        )
+        raise EddiError(*map(problem, refusals))
 
 
 def _check_python(files: Mapping[str, FileState], names: Collection[str], target: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.review import doubtful_names
+from eddi_scaffold.packages.review import ADOPT, doubtful_names, is_of_d72
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.bases import read_bases
@@ -203,12 +203,21 @@ def doubts_of(package: Path) -> Doubts:
     return partial(doubtful_names, messages=Messages(types, whole))
 
 
+def looked_at(package: Path) -> list[RegionStatus]:
+    """List the regions of a package with what a person should look at; a pasted file as a whole."""
+    pasted = cache(lambda file: is_of_d72(package / file))
+    return [
+        replace(one, notes=(*one.notes, ADOPT), review=True) if pasted(one.file) else one
+        for one in list_regions(package, doubts_of(package))
+    ]
+
+
 def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     """List the regions of all packages below a folder."""
     return [
         HandwrittenRegion(str(package / status.file), status)
         for package in packages_below(folder)
-        for status in list_regions(package, doubts_of(package))
+        for status in looked_at(package)
     ]
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from eddi_runtime.access import by_id, by_key, by_name, joined
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.node.pasted import understood
 
 from eddi_scaffold.monitors.binding import InputBinding
 
@@ -98,7 +99,7 @@ class ReplayedNode:
     ) -> None:
         self._running = running
         self._execute = step or running.execute_step
-        self._eddi_input = eddi_input
+        self._eddi_input = understood(eddi_input, running.inputs)
         for spec in running.inputs:
             setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)

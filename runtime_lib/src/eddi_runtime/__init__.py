@@ -7,7 +7,7 @@ here, and ``execute_step`` evaluates it once. Pure Python 3.8; only what is belo
 
 from .access import by_id, by_key, by_name, joined
 from .compatibility import ModelError, __version__, needs
-from .inputs import EDDIInputBase, InputSpec, InputState
+from .inputs import EDDIInputBase, InputSpec, InputState, look_again
 from .monitor import Monitor
 
 FORMATS = (1,)
@@ -25,5 +25,6 @@ __all__ = [
     "by_key",
     "by_name",
     "joined",
+    "look_again",
     "needs",
 ]

@@ -36,8 +36,12 @@ class Expression(Conditions):
     def reset(self) -> None:
         """Forget everything of former steps."""
         self.reason = ""
-        self._reduced: dict[int, tuple[Any, Any]] = {}
+        self.forget_messages()
         self.restart()
+
+    def forget_messages(self) -> None:
+        """Read the messages of the next step anew, those of before as well."""
+        self._reduced: dict[int, tuple[Any, Any]] = {}
 
     def value(
         self, t: int, messages: Mapping[str, object], ages: Mapping[str, float] | None = None

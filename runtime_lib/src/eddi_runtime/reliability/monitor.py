@@ -6,6 +6,7 @@ import math
 from typing import Any, Iterable, Mapping, Sequence
 
 from ..clock import NO_TIME, step_time
+from ..inputs import look_again
 from ..monitor import Json, Monitor, Standing, Tree, Value
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
@@ -101,6 +102,7 @@ class Reliability(Monitor[ReliabilityResult]):
         None, NaN and what is of another kind are unknown. A time that is no whole number is none:
         the step is not valid.
         """
+        look_again(eddi_input, t_ns)
         self._source = eddi_input
         now = step_time(t_ns)
         self._faults = {}
