@@ -59,6 +59,9 @@ class Meaning:
         refused: why a use is refused that a silent value satisfies; no full stop.
         instead: the line to write in its place; ``{field}`` stands for the field itself.
         bad: the value by which a hazard is known to be there, and that by which it is absent.
+        known: values that state what is known, for whoever reads it; another one is UNKNOWN. A
+            tuple is another field and its values by which this one is known: of the message, or
+            with a dot before it, of the same element. Empty: every value counts.
     """
 
     silent: tuple[object, ...] | None = None
@@ -66,6 +69,7 @@ class Meaning:
     refused: str = "it does not show whether anything is known"
     instead: str | None = None
     bad: tuple[object, object] | None = None
+    known: tuple[bool | int | tuple[str, *tuple[bool | int | str, ...]], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,12 @@ from typing import Any
 from eddi_scaffold.claims import Acceptance, Meaning, Meanings, ValidityField
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
-_VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
+_VALID = Meaning(
+    (False,),
+    refused="`valid` is false when an input is unknown",
+    instead=_EVIDENCE,
+    known=(True,),
+)
 MEANINGS: Meanings = {
     "BayesianNetworkOutput": {
         "output_nodes": Meaning(
@@ -24,6 +29,7 @@ MEANINGS: Meanings = {
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="the opposite threshold",
+            known=(True, (".reason", "")),
         ),
     },
 }

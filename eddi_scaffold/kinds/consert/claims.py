@@ -20,6 +20,7 @@ _ACTIVE = Meaning(
     (False,),
     refused="`active` of a guarantee is false also when it is unknown",
     instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
+    known=(True,),
 )
 
 MEANINGS: Meanings = {
@@ -30,6 +31,7 @@ MEANINGS: Meanings = {
             (1,),
             refused="the verdict is 1 when it is unknown",
             instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+            known=(0, 2),
         )
     },
 }

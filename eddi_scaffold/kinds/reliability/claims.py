@@ -12,16 +12,21 @@ _NUMBER = Meaning(
     given=(ValidityField("ReliabilityOutput", "valid", value=True),),
     refused="the numbers mean something only where `valid` is true",
     instead=f"{_THRESHOLD}, or `valid AND ...`",
+    known=(("valid", True),),
 )
 MEANINGS: Meanings = {
     "ReliabilityOutput": {
         "valid": Meaning(
-            (False,), refused="`valid` is false when something is unknown", instead=_THRESHOLD
+            (False,),
+            refused="`valid` is false when something is unknown",
+            instead=_THRESHOLD,
+            known=(True,),
         ),
         "evidence[].active": Meaning(
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="a threshold on the other side",
+            known=(True, ("reason", "")),
         ),
         "p_fail": _NUMBER,
         "p_fail_high": _NUMBER,
@@ -30,6 +35,7 @@ MEANINGS: Meanings = {
         "p_fail_low": Meaning(
             refused="`p_fail_low` is what is certain at least, not the worst case",
             instead=_THRESHOLD,
+            known=(("valid", True),),
         ),
     },
 }

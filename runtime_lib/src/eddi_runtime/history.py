@@ -114,8 +114,10 @@ class EDDIInputBase(inputs.EDDIInputBase):
                 )
                 after = InputState("ok", "", max(ages, default=0.0), robots=robots)
             elif after.state == "ok":
-                reason = getattr(self.__expressions.get(input_id), "reason", "")
-                after = InputState("invalid", reason or "not known yet", after.age)
+                compiled = self.__expressions.get(input_id)
+                reason = getattr(compiled, "reason", "") or "not known yet"
+                state = "untold" if getattr(compiled, "untold", False) else "invalid"
+                after = InputState(state, reason, after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, self.states.get(input_id))
         value = getattr(self, attribute, None) if after.state == "ok" else None

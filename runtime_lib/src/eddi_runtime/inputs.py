@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
+from .access import NotGivenError
 from .plain_values import Absent, one_line, read
 
 UNKNOWN_AGE = float("inf")
@@ -38,8 +39,8 @@ UNSAFE_DEFAULT = "allow_unsafe_default: true"
 class InputState(NamedTuple):
     """How the last ``processing`` went for one input."""
 
-    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``) or ``invalid`` (the
-    # method raised or left the value at None)
+    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``), ``untold`` (another
+    # monitor does not know it) or ``invalid`` (the method raised or left the value at None)
     state: str
     reason: str = ""  # one line for people, empty when ok
     # seconds since the oldest required message, ``None`` when one is missing
@@ -219,6 +220,8 @@ def aged(ages: Sequence[float], limit: float | str | None) -> InputState:
 def invalid(problem: Exception, before: InputState | None) -> InputState:
     """Return the state of an input whose method raised; its traceback is made once."""
     reason = one_line(problem)
+    if isinstance(problem, NotGivenError):
+        return InputState("untold", reason)
     if before is not None and before.state == "invalid" and before.reason == reason:
         return before._replace(age=None)
     return InputState("invalid", reason, None, _traceback(problem))

@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
-from ..access import Step, follow
+from ..access import NotGivenError, Step, follow, given
 from ..plain_values import one_line
 from .conditions import Conditions, Value, reduced
 
 Path = Sequence[Step]
 Check = Sequence[Any]
 """``within`` with the paths of two limits, or ``unless`` with a path and the value that marks that
-a value is no measurement."""
+a value is no measurement, or ``given`` with what shows that a monitor knows it: see there."""
 
 
 class Expression(Conditions):
@@ -27,6 +27,7 @@ class Expression(Conditions):
     # first word of a variable -> ``message`` or ``input``, and its id
     names: Mapping[str, tuple[str, str]]
     reason: str  # why a value could not be read in the last step, empty when all could be
+    untold: bool  # that is because another monitor does not know it
     # evaluates once and returns the value of each condition; compiled classes have it
     step: Callable[[int, Mapping[str, object], Mapping[str, float]], tuple[Value, ...]]
 
@@ -35,7 +36,7 @@ class Expression(Conditions):
 
     def reset(self) -> None:
         """Forget everything of former steps."""
-        self.reason = ""
+        self.reason, self.untold = "", False
         self._reduced: dict[int, tuple[Any, Any]] = {}
         self.restart()
 
@@ -47,7 +48,7 @@ class Expression(Conditions):
         A boolean HAZARD is True when UNKNOWN. A state is the one whose condition is TRUE while
         all others are FALSE.
         """
-        self.reason = ""
+        self.reason, self.untold = "", False
         found = self.step(t, messages, {} if ages is None else ages)
         if self.type == "state":
             one = found.count(2) == 1 and found.count(0) == len(found) - 1
@@ -71,11 +72,14 @@ class Expression(Conditions):
         try:
             value = read_path(message, path)
             for check in checks:
-                if not _is_measurement(message, value, check):
+                if check[0] == "given":
+                    value = _known(message, value, check[1:])
+                elif not _is_measurement(message, value, check):
                     field = ".".join(str(step) for step in check[1])
                     raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
         except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
-            self.reason = self.reason or one_line(problem)
+            if not self.reason:
+                self.reason, self.untold = one_line(problem), isinstance(problem, NotGivenError)
             return None
         return value
 
@@ -111,6 +115,18 @@ def read_path(message: object, path: Path) -> object:
     value = follow(message, path)
     to_sec = getattr(value, "to_sec", None)
     return value if to_sec is None else to_sec()
+
+
+def _known(message: object, value: object, known: Check) -> object:
+    """Return a value that a monitor tells, of a list each that it does.
+
+    Raises:
+        NotGivenError: the monitor does not know it.
+    """
+    if isinstance(value, list):
+        return [one if one in known else None for one in value]
+    told = [(follow(message, of[0]), *of[1:]) if isinstance(of, tuple) else of for of in known]
+    return given(value, *told)
 
 
 def _is_measurement(message: object, value: Any, check: Check) -> bool:
