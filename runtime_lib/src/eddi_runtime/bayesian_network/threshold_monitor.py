@@ -8,11 +8,22 @@ from typing import Iterable, Sequence
 
 from ..monitor import Field, Json, Standing, Tree
 from .bounds import Open
-from .claims import ERROR, HOLD, INCONSISTENT, NO_TIME, UNKNOWN, Claim, Claims, StateThreshold
+from .claims import (
+    BETWEEN,
+    ERROR,
+    HOLD,
+    INCONSISTENT,
+    NO_TIME,
+    UNKNOWN,
+    Claim,
+    Claims,
+    StateThreshold,
+)
 from .knowledge import Facts
 from .monitor import BayesianNetworkMonitor, Output
 
 _REASONS = {
+    BETWEEN: "it lies between its limits, and was not known before",
     ERROR: "a hand-written method failed",
     HOLD: "it holds, but not for long enough yet",
     INCONSISTENT: "the evidence has probability zero",
