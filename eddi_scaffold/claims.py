@@ -69,7 +69,7 @@ class Meaning:
     refused: str = "it does not show whether anything is known"
     instead: str | None = None
     bad: tuple[object, object] | None = None
-    known: tuple[bool | int | tuple[str, *tuple[bool | int | str, ...]], ...] = ()
+    known: tuple[bool | int | tuple[bool | int | str, ...], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -150,7 +150,7 @@ def _step_text(step: Step) -> str:
 
 
 def pattern(path: FieldPath) -> list[str]:
-    """Return a path without what is asked for in its lists: ``.guarantees``, ``[]``, ``.active``."""
+    """Return a path without the keys of its lists: ``.guarantees``, ``[]``, ``.active``."""
     steps: list[str] = []
     for step in path:
         if isinstance(step, Attribute):

@@ -58,9 +58,7 @@ def _dimension(name: str, what: str | list[str]) -> Mapping[str, Any]:
         return {"Categorical": {"type": name, "covered": what, "subset": "Demand"}}
     found = _RANGE.fullmatch(what)
     if found is not None:
-        bounds: dict[str, Any] = {
-            "Inclusive": {"start": float(found[1]), "end": float(found[2])}
-        }
+        bounds: dict[str, Any] = {"Inclusive": {"start": float(found[1]), "end": float(found[2])}}
         unit = found[3]
     else:
         below, limit, unit = what.split()

@@ -28,9 +28,7 @@ class Evidence:
         self.threshold, self.id = threshold, threshold.id
         self.reset()
 
-    def step(
-        self, now: float, value: float, *, usable: bool, best: float = -math.inf
-    ) -> bool:
+    def step(self, now: float, value: float, *, usable: bool, best: float = -math.inf) -> bool:
         """Return whether the evidence is active.
 
         Args:
