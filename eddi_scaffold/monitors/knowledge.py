@@ -6,6 +6,7 @@ for the other, and read it through NOT, would claim something because a sensor i
 
 from __future__ import annotations
 
+from eddi_scaffold.claims import Meaning
 from eddi_scaffold.config.fields import Attribute, Every, FieldPath, expression, pattern, plain_step
 from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
@@ -46,9 +47,11 @@ def _known(path: FieldPath, message: str) -> list[tuple[FieldPath, list[JsonValu
     if kind is None:
         return []
     field = "".join(pattern(path)).removeprefix(".")
-    meaning = kind.functions.meanings(None, None).get(name, {}).get(field)
-    found: list[tuple[FieldPath, list[JsonValue]]] = []
-    for one in meaning.known if meaning is not None else ():
+    meaning = kind.functions.meanings(None, None).get(name, {}).get(field, Meaning())
+    found: list[tuple[FieldPath, list[JsonValue]]] = [
+        (path, [not value]) for value in meaning.silent or () if isinstance(value, bool)
+    ]
+    for one in meaning.known:
         if not isinstance(one, tuple):
             found.append((path, [one]))
             continue

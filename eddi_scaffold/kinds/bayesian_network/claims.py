@@ -8,12 +8,7 @@ from typing import Any
 from eddi_scaffold.claims import Acceptance, Meaning, Meanings, ValidityField
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
-_VALID = Meaning(
-    (False,),
-    refused="`valid` is false when an input is unknown",
-    instead=_EVIDENCE,
-    known=(True,),
-)
+_VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
 MEANINGS: Meanings = {
     "BayesianNetworkOutput": {
         "output_nodes": Meaning(
@@ -29,7 +24,7 @@ MEANINGS: Meanings = {
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="the opposite threshold",
-            known=(True, (".reason", "")),
+            known=((".reason", ""),),
         ),
     },
 }

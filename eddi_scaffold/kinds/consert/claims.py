@@ -20,7 +20,6 @@ _ACTIVE = Meaning(
     (False,),
     refused="`active` of a guarantee is false also when it is unknown",
     instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
-    known=(True,),
 )
 
 MEANINGS: Meanings = {

@@ -17,16 +17,13 @@ _NUMBER = Meaning(
 MEANINGS: Meanings = {
     "ReliabilityOutput": {
         "valid": Meaning(
-            (False,),
-            refused="`valid` is false when something is unknown",
-            instead=_THRESHOLD,
-            known=(True,),
+            (False,), refused="`valid` is false when something is unknown", instead=_THRESHOLD
         ),
         "evidence[].active": Meaning(
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="a threshold on the other side",
-            known=(True, ("reason", "")),
+            known=(("reason", ""),),
         ),
         "p_fail": _NUMBER,
         "p_fail_high": _NUMBER,

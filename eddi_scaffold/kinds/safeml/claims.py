@@ -14,10 +14,7 @@ _VERDICT = (("omission", False),)
 def _fields(message: str) -> dict[str, Meaning]:
     return {
         "omission": Meaning(
-            (True,),
-            refused="an omission is also silence",
-            instead=f"NOT of it, or {_IN_SCOPE}",
-            known=(False,),
+            (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
         ),
         "odd_violation": Meaning(
             given=(ValidityField(message, "omission", value=False),),

@@ -6,6 +6,8 @@ from operator import attrgetter
 from typing import Any, Iterable, Sequence, TypeVar, Union
 
 T = TypeVar("T")
+UNTOLD = "unknown there"
+"""Why an input is not known where another monitor does not know it."""
 Step = Union[str, int, Sequence[Union[str, int]]]
 """One step of a path into a message, see ``follow``."""
 
@@ -29,7 +31,7 @@ def given(value: T, *known: object) -> T:
         told, *wanted = one if isinstance(one, tuple) else (value, one)
         if told in wanted:
             return value
-    raise NotGivenError("unknown there")
+    raise NotGivenError(UNTOLD)
 
 
 def by_id(items: Iterable[T], wanted: str) -> T:

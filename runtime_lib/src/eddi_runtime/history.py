@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Sequence
 
 from . import inputs
+from .access import UNTOLD
 from .inputs import InputSpec, InputState, Word, aged, invalid
 
 if TYPE_CHECKING:  # travels where a monitor has one
@@ -114,10 +115,9 @@ class EDDIInputBase(inputs.EDDIInputBase):
                 )
                 after = InputState("ok", "", max(ages, default=0.0), robots=robots)
             elif after.state == "ok":
-                compiled = self.__expressions.get(input_id)
-                reason = getattr(compiled, "reason", "") or "not known yet"
-                state = "untold" if getattr(compiled, "untold", False) else "invalid"
-                after = InputState(state, reason, after.age)
+                reason = getattr(self.__expressions.get(input_id), "reason", "")
+                state = "untold" if reason == UNTOLD else "invalid"
+                after = InputState(state, reason or "not known yet", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, self.states.get(input_id))
         value = getattr(self, attribute, None) if after.state == "ok" else None

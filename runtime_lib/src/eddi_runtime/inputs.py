@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from .access import NotGivenError
+from .access import UNTOLD, NotGivenError
 from .plain_values import Absent, one_line, read
 
 UNKNOWN_AGE = float("inf")
@@ -219,9 +219,9 @@ def aged(ages: Sequence[float], limit: float | str | None) -> InputState:
 
 def invalid(problem: Exception, before: InputState | None) -> InputState:
     """Return the state of an input whose method raised; its traceback is made once."""
-    reason = one_line(problem)
     if isinstance(problem, NotGivenError):
-        return InputState("untold", reason)
+        return InputState("untold", UNTOLD)
+    reason = one_line(problem)
     if before is not None and before.state == "invalid" and before.reason == reason:
         return before._replace(age=None)
     return InputState("invalid", reason, None, _traceback(problem))

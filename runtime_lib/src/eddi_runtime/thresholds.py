@@ -16,13 +16,7 @@ class Threshold(NamedTuple):
 
 
 class Evidence:
-    """The state of one threshold; at first it is inactive.
-
-    Attributes:
-        active: it is satisfied, and has been for long enough.
-        possible: it may be: for certain it is not where the value is above ``release`` in the best
-            case, and from then on until it might be low enough again.
-    """
+    """The state of one threshold: is it active, and might it be, for all that is known?"""
 
     def __init__(self, threshold: Threshold) -> None:
         self.threshold, self.id = threshold, threshold.id
@@ -54,6 +48,6 @@ class Evidence:
         return self.active
 
     def reset(self) -> None:
-        """Return to inactive; it is not known what was before."""
+        """Return to inactive; what was before is not known."""
         self.active, self.possible = False, True
         self._since: float | None = None

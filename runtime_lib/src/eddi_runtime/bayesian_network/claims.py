@@ -19,6 +19,13 @@ HOLD = "hold"
 BETWEEN = "between limits"
 NO_TIME = "no time"
 ERROR = "error"
+REASONS = {
+    BETWEEN: "it lies between its limits, and was not known before",
+    ERROR: "a hand-written method failed",
+    HOLD: "it holds, but not for long enough yet",
+    INCONSISTENT: "the evidence has probability zero",
+    NO_TIME: "the step has no time",
+}
 
 
 class StateThreshold(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
-from ..access import NotGivenError, Step, follow, given
+from ..access import UNTOLD, NotGivenError, Step, follow, given
 from ..plain_values import one_line
 from .conditions import Conditions, Value, reduced
 
@@ -27,7 +27,6 @@ class Expression(Conditions):
     # first word of a variable -> ``message`` or ``input``, and its id
     names: Mapping[str, tuple[str, str]]
     reason: str  # why a value could not be read in the last step, empty when all could be
-    untold: bool  # that is because another monitor does not know it
     # evaluates once and returns the value of each condition; compiled classes have it
     step: Callable[[int, Mapping[str, object], Mapping[str, float]], tuple[Value, ...]]
 
@@ -36,7 +35,7 @@ class Expression(Conditions):
 
     def reset(self) -> None:
         """Forget everything of former steps."""
-        self.reason, self.untold = "", False
+        self.reason = ""
         self._reduced: dict[int, tuple[Any, Any]] = {}
         self.restart()
 
@@ -48,7 +47,7 @@ class Expression(Conditions):
         A boolean HAZARD is True when UNKNOWN. A state is the one whose condition is TRUE while
         all others are FALSE.
         """
-        self.reason, self.untold = "", False
+        self.reason = ""
         found = self.step(t, messages, {} if ages is None else ages)
         if self.type == "state":
             one = found.count(2) == 1 and found.count(0) == len(found) - 1
@@ -77,9 +76,11 @@ class Expression(Conditions):
                 elif not _is_measurement(message, value, check):
                     field = ".".join(str(step) for step in check[1])
                     raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
+        except NotGivenError:
+            self.reason = self.reason or UNTOLD
+            return None
         except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
-            if not self.reason:
-                self.reason, self.untold = one_line(problem), isinstance(problem, NotGivenError)
+            self.reason = self.reason or one_line(problem)
             return None
         return value
 
