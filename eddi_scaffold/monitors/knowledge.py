@@ -55,7 +55,7 @@ def _known(path: FieldPath, message: str) -> list[tuple[FieldPath, list[JsonValu
         if not isinstance(one, tuple):
             found.append((path, [one]))
             continue
-        beside, *values = one
+        beside, values = str(one[0]), list[JsonValue](one[1:])
         around = path[:-1] if beside.startswith(".") else ()
         found.append(((*around, Attribute(beside.removeprefix("."))), values))
     return found

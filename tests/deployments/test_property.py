@@ -99,27 +99,29 @@ def test_what_is_read_inverted_is_no_fault(reading: str) -> None:
         assert check.violation() is None, number
 
 
-def test_a_claim_that_is_not_given_taken_as_false_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By what reads it as it is, and by what reads the verdicts behind it."""
+@pytest.fixture
+def taken_as_false(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put a fault back: who reads a claim takes it as it is, and false when it is not given."""
 
     def as_it_is(value: object, *_: object) -> object:
         return value
 
-    monkeypatch.setitem(node._HELPERS, "given", as_it_is)
+    monkeypatch.setitem(node._HELPERS, "given", as_it_is)  # noqa: SLF001 - where replays have it
     monkeypatch.setattr(expression, "given", as_it_is)
-    found = 0
-    for number in range(PATIENCE):
-        rng = Random(f"not given {number}")
-        found += Check(draft_of(rng), rng).violation() is not None
-    assert found > 1
 
 
+@pytest.mark.usefixtures("taken_as_false")
+def test_a_claim_that_is_not_given_and_taken_as_false_is_found() -> None:
+    rngs = [Random(f"not given {number}") for number in range(PATIENCE)]
+    assert sum(Check(draft_of(rng), rng).violation() is not None for rng in rngs) > 1
+
+
+@pytest.mark.usefixtures("taken_as_false")
 def test_what_is_found_is_made_small() -> None:
-    rng = Random("cycle 2")
-    draft = smallest(faulty("cycle", rng), _fails)
+    draft = smallest(draft_of(Random("not given 27")), _fails)
     assert _fails(draft)
-    assert len(draft.instances) <= 2
-    assert len(draft.values) <= 1
+    assert len(draft.instances) <= 4
+    assert len(draft.values) <= 4
 
 
 @pytest.mark.slow

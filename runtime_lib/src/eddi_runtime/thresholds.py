@@ -20,6 +20,7 @@ class Evidence:
 
     def __init__(self, threshold: Threshold) -> None:
         self.threshold, self.id = threshold, threshold.id
+        self._since: float | None = None
         self.reset()
 
     def step(self, now: float, value: float, *, usable: bool, best: float = -math.inf) -> bool:
@@ -49,5 +50,4 @@ class Evidence:
 
     def reset(self) -> None:
         """Return to inactive; what was before is not known."""
-        self.active, self.possible = False, True
-        self._since: float | None = None
+        self.active, self.possible, self._since = False, True, None
