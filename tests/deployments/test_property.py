@@ -106,7 +106,7 @@ def taken_as_false(monkeypatch: pytest.MonkeyPatch) -> None:
     def as_it_is(value: object, *_: object) -> object:
         return value
 
-    monkeypatch.setitem(node._HELPERS, "given", as_it_is)  # noqa: SLF001 - where replays have it
+    monkeypatch.setitem(node._HELPERS, "given", as_it_is)
     monkeypatch.setattr(expression, "given", as_it_is)
 
 
