@@ -33,6 +33,7 @@ from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInp
 from eddi_scaffold.monitors import accepting
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
+from eddi_scaffold.monitors.knowledge import taken
 from eddi_scaffold.monitors.model_document import model_document
 from eddi_scaffold.problems import (
     EddiError,
@@ -513,7 +514,7 @@ class _InputBinder:
         except fields.FieldPathError as problem:
             self._error("K019", str(problem), "field", problem.hint)
             return None
-        return fields.expression(argument, self._checked(path, message))
+        return taken(argument, self._checked(path, message), message)
 
     def _checked(self, path: fields.FieldPath, message: str) -> fields.FieldPath:
         """Check a path with what is known of the message, also by the ROS of this machine."""

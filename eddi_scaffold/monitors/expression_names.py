@@ -22,6 +22,7 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.language.findings import Locate
 from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.language.syntax import Identifier, is_list_path
+from eddi_scaffold.monitors.knowledge import check
 from eddi_scaffold.problems import Problem, did_you_mean, error
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
@@ -148,10 +149,14 @@ class ExpressionNames:
         """Return the path of a name in its message, ``None`` after an error."""
         try:
             path = path_behind(name)
-            found = self._resolved[name] = resolve(path, source.type, self._fields_of)
+            found = resolve(path, source.type, self._fields_of)
         except FieldPathError as problem:
             self.problems.append(error("K020", str(problem), locate(at), problem.hint))
             return None
+        known = check(found.path, source.type)
+        if known and name not in self._resolved:
+            self._check(name, known)
+        self._resolved[name] = found
         return found
 
     def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:

@@ -38,14 +38,14 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     )
     probe.active("/conserta/guarantees", set(), after=start)
     level, text, values = probe.diagnostics(
-        "/conserta", lambda level, text, v: v.get("RtE_A_D0") == "ok", after=start
+        "/conserta", lambda level, text, v: v.get("RtE_A_D0") == "untold", after=start
     )
     assert level == 1  # WARN: one input still waits for its first message
     assert values["RtE_A_E0"] == "waiting"
     assert values["RtE_A_E0.blocks"] == "System_A_G0"
     waiting = "waiting for first message of /rte/e0a"
     assert f"RtE_A_E0 waiting: {waiting} (blocks System_A_G0)" in text
-    unmet = "inactive: RtE_A_D0: the value is False"
+    unmet = "inactive: RtE_A_D0: unknown there"
     assert values["guarantee.System_A_G0"] == f"{unmet}; RtE_A_E0: {waiting}"
     assert values["guarantee.System_A_G1"] == unmet
     level, text, values = probe.diagnostics("/consertb", lambda *_: True, after=start)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Sequence
 
 from . import inputs
+from .access import UNTOLD
 from .inputs import InputSpec, InputState, aged, invalid
 
 if TYPE_CHECKING:  # travels where a monitor has one
@@ -121,7 +122,8 @@ class EDDIInputBase(inputs.EDDIInputBase):
                 after = InputState("ok", "", max(fresh, default=0.0), robots=robots)
             elif after.state == "ok":
                 reason = getattr(self.__expressions.get(input_id), "reason", "")
-                after = InputState("invalid", reason or "not known yet", after.age)
+                state = "untold" if reason == UNTOLD else "invalid"
+                after = InputState(state, reason or "not known yet", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, self.states.get(input_id))
         value = getattr(self, attribute, None) if after.state == "ok" else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
+from .access import UNTOLD, NotGivenError
 from .clock import step_time
 from .plain_values import Absent, one_line, read
 
@@ -41,8 +42,8 @@ UNSAFE_DEFAULT = "allow_unsafe_default: true"
 class InputState(NamedTuple):
     """How the last ``processing`` went for one input."""
 
-    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``) or ``invalid`` (the
-    # method raised or left the value at None)
+    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``), ``untold`` (another
+    # monitor does not know it) or ``invalid`` (the method raised or left the value at None)
     state: str
     reason: str = ""  # one line for people, empty when ok
     # seconds since the oldest required message, ``None`` when one is missing
@@ -309,6 +310,8 @@ def _late(age: float, limit: float) -> InputState:
 
 def invalid(problem: Exception, before: InputState | None) -> InputState:
     """Return the state of an input whose method raised; its traceback is made once."""
+    if isinstance(problem, NotGivenError):
+        return InputState("untold", UNTOLD)
     reason = one_line(problem)
     if before is not None and before.state == "invalid" and before.reason == reason:
         return before._replace(age=None)

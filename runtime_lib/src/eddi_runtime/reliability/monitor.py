@@ -135,7 +135,8 @@ class Reliability(Monitor[ReliabilityResult]):
             contributions[name] = found[1]
         evidence: dict[str, bool] = {}
         for one in self._evidence:
-            evidence[one.id] = one.step(self._last, high, usable=usable)
+            best = -math.inf if reason else low
+            evidence[one.id] = one.step(self._last, high, usable=usable, best=best)
         self._result = _new(
             ReliabilityResult,
             (
@@ -256,10 +257,15 @@ class Reliability(Monitor[ReliabilityResult]):
             "mttf_hours": given.mttf,
             "horizon_seconds": given.horizon * 3600.0,
             "unknown_inputs": list(given.unknown),
-            "reason": given.reason,
+            "reason": given.reason or self._undecided(),
             "evidence": evidence,
             "accepted": list(self.accepted()),
         }
+
+    def _undecided(self) -> str:
+        """Return which thresholds may hold although they are not active, empty for none."""
+        open_ = [one.id for one in self._evidence if one.possible and not one.active]
+        return f"not decided: {', '.join(open_)}" if open_ else ""
 
     def _refused(self) -> ReliabilityResult:
         """Return the worst case, for what a person's code has put in place of a result."""
