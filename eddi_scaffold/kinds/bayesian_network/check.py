@@ -64,10 +64,8 @@ class _Check:
                 message = f"the node {draft.id!r} has the state {state.text!r} twice"
                 self._error("B104", message, state.place)
                 counts[state.text] = 1
-        if len(draft.states) < 2:
-            count = len(draft.states) or "no"
-            message = f"the node {draft.id!r} needs at least 2 states, it has {count}"
-            self._error("B103", message, draft.place)
+        if not draft.states:
+            self._error("B103", f"the node {draft.id!r} has no states", draft.place)
 
     def parents(self, draft: Draft) -> None:
         seen: set[str] = set()
@@ -126,7 +124,7 @@ class _Check:
             )
             self._error("B111", message, draft.values_place)
             return None
-        if len(own) < 2:
+        if not own:
             return None
         table = self._table(draft, parents, len(own))
         if has_errors(self.problems[before:]):

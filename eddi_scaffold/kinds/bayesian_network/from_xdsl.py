@@ -141,7 +141,7 @@ class _Reader:
     ) -> tuple[str, ...] | None:
         """Return the whole table; ``None`` when states are missing, which is reported elsewhere."""
         cards = [len(self.states.get(parent, ())) for parent in parents]
-        if min([len(states), *cards]) < 2:
+        if min([len(states), *cards]) < 1:
             return None
         name, strengths = element.get("id") or "", _words(element, "strengths").split()
         try:
