@@ -7,6 +7,7 @@ No document type declaration, no entity, no network, no other file; libxml2 limi
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, BinaryIO, TypeAlias
 
@@ -143,6 +144,27 @@ def encoding_of(document: Element) -> str:
 def feature_of(element: Element) -> str:
     """Return the name of the feature that contains an element: its tag without namespace."""
     return local_name(str(element.tag))
+
+
+def only(
+    elements: Sequence[Element], code: str, place: Callable[[Element], Place]
+) -> tuple[Element | None, list[Problem]]:
+    """Return the one element that may be there, and an error at each further one.
+
+    Args:
+        elements: all that give the same value.
+        code: of the errors.
+        place: of an element.
+    """
+    return next(iter(elements), None), [
+        error(
+            code,
+            f"`{feature_of(again)}` is given twice, first in line {line_of(elements[0])}",
+            place(again),
+            "remove one of them",
+        )
+        for again in elements[1:]
+    ]
 
 
 def text_of(element: Element) -> str:

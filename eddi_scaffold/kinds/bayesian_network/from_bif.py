@@ -101,11 +101,14 @@ class _Reader:
     def _variable(self) -> None:
         name = self.words.name("the name of a variable")
         states: tuple[Named, ...] = ()
+        of = ""
         self.words.mark("{")
         while not self.words.skip_mark("}"):
             if self.words.next.text != "type":
                 self._property("`type`, `property` or `}`")
                 continue
+            if of:
+                raise self.words.fault(f"the type of {name.text!r} is given twice", self.words.next)
             self.words.take()
             of = self.words.name("the type of the variable").text
             if of == "discrete":
@@ -143,7 +146,9 @@ class _Reader:
             first, inner = self.words.take(), ""
             while not self.words.is_mark(")", "]"):
                 inner += f"{',' if inner else ''}{self.words.name('an end of an interval').text}"
-            found.append(Named(f"{first.text}{inner}{self.words.take().text}", self.words.place(first)))
+            found.append(
+                Named(f"{first.text}{inner}{self.words.take().text}", self.words.place(first))
+            )
         return found
 
     def _table(self) -> None:
@@ -165,7 +170,11 @@ class _Reader:
         if self.words.skip_mark("("):
             self._row(name, table, word)
         elif word.text in ("table", "default"):
-            if getattr(table, word.text) is not None or (word.text == "table" and table.rows):
+            if (
+                table.table
+                or getattr(table, word.text)
+                or (word.text == "table" and (table.rows or table.default))
+            ):
                 raise self.words.fault(f"the table of {name!r} is given twice", word)
             self.words.take()
             setattr(table, word.text, self.words.values())

@@ -53,7 +53,7 @@ def running(monitor: BoundMonitor) -> BayesianNetworkMonitor:
 
 @st.composite
 def networks(draw: st.DrawFn, most: int = 6) -> Network:
-    """Small random networks with zeros, deterministic rows, nodes of one state, and parents in any order."""
+    """Small random networks with zeros, certain nodes and rows, and parents in any order."""
     count = draw(st.integers(1, most))
     cards = [draw(st.integers(1, 3)) for _ in range(count)]
     nodes = []
