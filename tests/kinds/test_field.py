@@ -73,7 +73,7 @@ MEF = (
         (XMLBIF, "n.xmlbif", "</FOR>", "</FOR>\n<FOR>A</FOR>", ("B232", 8)),
         (XMLBIF, "n.xmlbif", "<NAME>A</NAME>", "<NAME>A</NAME>\n<NAME>B</NAME>", ("B232", 5)),
         (XMLBIF, "n.xmlbif", "<NAME>N</NAME>", "<NAME>N</NAME>\n<NAME>B</NAME>", ("B232", 3)),
-        (XMLBIF, "n.xmlbif", "</NETWORK>", "</NETWORK>\n<NETWORK/>", ("B232", 9)),
+        (XMLBIF, "n.xmlbif", "</NETWORK>", "</NETWORK>\n<NETWORK/>", ("B232", 10)),
         (XDSL, "n.xdsl", "</parents>", "</parents>\n<parents>B</parents>", ("B232", 5)),
         (NET, "n.net", "; }\np", '; states = ("a" "b"); }\np', ("B231", 2)),
         (BIF, "n.bif", "table", "default 0.5, 0.5;\ntable", ("B231", 5)),
@@ -278,14 +278,14 @@ def test_the_quote_that_is_not_closed() -> None:
 
 TREE = data_file("field/root-fault-tree/pump.xml").read_text()
 CHAIN = (
-    f'<f:markovChain {SPACES} name="C"><states name="a" isInitialState="true"/>'
+    f'<f:markovChain {SPACES} name="Chain"><states name="a" isInitialState="true"/>'
     '<states name="b" isFailState="true"/><transitions fromStates="//@states.0" '
     'toStates="//@states.1" transition="1e-4"/></f:markovChain>'
 )
 CONSERT = (
-    f'<c:ConSert {SPACES} name="S"><guarantees name="G" isDefault="true">'
-    '<property><dimension xsi:type="c:BinaryDimension"><dimensionType name="Safe"/></dimension>'
-    "</property></guarantees></c:ConSert>"
+    f'<c:ConSert {SPACES} name="Safe"><guarantees name="G" isDefaultGuarantee="true">'
+    '<dependabilityProperty><dimension xsi:type="c:BinaryDimension"><dimensionType name="Safe"/></dimension>'
+    "</dependabilityProperty></guarantees></c:ConSert>"
 )
 
 
