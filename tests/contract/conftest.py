@@ -5,18 +5,19 @@ import os
 import pytest
 
 from tests.contract.stages import STAGES
+from tests.ros2.world import shared
 
 
 @pytest.fixture(scope="module", params=[pytest.param("ros1", marks=pytest.mark.ros), "dds", "ros2"])
 def stage(request, tmp_path_factory):
     make, why_not = STAGES[request.param]
     reason = why_not()
-    had = request.param != "ros2"  # Debian, on which all must run, has no rclpy
-    if reason is not None and had and os.environ.get("EDDI_REQUIRE_ROS") == "1":
+    if reason is not None and os.environ.get("EDDI_REQUIRE_ROS") == "1":
         pytest.fail(reason)
     if reason is not None:
         pytest.skip(reason)
-    made = make(tmp_path_factory.mktemp(request.param))
+    more = {"below": shared(tmp_path_factory, "kilted")} if request.param == "ros2" else {}
+    made = make(tmp_path_factory.mktemp(request.param), **more)
     made.begin()
     made.robot = made.start()
     yield made

@@ -4,13 +4,13 @@ import contextlib
 import os
 import shutil
 import socket
-import subprocess
 import sys
 from pathlib import Path
 
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.cli.command import run
 from tests.ros1.world import PYTHON, RUNTIME, World, active, make_messages, until, why_no_ros
+from tests.ros2.world import RELEASES
 
 HERE = Path(__file__).parent
 CONFIG = HERE / "rover_config.yml"
@@ -139,35 +139,34 @@ class DdsStage(Stage):
 
 
 class Ros2Stage(Stage):
-    """ROS 2 on loopback: a workspace that its colcon has built."""
+    """ROS 2 on loopback: a workspace that its colcon has built.
 
-    def __init__(self, folder, config=CONFIG):
+    Args:
+        folder: of the workspace.
+        config: of its monitor.
+        release: of ROS 2.
+        below: folder of the workspace with the messages, built unless it is there.
+    """
+
+    def __init__(self, folder, config=CONFIG, release=RELEASES["kilted"], below=None):
         super().__init__(folder, None)
+        self.release = release
         (folder / "src").mkdir()
         place = ("--platform", "ros2", "-w", folder)
         self.package = generated(
             folder, "src/eddi_monitor/rover", *place, code="rover", config=config
         )
-        own = str(Path(sys.prefix) / "bin")
-        path = [one for one in os.environ["PATH"].split(os.pathsep) if one != own]
-        around = {**os.environ, "PATH": os.pathsep.join(path)}
-        subprocess.run(["colcon", "build"], cwd=folder, env=around, check=True, capture_output=True)
-        words = ["/bin/bash", "-c", '. "$0" && env -0', str(folder / "install" / "setup.bash")]
-        done = subprocess.run(words, env=around, check=True, capture_output=True, text=True)
-        self.lock, domain = free_domain()
-        self.domain = domain
-        cyclone = "cyclone" in os.environ.get("RMW_IMPLEMENTATION", "")
-        loopback = LOOPBACK.as_uri()
-        near = {"CYCLONEDDS_URI": loopback} if cyclone else {"ROS_LOCALHOST_ONLY": "1"}
-        own = {"ROS_DOMAIN_ID": str(domain), "PYTHONUNBUFFERED": "1", **near}
-        sourced = (line.split("=", 1) for line in done.stdout.split("\0") if "=" in line)
-        self.environment = {**dict(sourced), **own}
+        around = release.workspace(below or folder / "below")
+        own = ("--packages-select", "rover", "eddi_runtime")
+        release.colcon(folder, "build", *own, env=around)
+        self.lock, self.domain = free_domain()
+        self.environment = {**release.sourced(folder), **on_loopback(self.domain)}
 
     def env(self, master=None, messages=None):
         return self.environment
 
     def new_probe(self):
-        return self.probe_of([PYTHON, str(HERE / "ros2_probe.py")], self.environment)
+        return self.probe_of([self.release.python, str(HERE / "ros2_probe.py")], self.environment)
 
     def command(self, namespace, *parameters):
         node = self.folder / "install" / "rover" / "lib" / "rover" / "ros_node"
@@ -176,6 +175,20 @@ class Ros2Stage(Stage):
     def destroy(self):
         super().destroy()
         self.lock.close()
+
+
+def on_loopback(domain):
+    """Return the environment in which a node of ROS 2 stays on this machine, on any DDS.
+
+    Whoever dies without a word is missed after 2 s, and not after 10 (Cyclone) or 20 (Fast DDS).
+    """
+    return {
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",  # that is: these files say it
+        "CYCLONEDDS_URI": LOOPBACK.as_uri(),
+        "FASTDDS_DEFAULT_PROFILES_FILE": str(HERE / "fastdds.xml"),
+        "PYTHONUNBUFFERED": "1",
+    }
 
 
 def ros_args(namespace, parameters):
@@ -229,14 +242,8 @@ def why_no_dds():
     return None
 
 
-def why_no_rclpy():
-    """Return why ROS 2 cannot be used here, ``None`` when it can."""
-    done = subprocess.run([PYTHON, "-c", "import rclpy"], capture_output=True, check=False)
-    return "no rclpy here, it comes with ROS 2: its adapter is not run" if done.returncode else None
-
-
 STAGES = {
     "ros1": (Ros1Stage, why_no_ros),
     "dds": (DdsStage, why_no_dds),
-    "ros2": (Ros2Stage, why_no_rclpy),
+    "ros2": (Ros2Stage, RELEASES["kilted"].why_not),
 }

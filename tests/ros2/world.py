@@ -1,0 +1,108 @@
+"""ROS 2 from wheels (``script/ros2.sh``), and workspaces that its colcon builds.
+
+Where the setup.bash of a ROS 2 was sourced, that one is tested instead.
+"""
+
+import fcntl
+import hashlib
+import os
+import subprocess
+from pathlib import Path
+
+from tests.cli.command import EXAMPLE, ROOT, run
+from tests.e2e.robot import CLEAN_PATH
+
+FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
+"""Nobody waits for these messages."""
+_WHEELS = ROOT / "script" / "ros2_wheels.txt"
+_SOURCED = bool(os.environ.get("AMENT_PREFIX_PATH"))
+
+
+class Release:
+    """One ROS 2 of this machine.
+
+    Attributes:
+        name: such as ``kilted``.
+        prefix: its folder.
+        python: its interpreter.
+    """
+
+    def __init__(self, name):
+        self.name = name
+        cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        of = hashlib.sha256(_WHEELS.read_bytes()).hexdigest()[:12]
+        self.prefix = cache / "eddi-scaffold" / f"ros2-{name}-{of}"
+        self.python = "/usr/bin/python3" if _SOURCED else str(self.prefix / "bin" / "python")
+
+    def why_not(self):
+        """Return why it cannot be used here, ``None`` when it can."""
+        if _SOURCED or (self.prefix / ".complete").is_file():
+            return None
+        return f"no ROS 2 {self.name} here: script/ros2.sh {self.name} installs it, or says why not"
+
+    def env(self, home):
+        """Return the environment of a person whose ROS 2 it is."""
+        if _SOURCED:
+            return dict(os.environ)
+        return {
+            "PATH": f"{self.prefix / 'bin'}:{CLEAN_PATH}",
+            "HOME": str(home),
+            "LANG": "C.UTF-8",
+            "AMENT_PREFIX_PATH": str(self.prefix),
+            "CMAKE_PREFIX_PATH": str(self.prefix),
+            "LD_LIBRARY_PATH": str(self.prefix / "lib"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+
+    def colcon(self, place, *words, env=None):
+        """Run colcon in a workspace and return what it says."""
+        cmake = ("--cmake-args", f"-DPython3_EXECUTABLE={self.python}", *FLAGS)
+        done = subprocess.run(
+            ["colcon", *words, *(cmake if words[0] == "build" else ())],
+            cwd=place,
+            env=env or self.env(place),
+            check=False,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        assert done.returncode == 0, done.stdout
+        return done.stdout
+
+    def sourced(self, place):
+        """Return the environment after ``source install/setup.bash`` of a workspace."""
+        words = ["/bin/bash", "-c", '. "$0" && env -0', str(Path(place) / "install/setup.bash")]
+        done = subprocess.run(
+            words, env=self.env(place), check=True, capture_output=True, text=True
+        )
+        return dict(line.split("=", 1) for line in done.stdout.split("\0") if "=" in line)
+
+    def workspace(self, place):
+        """Build both monitors of the example, unless it is done; return the environment there."""
+        place.mkdir(exist_ok=True)
+        with (place / ".lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # of all workers of a run, the first one builds
+            if not (place / "install" / "setup.bash").exists():
+                letters = [w for one in "ab" for w in ("-c", EXAMPLE / f"consert_{one}_config.yml")]
+                words = ("-w", place, "-m", EXAMPLE / "two_conserts.xml", *letters)
+                (place / "src").mkdir()
+                done = run("generate", "--platform", "ros2", *words, cwd=place)
+                assert done.status == 0, done.err
+                before = contents(place)
+                self.colcon(place, "build")
+                assert contents(place) == before, "a build writes nothing into the sources"
+        return self.sourced(place)
+
+
+def contents(place):
+    """Return the files of the sources."""
+    return {path: path.read_bytes() for path in (place / "src").rglob("*") if path.is_file()}
+
+
+def shared(tmp_path_factory, name):
+    """Return a folder that all workers of a run have in common."""
+    base = tmp_path_factory.getbasetemp()
+    return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / name
+
+
+RELEASES = {name: Release(name) for name in ("kilted", "jazzy")}
