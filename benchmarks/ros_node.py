@@ -36,10 +36,10 @@ from tests.contract.stages import (  # noqa: E402
     Ros2Stage,
     environment,
     why_no_dds,
-    why_no_rclpy,
 )
 from tests.ros1 import models  # noqa: E402
 from tests.ros1.world import PYTHON, Process, World, make_messages, why_no_ros  # noqa: E402
+from tests.ros2.world import RELEASE  # noqa: E402
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -136,8 +136,8 @@ def dds(quick: bool) -> list[Row]:
 
 def ros2(quick: bool) -> list[Row]:
     """Measure nodes on rclpy, and plain ones; who asks both speaks DDS by itself."""
-    peer = [PYTHON, str(PROGRAMS.with_name("ros2_node_programs.py"))]
-    return on_graph("rclpy", Ros2Stage, why_no_rclpy() or why_no_dds(), peer, quick)
+    peer = [RELEASE.python, str(PROGRAMS.with_name("ros2_node_programs.py"))]
+    return on_graph("rclpy", Ros2Stage, RELEASE.why_not() or why_no_dds(), peer, quick)
 
 
 def on_graph(

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Install ROS 2 from the wheels of PyPI, once for each list of them: script/ros2.sh kilted|jazzy
 # The last line that it prints is the folder, which is a virtual environment and ament's prefix in one.
-# Where it cannot be, it says why and ends with status 1.
+# Where it does not fit it says why and ends with status 1; status 2: it should, and could not be installed.
 set -euo pipefail
 HERE=$(dirname "${BASH_SOURCE[0]}")
 case "$1" in
-  kilted) PYTHONS="/usr/bin/python3.11 python3.11 python3.13" ;;
-  jazzy) PYTHONS="python3.12" ;;
+  kilted) RCLPY=9.1.2 PYTHONS="/usr/bin/python3.11 python3.11 python3.13" ;;
+  jazzy) RCLPY=7.1.6 PYTHONS="python3.12" ;;
 esac
 refuse() { echo "ROS 2 $1 is not here: $2" >&2; exit 1; }
 
@@ -28,8 +28,8 @@ flock 9 # another run may be installing it
 if [ ! -f "$PLACE/.complete" ]; then
   echo "installing ROS 2 $1 into $PLACE ..." >&2
   "$PYTHON" -m venv --clear "$PLACE"
-  "$PLACE/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$LIST" 2>"$PLACE/pip.log" ||
-    refuse "$1" "pip: $(grep ERROR "$PLACE/pip.log" | tail -n 1)"
+  "$PLACE/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$LIST" "ros-rclpy==$RCLPY" 2>"$PLACE/pip.log" ||
+    { echo "ROS 2 $1: $(grep ERROR "$PLACE/pip.log" | tail -n 1)" >&2; exit 2; }
   # The wheels name two folders of the machine on which they were made.
   numpy=$("$PLACE/bin/python" -c 'import numpy; print(numpy.get_include())')
   find "$PLACE/share" -name '*.cmake' -exec sed -i -E \

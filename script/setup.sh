@@ -8,12 +8,8 @@ ROS_PACKAGES="python3-rospy python3-roslaunch python3-rostopic python3-rosnode r
   ros-message-generation ros-message-runtime ros-std-msgs libstd-msgs-dev libdiagnostic-msgs-dev
   rosbash catkin-lint python3-sensor-msgs iproute2 nftables libfastrtps-dev
   prometheus"
-# What Debian has of ROS 2: colcon, each extension of which is a package, ament, and the generators of C and C++.
-COLCON_PACKAGES="colcon python3-colcon-bash python3-colcon-cmake python3-colcon-defaults python3-colcon-library-path
-  python3-colcon-metadata python3-colcon-output python3-colcon-package-information python3-colcon-package-selection
-  python3-colcon-parallel-executor python3-colcon-python-setup-py python3-colcon-recursive-crawl python3-colcon-ros
-  python3-colcon-test-result python3-pytest python3-setuptools ament-cmake rosidl-cmake rosidl-generator-c-cpp
-  librosidl-typesupport-introspection-c-cpp-dev cmake make g++
+# What ROS 2 from PyPI (script/ros2.sh) needs to compile messages, and ament's linters.
+ROS2_PACKAGES="python3-venv python3-dev cmake make g++
   python3-ament-flake8 python3-ament-pep257 python3-ament-lint-cmake python3-ament-xmllint"
 
 have_ros() {
@@ -25,9 +21,9 @@ have_ros() {
   /usr/bin/python3 -c 'import rospy, std_msgs.msg, diagnostic_msgs.msg, sensor_msgs.msg, numpy' 2>/dev/null
 }
 
-have_colcon() {
-  command -v colcon >/dev/null && command -v ament_flake8 >/dev/null && [ -d /usr/share/rosidl_generator_cpp ] && [ -d /usr/share/ament_cmake ] &&
-    [ -d /usr/lib/python3/dist-packages/colcon_ros ]
+have_for_ros2() {
+  command -v ament_flake8 >/dev/null && command -v cmake >/dev/null && command -v g++ >/dev/null &&
+    ls /usr/include/python3.*/Python.h >/dev/null 2>&1
 }
 
 apt_install() { # as root on a Debian system; anything else says so and goes on without
@@ -52,7 +48,10 @@ BASE_PYTHON=$(find_python) || { apt_install python3 python3-venv && BASE_PYTHON=
   { echo "Python 3.10 or newer with venv is missing: apt-get install python3 python3-venv" >&2; exit 2; }
 
 if have_ros || { [ "${FAST:-no}" = no ] && apt_install $ROS_PACKAGES && have_ros; }; then ROS=yes; else ROS=no; fi
-if [ "${COLCON:-no}" = yes ]; then have_colcon || apt_install $COLCON_PACKAGES || true; fi # a demo does without
+if [ "${ROS2:-no}" = yes ]; then # a demo does without
+  have_for_ros2 || apt_install $ROS2_PACKAGES || true
+  script/ros2.sh kilted >/dev/null || [ $? != 1 ] || export EDDI_NO_ROS2=1 # it has said why
+fi
 
 STAMP=.venv/.installed-from
 WANTED="$(cat pyproject.toml) $BASE_PYTHON $PWD"

@@ -5,18 +5,19 @@ import os
 import pytest
 
 from tests.contract.stages import STAGES
-from tests.ros2.world import shared
+from tests.ros2.world import REQUIRED, shared
 
 
 @pytest.fixture(scope="module", params=[pytest.param("ros1", marks=pytest.mark.ros), "dds", "ros2"])
 def stage(request, tmp_path_factory):
     make, why_not = STAGES[request.param]
     reason = why_not()
-    if reason is not None and os.environ.get("EDDI_REQUIRE_ROS") == "1":
+    required = REQUIRED if request.param == "ros2" else os.environ.get("EDDI_REQUIRE_ROS") == "1"
+    if reason is not None and required:
         pytest.fail(reason)
     if reason is not None:
         pytest.skip(reason)
-    more = {"below": shared(tmp_path_factory, "kilted")} if request.param == "ros2" else {}
+    more = {"below": shared(tmp_path_factory)} if request.param == "ros2" else {}
     made = make(tmp_path_factory.mktemp(request.param), **more)
     made.begin()
     made.robot = made.start()

@@ -10,12 +10,18 @@ from pathlib import Path
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.cli.command import run
 from tests.ros1.world import PYTHON, RUNTIME, World, active, make_messages, until, why_no_ros
-from tests.ros2.world import RELEASES
+from tests.ros2.world import RELEASE
 
 HERE = Path(__file__).parent
 CONFIG = HERE / "rover_config.yml"
 LOOPBACK = HERE / "loopback.xml"
 FAULT = "        if mode.data == 'raise':\n            raise ValueError('on purpose')\n"
+SLOW_START = """
+        import os, time
+        if os.environ.get('SLOW_START'):
+            print('begun', flush=True)
+            time.sleep(float(os.environ['SLOW_START']))
+"""
 NAMES = ("/rover", "/robot1/rover")
 
 
@@ -144,29 +150,27 @@ class Ros2Stage(Stage):
     Args:
         folder: of the workspace.
         config: of its monitor.
-        release: of ROS 2.
         below: folder of the workspace with the messages, built unless it is there.
     """
 
-    def __init__(self, folder, config=CONFIG, release=RELEASES["kilted"], below=None):
+    def __init__(self, folder, config=CONFIG, below=None):
         super().__init__(folder, None)
-        self.release = release
         (folder / "src").mkdir()
         place = ("--platform", "ros2", "-w", folder)
         self.package = generated(
             folder, "src/eddi_monitor/rover", *place, code="rover", config=config
         )
-        around = release.workspace(below or folder / "below")
+        around = RELEASE.workspace(below or folder / "below")
         own = ("--packages-select", "rover", "eddi_runtime")
-        release.colcon(folder, "build", *own, env=around)
+        RELEASE.colcon(folder, "build", *own, env=around)
         self.lock, self.domain = free_domain()
-        self.environment = {**release.sourced(folder), **on_loopback(self.domain)}
+        self.environment = {**RELEASE.sourced(folder), **on_loopback(self.domain)}
 
     def env(self, master=None, messages=None):
         return self.environment
 
     def new_probe(self):
-        return self.probe_of([self.release.python, str(HERE / "ros2_probe.py")], self.environment)
+        return self.probe_of([RELEASE.python, str(HERE / "ros2_probe.py")], self.environment)
 
     def command(self, namespace, *parameters):
         node = self.folder / "install" / "rover" / "lib" / "rover" / "ros_node"
@@ -203,10 +207,14 @@ def generated(folder, package, *place, code, config=CONFIG):
     assert done.status == 0, done.err
     made = folder / package
     module = made / code / "EDDIInput.py"
-    line = "        self.Mode = mode.data\n"
     text = module.read_text("utf-8")
-    assert text.count(line) == 1
-    module.write_text(text.replace(line, FAULT + line), "utf-8")
+    for line, where in (
+        ("        self.Mode = mode.data\n", FAULT + "{}"),
+        ("        super().__init__()\n", "{}" + SLOW_START),
+    ):
+        assert text.count(line) == 1
+        text = text.replace(line, where.format(line))
+    module.write_text(text, "utf-8")
     return made
 
 
@@ -245,5 +253,5 @@ def why_no_dds():
 STAGES = {
     "ros1": (Ros1Stage, why_no_ros),
     "dds": (DdsStage, why_no_dds),
-    "ros2": (Ros2Stage, RELEASES["kilted"].why_not),
+    "ros2": (Ros2Stage, RELEASE.why_not),
 }

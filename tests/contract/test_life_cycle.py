@@ -5,9 +5,10 @@ import time
 
 import pytest
 
-from tests.contract.stages import CONFIG, Ros2Stage, why_no_rclpy
+from tests.contract.stages import CONFIG, Ros2Stage
 from tests.contract.test_scenarios import BOOL, HEALTHY
 from tests.ros1.world import active, until
+from tests.ros2.world import RELEASE, shared
 
 pytestmark = pytest.mark.slow
 
@@ -49,14 +50,12 @@ class ManagedStage(Ros2Stage):
 
 @pytest.fixture(scope="module")
 def stage(tmp_path_factory):
-    reason = why_no_rclpy()
-    if reason is not None:
-        pytest.skip(reason)
+    RELEASE.demand()
     folder = tmp_path_factory.mktemp("managed")
     config = folder / "config.yml"
     text = CONFIG.read_text("utf-8")
     config.write_text(text.replace("{id: Rover, ", "{id: Rover, lifecycle: true, "), "utf-8")
-    made = ManagedStage(folder, config)
+    made = ManagedStage(folder, config, shared(tmp_path_factory))
     made.begin()
     yield made
     made.destroy()

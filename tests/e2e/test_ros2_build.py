@@ -1,61 +1,27 @@
-"""A generated workspace of ROS 2, built and tested by colcon with what Debian has of it."""
+"""A generated workspace of ROS 2, built and tested by colcon, and run as a person runs it."""
 
-import os
-import shutil
+import signal
 import subprocess
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
-from tests.cli.command import EXAMPLE, run
-from tests.e2e.robot import clean_env, sourced
-from tests.e2e.underlay import write_underlay
+from tests.contract.stages import HERE, free_domain, on_loopback, ros_args
+from tests.e2e.robot import clean_env
+from tests.ros1.world import World
+from tests.ros2.world import RELEASE, shared
 
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
 
-NEEDED = ("colcon_ros", "ament_package", "rosidl_cmake", "rosidl_generator_cpp")
-NOT_TESTED = "rclpy is missing, it comes with ROS 2: the node is not tested"
+BOOL = "std_msgs/Bool"
 
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory):
     """Return a built workspace with both monitors of the example."""
-    places = [Path("/usr/lib/python3/dist-packages"), Path("/usr/share")]
-    missing = [one for one in NEEDED if not any((place / one).exists() for place in places)]
-    reason = f"no colcon with ament and rosidl here: {', '.join(missing)} missing"
-    if missing and os.environ.get("EDDI_REQUIRE_ROS") == "1":
-        pytest.fail(reason)
-    if missing:
-        pytest.skip(reason)
-    place = tmp_path_factory.mktemp("colcon")
-    write_underlay(place / "src" / "underlay")
-    configs = [word for letter in "ab" for word in ("-c", EXAMPLE / f"consert_{letter}_config.yml")]
-    model = ("-m", EXAMPLE / "two_conserts.xml", *configs)
-    done = run("generate", "--platform", "ros2", "-w", place, *model, cwd=place)
-    assert done.status == 0, done.err
-    before = contents(place)
-    colcon(place, "build", "--cmake-args", "-DCMAKE_CXX_FLAGS=-O0", "-DCMAKE_C_FLAGS=-O0")
-    assert contents(place) == before, "a build writes nothing into the sources"
-    return place
-
-
-def contents(place):
-    return {path: path.read_bytes() for path in (place / "src").rglob("*") if path.is_file()}
-
-
-def colcon(place, *words):
-    done = subprocess.run(
-        ["colcon", *words],
-        cwd=place,
-        env=clean_env(place),
-        check=False,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    assert done.returncode == 0, done.stdout
-    return done.stdout
+    RELEASE.demand()
+    RELEASE.workspace(shared(tmp_path_factory))
+    return shared(tmp_path_factory)
 
 
 def test_everything_is_installed(workspace):
@@ -78,24 +44,87 @@ def test_everything_is_installed(workspace):
 
 
 def test_a_node_without_rclpy_says_so_in_one_line(workspace):
-    environment = sourced(workspace / "install" / "setup.bash", workspace)
-    environment["PYTHONDONTWRITEBYTECODE"] = "1"
-    if shutil.which("ros2", path=environment["PATH"]):
-        pytest.skip("ROS 2 is here")
-    node = workspace / "install/consertb/lib/consertb/ros_node"
-    done = subprocess.run([node], env=environment, capture_output=True, text=True, check=False)
+    sources = workspace / "src" / "eddi_monitor"
+    environment = clean_env(workspace) | {
+        "PYTHONPATH": f"{sources / 'consertb'}:{sources / 'eddi_runtime'}",
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    node = ["/usr/bin/python3", "-m", "consertb.RosNode"]
+    done = subprocess.run(node, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr.startswith("consertb: error: No module named 'rclpy': source the setup.bash")
     assert done.stderr.count("\n") == 1
 
 
-def test_colcon_test_runs_the_tests_of_monitors(workspace):
-    said = colcon(workspace, "test", "--packages-select", "consertb", "eddi_runtime")
+def test_colcon_test_runs_the_tests_of_monitors_and_of_the_node(workspace):
+    lock, domain = free_domain()
+    env = {**RELEASE.sourced(workspace), **on_loopback(domain)}
+    said = RELEASE.colcon(workspace, "test", "--packages-select", "consertb", env=env)
+    lock.close()
     assert "failed" not in said
     suite = ET.parse(workspace / "build" / "consertb" / "pytest.xml").getroot()
     cases = {case.get("name"): case for case in suite.iter("testcase")}
-    assert "test_unknown_inputs_are_all_alike" in cases
-    assert suite.find("testsuite").get("failures") == suite.find("testsuite").get("errors") == "0"
-    skipped = [one.text for one in suite.iter("skipped")]
-    if "test_publishes_at_once_and_ends_with_status_0" not in cases:
-        assert [NOT_TESTED in one for one in skipped] == [True]
+    wanted = {"test_unknown_inputs_are_all_alike", "test_publishes_at_once_and_ends_with_status_0"}
+    assert wanted <= cases.keys()
+    counted = suite.find("testsuite")
+    assert [counted.get(one) for one in ("failures", "errors", "skipped")] == ["0", "0", "0"]
+
+
+class Robots(World):
+    """Robots on one graph, each in its namespace, with both monitors of the example."""
+
+    def __init__(self, workspace, folder):
+        super().__init__(folder, None)
+        self.workspace = workspace
+        self.lock, domain = free_domain()
+        self.around = {**RELEASE.sourced(workspace), **on_loopback(domain)}
+        self.probe = self.probe_of([RELEASE.python, str(HERE / "ros2_probe.py")], self.around)
+
+    def robot(self, name):
+        """Start the monitors of a robot; what they would read of all robots is its own."""
+        self.probe.subscribe(f"{name}/conserta/guarantees")
+        own = [word for one in "ab" for word in ("-r", f"/rte/e0{one}:={name}/rte/e0{one}")]
+        nodes = []
+        for package in ("conserta", "consertb"):
+            node = self.workspace / "install" / package / "lib" / package / "ros_node"
+            command = [str(node), *ros_args(name, ["diagnostics:=false"]), *own]
+            nodes.append(self.process(command, self.around))
+        return nodes
+
+    def feed(self, *topics):
+        for topic in topics:
+            self.probe.do("every", topic=topic, kind=BOOL, fields={"data": True}, hz=10)
+
+    def until(self, name, *active):
+        self.probe.active(f"{name}/conserta/guarantees", set(active), 20.0)
+
+    def destroy(self):
+        super().destroy()
+        self.lock.close()
+
+
+@pytest.fixture
+def robots(workspace, tmp_path):
+    made = Robots(workspace, tmp_path)
+    yield made
+    made.destroy()
+
+
+def test_two_robots_do_not_hear_each_other(robots):
+    one, two = robots.robot("/robot1"), robots.robot("/robot2")
+    robots.until("/robot1")
+    robots.until("/robot2")
+    mark = robots.probe.mark()
+    robots.feed("/robot1/rte/e0a", "/robot1/rte/e0b")
+    robots.until("/robot1", "System_A_G0", "System_A_G1")
+    heard = robots.probe.outputs("/robot2/conserta/guarantees", mark)
+    assert not [one for one in heard if "active': True" in str(one)], "robot 1 counts for both"
+    robots.feed("/robot2/rte/e0a", "/robot2/rte/e0b")
+    robots.until("/robot2", "System_A_G0", "System_A_G1")
+    robots.probe.do("stop", topic="/robot1/rte/e0b")  # what ConSertB rests on
+    robots.until("/robot1", "System_A_G0")
+    for node in one:  # and then all its monitors
+        assert node.end(signal.SIGTERM)[0] == 0, node.text
+    robots.until("/robot2", "System_A_G0", "System_A_G1")
+    for node in two:
+        assert node.end(signal.SIGINT)[0] == 0, node.text

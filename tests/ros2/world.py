@@ -9,12 +9,16 @@ import os
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from tests.cli.command import EXAMPLE, ROOT, run
 from tests.e2e.robot import CLEAN_PATH
 
 FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
 """Nobody waits for these messages."""
 _WHEELS = ROOT / "script" / "ros2_wheels.txt"
+REQUIRED = os.environ.get("EDDI_REQUIRE_ROS") == "1" and "EDDI_NO_ROS2" not in os.environ
+"""ROS 2 is missing only where its wheels do not fit."""
 _SOURCED = bool(os.environ.get("AMENT_PREFIX_PATH"))
 
 
@@ -39,6 +43,14 @@ class Release:
         if _SOURCED or (self.prefix / ".complete").is_file():
             return None
         return f"no ROS 2 {self.name} here: script/ros2.sh {self.name} installs it, or says why not"
+
+    def demand(self):
+        """Skip a test where it cannot be used; fail where it must be there."""
+        reason = self.why_not()
+        if reason and REQUIRED:
+            pytest.fail(reason)
+        if reason:
+            pytest.skip(reason)
 
     def env(self, home):
         """Return the environment of a person whose ROS 2 it is."""
@@ -99,10 +111,11 @@ def contents(place):
     return {path: path.read_bytes() for path in (place / "src").rglob("*") if path.is_file()}
 
 
-def shared(tmp_path_factory, name):
-    """Return a folder that all workers of a run have in common."""
+def shared(tmp_path_factory):
+    """Return the folder of the workspace that all workers of a run have in common."""
     base = tmp_path_factory.getbasetemp()
-    return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / name
+    return (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "ros2"
 
 
-RELEASES = {name: Release(name) for name in ("kilted", "jazzy")}
+RELEASE = Release(os.environ.get("EDDI_ROS2", "kilted"))
+"""The one that is tested: ``EDDI_ROS2=jazzy script/test tests/contract`` takes another one."""

@@ -22,7 +22,7 @@ from ...node.receipts import MAX_QUEUED, Input
 from ...node.report import GraphFact
 from ...node.settings import Settings, settings
 from ...node.silence import Topic
-from ...node.start import StartError, write_to_stderr
+from ...node.start import StartError, end_at_signals, write_to_stderr
 from .arguments import Arguments, arguments, domain_id
 from .graph import Graph, Publication, reading, writing
 from .messages import OWN, Unreadable, converter, diagnostics_of
@@ -136,6 +136,7 @@ class MonitorNode(Node):
         _start_log(given.full_name)
         try:
             self.run_on(given.full_name, self._statuses, joined.start)
+            self.withdraw()  # the last word
         finally:
             self.ending.begin()
             joined.close()
@@ -157,6 +158,7 @@ class MonitorNode(Node):
             eddi_input_class: the generated EDDIInput.
             eddi_monitor_class: the generated EDDIMonitor.
         """
+        end_at_signals()
         try:
             given = arguments(sys.argv[1:], cls.NAME)
             unknown = sorted(given.parameters.keys() - _OWN)
@@ -173,8 +175,6 @@ class MonitorNode(Node):
         except (StartError, ModelError, MessageError) as error:
             write_to_stderr(cls.NAME, f"error: {error}")
             return 1
-        except KeyboardInterrupt:
-            return 0
 
 
 def _age(message: Any) -> float:

@@ -25,7 +25,7 @@ from ...node.logs import LOG
 from ...node.outputs import MessageError
 from ...node.report import ERROR, Report
 from ...node.schedule import Waker
-from ...node.start import StartError
+from ...node.start import StartError, end_at_signals
 from ...plain_values import one_line
 from .messages import diagnostics_publisher, start_log
 from .node import MonitorNode
@@ -81,14 +81,13 @@ class Host:
 
     def run(self) -> int:
         """Run all monitors until ROS ends the process; return the exit status as a node does."""
+        end_at_signals()
         name = node_name(self._name)
         if not self._nodes:
             return 1
         try:
             options = options_of(name, MonitorNode.FREQUENCY, MonitorNode.STARTUP_GRACE)
             rospy.init_node(self._name)
-        except KeyboardInterrupt:
-            return 0
         except (StartError, rospy.ROSInitException) as error:
             sys.stderr.write(f"{name}: error: {error}\n")
             return 0 if rospy.is_shutdown() else 1

@@ -20,7 +20,7 @@ from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input
 from ...node.report import GraphFact
 from ...node.settings import Settings
 from ...node.silence import Topic
-from ...node.start import StartError, write_to_stderr
+from ...node.start import StartError, end_at_signals, write_to_stderr
 from .messages import Callback, converter, diagnostics_publisher, start_log
 from .process import RosEnding, node_name, options_of
 from .watchdog import LOST, TypeRefusals, Watchdog, standing, watch
@@ -138,6 +138,7 @@ class MonitorNode(Node):
         0 after a normal end, 1 when it must not start or lost its name, 3 when the ROS master was
         lost and did not come back.
         """
+        end_at_signals()
         name = node_name(cls.NAME)
         try:
             # everything that can fail before anything is registered
@@ -145,8 +146,6 @@ class MonitorNode(Node):
             node = cls(eddi_monitor_class(), eddi_input_class(), options)
             node.prepare()
             rospy.init_node(cls.NAME)
-        except KeyboardInterrupt:
-            return 0
         except (StartError, ModelError, MessageError, rospy.ROSInitException) as error:
             if rospy.is_shutdown():
                 return 0  # ended while it waited for the ROS master

@@ -25,7 +25,7 @@ from ...node.receipts import MAX_QUEUED, Input
 from ...node.report import GraphFact
 from ...node.settings import Settings
 from ...node.silence import Topic
-from ...node.start import StartError, write_to_stderr
+from ...node.start import StartError, end_at_signals, write_to_stderr
 from .messages import converter, diagnostics_of, ros_type
 from .parameters import declared_settings
 from .process import Process
@@ -146,6 +146,7 @@ class MonitorNode(Node):
         node.prepare()
         with process.until(node.ending):
             node.run(process.start)
+            node.withdraw()  # the last word
         return node.ending.status
 
     @classmethod
@@ -158,6 +159,7 @@ class MonitorNode(Node):
             eddi_input_class: the generated EDDIInput.
             eddi_monitor_class: the generated EDDIMonitor.
         """
+        end_at_signals()
         process = None
         try:
             process = cls.PROCESS(cls.NAME)
@@ -171,5 +173,3 @@ class MonitorNode(Node):
             if process is not None:
                 process.close()
             return 1
-        except KeyboardInterrupt:
-            return 0
