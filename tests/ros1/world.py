@@ -289,18 +289,18 @@ class World:
         assert not left, left
 
 
-def make_messages(folder, texts):
-    """Generate ROS's own Python classes of ``eddi_messages`` with Debian's genpy, no catkin."""
-    package = Path(folder) / "eddi_messages"
+def make_messages(folder, texts, name="eddi_messages"):
+    """Generate ROS's own Python classes of a package with Debian's genpy, no catkin."""
+    package = Path(folder) / name
     sources = Path(folder) / "msg"
     sources.mkdir(parents=True)
     (package / "msg").mkdir(parents=True)
     (package / "__init__.py").write_text("")
-    for name, text in texts.items():
-        (sources / f"{name}.msg").write_text(text)
-    files = [str(sources / f"{name}.msg") for name in sorted(texts)]
-    command = [PYTHON, "/usr/lib/genpy/genmsg_py.py", "-p", "eddi_messages"]
-    command += ["-I", f"eddi_messages:{sources}", "-I", "std_msgs:/usr/share/std_msgs/msg"]
+    for message, text in texts.items():
+        (sources / f"{message}.msg").write_text(text)
+    files = [str(sources / f"{message}.msg") for message in sorted(texts)]
+    command = [PYTHON, "/usr/lib/genpy/genmsg_py.py", "-p", name]
+    command += ["-I", f"{name}:{sources}", "-I", "std_msgs:/usr/share/std_msgs/msg"]
     command += ["-o", str(package / "msg")]
     clean = {"PATH": "/usr/bin:/bin"}
     subprocess.run([*command, *files], env=clean, check=True, stdout=sys.stderr)

@@ -13,6 +13,7 @@ import pytest
 
 from tests.cli.command import EXAMPLE, ROOT, run
 from tests.e2e.robot import CLEAN_PATH
+from tests.fields import table
 
 FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
 """Nobody waits for these messages."""
@@ -90,7 +91,7 @@ class Release:
         return dict(line.split("=", 1) for line in done.stdout.split("\0") if "=" in line)
 
     def workspace(self, place):
-        """Build both monitors of the example, unless it is done; return the environment there."""
+        """Build the example's monitors and some messages, once; return the environment there."""
         place.mkdir(exist_ok=True)
         with (place / ".lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # of all workers of a run, the first one builds
@@ -98,6 +99,7 @@ class Release:
                 letters = [w for one in "ab" for w in ("-c", EXAMPLE / f"consert_{one}_config.yml")]
                 words = ("-w", place, "-m", EXAMPLE / "two_conserts.xml", *letters)
                 (place / "src").mkdir()
+                table.write_package(place / "src" / "field_msgs")
                 done = run("generate", "--platform", "ros2", *words, cwd=place)
                 assert done.status == 0, done.err
                 before = contents(place)

@@ -1,0 +1,196 @@
+"""Every type of a field with a value, and what a configuration reads of it: on each transport.
+
+Each of them runs this with its own Python, and real messages: ``table.py ros1|ros2`` prints JSON.
+"""
+
+import json
+import sys
+
+PACKAGE = "field_msgs"
+INNER = "int32 value\nstring name\n"
+ALL = """\
+uint8 LIMIT=200
+string WORD=constant
+std_msgs/Header header
+bool flag
+byte level
+char letter
+int8 tiny
+uint8 small
+int16 short
+uint16 word
+int32 number
+uint32 count
+int64 long
+uint64 huge
+float32 single
+float64 double
+string text
+time at
+duration lasts
+byte[3] levels
+byte[] more_levels
+char[2] letters
+char[] more_letters
+uint8[2] bytes_here
+uint8[] bytes_there
+bool[] flags
+float64[3] triple
+float32[] ranges
+string[] names
+int32[] unbounded
+string short_text
+string[] few_words
+int32 preset
+field_msgs/Inner inner
+field_msgs/Inner[] list
+field_msgs/Inner[2] pair
+"""
+ONLY_ROS2 = {
+    "time at": "builtin_interfaces/Time at",
+    "duration lasts": "builtin_interfaces/Duration lasts",
+    "int32[] unbounded": "int32[<=3] unbounded",
+    "string short_text": "string<=5 short_text",
+    "string[] few_words": "string<=5[<=2] few_words",
+    "int32 preset": "int32 preset 7",
+    "field_msgs/Inner": "Inner",
+}
+VALUES = {
+    "flag": True, "level": 2, "letter": 65, "tiny": -5, "small": 250, "short": -300,
+    "word": 60000, "number": -70000, "count": 4000000000, "long": -(2**40), "huge": 2**63,
+    "single": 0.5, "double": 0.1, "text": "grün", "levels": [1, 2, 3], "more_levels": [4, 5],
+    "letters": [66, 67], "more_letters": [68], "bytes_here": [255, 1], "bytes_there": [128, 7],
+    "flags": [True, False], "triple": [1.5, 2.5, 3.5], "ranges": [0.25, 4.0],
+    "names": ["left", "right"], "unbounded": [8, 9], "short_text": "abcde",
+    "few_words": ["on", "off"],
+}  # fmt: skip
+TIMES = {"header.stamp": (12, 34), "at": (56, 78), "lasts": (9, 10)}
+INNERS = {"inner": (11, "in"), "list": [(21, "a"), (22, "b")], "pair": [(31, "c"), (32, "d")]}
+READS = {
+    **{name: (name, value) for name, value in VALUES.items() if not isinstance(value, list)},
+    **{
+        f"{name}[{len(value) - 1}]": ([name, len(value) - 1], value[-1])
+        for name, value in VALUES.items()
+        if isinstance(value, list)
+    },
+    "inner.value": (["inner", "value"], 11),
+    "list[1].name": (["list", 1, "name"], "b"),
+    "pair[0].value": (["pair", 0, "value"], 31),
+    "list[b].value": (["list", ["name", "b"], "value"], 22),
+    "ranges[right]": ([["ranges", "names", "right"]], 4.0),
+    "header.frame_id": (["header", "frame_id"], "map"),
+    **{f"{one}.sec": ([*one.split("."), "sec"], TIMES[one][0]) for one in TIMES},
+    **{f"{one}.nanosec": ([*one.split("."), "nanosec"], TIMES[one][1]) for one in TIMES},
+    "preset": ("preset", 7),
+    "header": ("header", None),
+    "levels": ("levels", None),
+    "names": ("names", None),
+}
+"""What a configuration writes -> (path, what it is), of a whole message or list: unknown."""
+
+
+def ros2_text():
+    """Return the text of the message in ROS 2."""
+    text = ALL
+    for old, new in ONLY_ROS2.items():
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+WIDE = "wstring text\nbyte level\n"
+MANIFEST = """<package format="3">
+  <name>field_msgs</name>
+  <version>1.0.0</version>
+  <description>Every type of a field</description>
+  <maintainer email="nobody@example.org">Nobody</maintainer>
+  <license>Apache-2.0</license>
+  <buildtool_depend>ament_cmake</buildtool_depend>
+  <build_depend>rosidl_default_generators</build_depend>
+  <depend>std_msgs</depend>
+  <exec_depend>rosidl_default_runtime</exec_depend>
+  <member_of_group>rosidl_interface_packages</member_of_group>
+  <export><build_type>ament_cmake</build_type></export>
+</package>
+"""
+BUILD = """cmake_minimum_required(VERSION 3.10)
+project(field_msgs)
+find_package(ament_cmake REQUIRED)
+find_package(rosidl_default_generators REQUIRED)
+find_package(std_msgs REQUIRED)
+rosidl_generate_interfaces(${PROJECT_NAME} "msg/All.msg" "msg/Inner.msg" "msg/Wide.msg" DEPENDENCIES std_msgs)
+ament_package()
+"""
+
+
+def write_package(folder):
+    """Write the package of messages for ROS 2."""
+    (folder / "msg").mkdir(parents=True)
+    (folder / "package.xml").write_text(MANIFEST)
+    (folder / "CMakeLists.txt").write_text(BUILD)
+    for name, text in {"All": ros2_text(), "Inner": INNER, "Wide": WIDE}.items():
+        (folder / "msg" / f"{name}.msg").write_text(text, "utf-8")
+
+
+def fill(message, inner, *, seconds="sec", nanoseconds="nanosec", one=int):
+    """Set the fields; ``one`` makes a single byte of a number."""
+    for name, value in VALUES.items():
+        byte = name in ("level", "levels", "more_levels")
+        made = [one(x) for x in value] if byte and isinstance(value, list) else value
+        setattr(message, name, one(value) if name == "level" else made)
+    message.header.frame_id = "map"
+    for name, (s, ns) in TIMES.items():
+        there = message
+        for part in name.split("."):
+            there = getattr(there, part)
+        setattr(there, seconds, s)
+        setattr(there, nanoseconds, ns)
+    made = {
+        k: [inner(*x) for x in v] if isinstance(v, list) else inner(*v) for k, v in INNERS.items()
+    }
+    for name, value in made.items():
+        setattr(message, name, value)
+    return message
+
+
+def read(message, rename=lambda name: name):
+    """Return what a configuration reads."""
+    from eddi_runtime.access import follow
+    from eddi_runtime.plain_values import plain
+
+    found = {}
+    for name, (path, _) in READS.items():
+        steps = [path] if isinstance(path, str) else path
+        found[name] = plain(
+            follow(message, [rename(x) if isinstance(x, str) else x for x in steps])
+        )
+    return found
+
+
+def on_ros1():
+    from io import BytesIO
+
+    from field_msgs.msg import All, Inner
+
+    inner = lambda value, name: Inner(value=value, name=name)  # noqa: E731
+    message = fill(All(preset=7), inner, seconds="secs", nanoseconds="nsecs")
+    out = BytesIO()
+    message.serialize(out)
+    again = All().deserialize(out.getvalue())
+    names = {"sec": "secs", "nanosec": "nsecs"}
+    return {"values": read(again, lambda name: names.get(name, name)), "data": out.getvalue().hex()}
+
+
+def on_ros2():
+    from field_msgs.msg import All, Inner, Wide
+    from rclpy.serialization import deserialize_message, serialize_message
+
+    inner = lambda value, name: Inner(value=value, name=name)  # noqa: E731
+    data = serialize_message(fill(All(), inner, one=lambda x: bytes([x])))
+    wide = deserialize_message(serialize_message(Wide(text="grün", level=b"\xc8")), Wide)
+    values = read(deserialize_message(data, All))
+    return {"values": values, "data": data.hex(), "wide": [wide.text, wide.level[0]]}
+
+
+if __name__ == "__main__":
+    print(json.dumps({"ros1": on_ros1, "ros2": on_ros2}[sys.argv[1]]()))
