@@ -17,14 +17,14 @@ byte level
 char letter
 int8 tiny
 uint8 small
-int16 short
+int16 shorter
 uint16 word
 int32 number
 uint32 count
-int64 long
+int64 longer
 uint64 huge
-float32 single
-float64 double
+float32 half
+float64 tenth
 string text
 time at
 duration lasts
@@ -56,9 +56,9 @@ ONLY_ROS2 = {
     "field_msgs/Inner": "Inner",
 }
 VALUES = {
-    "flag": True, "level": 2, "letter": 65, "tiny": -5, "small": 250, "short": -300,
-    "word": 60000, "number": -70000, "count": 4000000000, "long": -(2**40), "huge": 2**63,
-    "single": 0.5, "double": 0.1, "text": "grün", "levels": [1, 2, 3], "more_levels": [4, 5],
+    "flag": True, "level": 2, "letter": 65, "tiny": -5, "small": 250, "shorter": -300,
+    "word": 60000, "number": -70000, "count": 4000000000, "longer": -(2**40), "huge": 2**63,
+    "half": 0.5, "tenth": 0.1, "text": "grün", "levels": [1, 2, 3], "more_levels": [4, 5],
     "letters": [66, 67], "more_letters": [68], "bytes_here": [255, 1], "bytes_there": [128, 7],
     "flags": [True, False], "triple": [1.5, 2.5, 3.5], "ranges": [0.25, 4.0],
     "names": ["left", "right"], "unbounded": [8, 9], "short_text": "abcde",
