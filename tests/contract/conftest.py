@@ -8,7 +8,10 @@ from tests.contract.stages import STAGES
 from tests.ros2.world import REQUIRED, shared
 
 
-@pytest.fixture(scope="module", params=[pytest.param("ros1", marks=pytest.mark.ros), "dds", "ros2"])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(one, marks=pytest.mark.ros) for one in ("ros1", "ros2")] + ["dds"],
+)
 def stage(request, tmp_path_factory):
     make, why_not = STAGES[request.param]
     reason = why_not()

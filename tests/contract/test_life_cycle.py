@@ -10,7 +10,7 @@ from tests.contract.test_scenarios import BOOL, HEALTHY
 from tests.ros1.world import active, until
 from tests.ros2.world import RELEASE, shared
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.ros]
 
 NAME, GUARANTEES = "/rover", "/rover/guarantees"
 

@@ -118,7 +118,8 @@ project(field_msgs)
 find_package(ament_cmake REQUIRED)
 find_package(rosidl_default_generators REQUIRED)
 find_package(std_msgs REQUIRED)
-rosidl_generate_interfaces(${PROJECT_NAME} "msg/All.msg" "msg/Inner.msg" "msg/Wide.msg" DEPENDENCIES std_msgs)
+rosidl_generate_interfaces(${PROJECT_NAME}
+  "msg/All.msg" "msg/Inner.msg" "msg/Wide.msg" DEPENDENCIES std_msgs)
 ament_package()
 """
 

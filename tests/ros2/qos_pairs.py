@@ -11,6 +11,7 @@ import time
 import rclpy
 from eddi_runtime.transports.ros2.qos import keeps, reading, refused, writing
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool
 
 RELIABILITY, DURABILITY = ("best_effort", "reliable"), ("volatile", "transient_local")
@@ -26,7 +27,9 @@ def pairs():
     yield from itertools.product(kinds, kinds)  # 16
     yield from itertools.product(DEADLINES, DEADLINES)  # 9
     for more in ({"lifespan": 0.5}, {"lifespan": 60.0}, {"depth": 1}):
-        yield from ((more, kind) for kind in ({}, {"reliability": "reliable"}, {"depth": 7}))  # 9
+        yield from (
+            (more, kind) for kind in ({}, {"depth": 7}, {"durability": "transient_local"})
+        )  # 9
 
 
 def main():
@@ -44,6 +47,7 @@ def main():
     ]
     for writer in writers:
         writer.publish(Bool(data=True))
+    time.sleep(1.0)  # longer than the shorter lifespan
 
     def receiver(k):
         def receive(_):
@@ -69,9 +73,11 @@ def main():
     while time.monotonic() < settled:
         spinner.spin_once(timeout_sec=0.05)
     for found, told, (offered, asked), late, (has, wants) in zip(
-        met(), expected, wanted, heard, profiles
+        met(), expected, wanted, heard, profiles, strict=True
     ):
-        kept = keeps(has) and keeps(wants) and told and not offered.get("lifespan", 9) < 1
+        reliable = wants.reliability == ReliabilityPolicy.RELIABLE
+        kept = told and keeps(has) and keeps(wants) and reliable
+        kept &= offered.get("lifespan", 9.0) > 1.0
         row = {"offered": offered, "asked": asked, "met": found, "expected": told}
         print(json.dumps({**row, "late": late, "kept": kept}))
     assert len(readers) == len(writers)

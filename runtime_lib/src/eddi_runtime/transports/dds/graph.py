@@ -290,11 +290,15 @@ def discovery_types(gid_bytes: int) -> SimpleNamespace:
 def reading(given: Mapping[str, Any], depth: int) -> Qos:
     """Return how evidence is read: of every publication the last messages, only new ones.
 
+    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
+
     Args:
         given: what a person wants otherwise.
         depth: messages that wait.
     """
-    usual = {"reliability": "best_effort", "durability": "volatile", "depth": depth}
+    kept = given.get("durability") == "transient_local"
+    reliability = "reliable" if kept else "best_effort"
+    usual = {"reliability": reliability, "durability": "volatile", "depth": depth}
     cdr = Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False)
     return _qos({**usual, **given}, cdr)
 

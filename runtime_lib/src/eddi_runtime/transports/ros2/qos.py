@@ -23,11 +23,15 @@ _FOR_EVER_NS = 2**62
 def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
     """Return how evidence is read: as sensor data, so that every publisher fits.
 
+    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
+
     Args:
         given: what a person wants otherwise.
         depth: messages that wait.
     """
-    usual = {"reliability": "best_effort", "durability": "volatile", "depth": depth}
+    kept = given.get("durability") == "transient_local"
+    reliability = "reliable" if kept else "best_effort"
+    usual = {"reliability": reliability, "durability": "volatile", "depth": depth}
     return _profile({**usual, **given})
 
 
