@@ -210,7 +210,7 @@ def generated(folder, package, *place, code, config=CONFIG):
     text = module.read_text("utf-8")
     for line, where in (
         ("        self.Mode = mode.data\n", FAULT + "{}"),
-        ("        super().__init__()\n", "{}" + SLOW_START),
+        ("        self.Healthy = None\n", "{}" + SLOW_START),
     ):
         assert text.count(line) == 1
         text = text.replace(line, where.format(line))
