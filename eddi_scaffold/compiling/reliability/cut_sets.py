@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any
 
-from eddi_scaffold.compiling.reliability.diagram import COHERENT, Diagram, Gate, Module, reached
+from eddi_scaffold.compiling.reliability.diagram import COHERENT, Diagram, Module
+from eddi_scaffold.compiling.reliability.simplification import Gate, reached
 
 LIMIT = 10_000
 WORK = 8_000_000
@@ -121,7 +122,7 @@ def cut_sets_of_gates(
     Raises:
         ValueError: the tree is not coherent, so that a set of events is not sufficient.
     """
-    used = sorted(reached(events, gates, top))
+    used = sorted(reached({events + i: gate for i, gate in enumerate(gates)}, top))
     if any(gates[n - events].type not in COHERENT for n in used if n >= events):
         raise ValueError("a tree with NOT or XOR has no minimal cut sets")
     known = {n: [1 << n] for n in used if n < events}  # bit i: event i

@@ -1,26 +1,30 @@
 """Binary decision diagrams of fault trees: exact however often an event is shared.
 
 Nodes of a diagram are triples (variable, high, low); 0 and 1 are the leaves false and true, node
-``i`` has the number ``i + 2``. Source: Bryant 1986; modules: Dutuit and Rauzy 1996. Nothing here
-recurses, since trees may be deep.
+``i`` has the number ``i + 2``. Source: Bryant 1986. Nothing here recurses, since trees may be deep.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
+from eddi_scaffold.compiling.reliability.simplification import (
+    ALWAYS,
+    NEVER,
+    Gate,
+    Tree,
+    reached,
+    simplified,
+)
+
 FALSE, TRUE = 0, 1
-NODE_LIMIT = 200_000
+NODE_LIMIT = 3_000_000
+_FIRST_LIMIT = 20_000
+"""Nodes up to which all orders of the variables are tried; four times more as long as none fits."""
+_LARGEST = 2**60
 COHERENT = frozenset({"OR", "AND", "VOTE"})
-
-
-class Gate(NamedTuple):
-    """A gate: ``of`` are numbers of events, or of gates counted behind the events."""
-
-    type: str
-    of: tuple[int, ...]
-    k: int = 0
 
 
 class TooLargeError(ValueError):
@@ -41,7 +45,7 @@ class Module(NamedTuple):
 
     Attributes:
         variable: number of the pseudo-event that it gives.
-        nodes: (event or pseudo-event, high, low), lower ones first.
+        nodes: (event or pseudo-event, high, low), lower ones first, those of a variable together.
         root: number of the node at the top.
     """
 
@@ -69,6 +73,7 @@ def build(
     top: int,
     first: frozenset[int] = frozenset(),
     limit: int = NODE_LIMIT,
+    known: Mapping[int, bool] | None = None,
 ) -> Diagram:
     """Return the diagram of a tree.
 
@@ -78,127 +83,120 @@ def build(
         top: number of the top event.
         first: events that come first in the order of a tree that is not coherent: those that may
             be unknown at run time, so that their intervals are exact.
-        limit: how many nodes there may be.
+        limit: how many nodes there may be, also on the way.
+        known: events that are certain, or cannot happen.
 
     Raises:
         TooLargeError: there would be more.
     """
-    used = reached(events, gates, top)
-    coherent = all(gates[n - events].type in COHERENT for n in used if n >= events)
-    order = [n for n in used if n < events]
-    if not coherent:
-        order.sort(key=lambda n: n not in first)
-    exact = not coherent and bool(first.intersection(order))
-    tops = frozenset({top}) if exact else _modules(events, gates, top)
+    return _built(events, tuple(gates), top, first, limit, tuple((known or {}).items()))
+
+
+@lru_cache(maxsize=8)
+def _built(
+    events: int,
+    gates: tuple[Gate, ...],
+    top: int,
+    first: frozenset[int],
+    limit: int,
+    known: tuple[tuple[int, bool], ...],
+) -> Diagram:
+    tree = simplified(events, gates, top, dict(known), split=True)
+    used = reached(tree.gates, tree.top)
+    coherent = all(tree.gates[n].type in COHERENT for n in used if n in tree.gates)
+    if not coherent and first.intersection(used):  # the intervals of modules are none of events
+        tree = simplified(events, gates, top, dict(known), split=False)
+    else:
+        first = frozenset()
     modules: list[Module] = []
-    count = 0
-    for node in sorted(n for n in used if n in tops):
-        module = _Builder(events, gates, node, tops - {node}, order, limit - count).module()
-        modules.append(module)
-        count += len(module.nodes)
-    if not modules:  # the top event is a basic event
-        modules.append(Module(events + len(gates), ((top, TRUE, FALSE),), 2))
+    left, borders = limit, frozenset(tree.modules)
+    if tree.top not in tree.gates:  # a basic event, or a constant
+        leaf = {NEVER: FALSE, ALWAYS: TRUE}.get(tree.top)
+        nodes = ((tree.top, TRUE, FALSE),) if leaf is None else ()
+        return Diagram(
+            events, (Module(events + len(gates), nodes, 2 if leaf is None else leaf),), coherent
+        )
+    for one in tree.modules:
+        modules.append(_smallest(tree, one, borders, first, left))
+        left -= len(modules[-1].nodes)
     return Diagram(events, tuple(modules), coherent)
 
 
-def reached(events: int, gates: Sequence[Gate], top: int) -> list[int]:
-    """Return the numbers below the top in the order of their first visit, depth first."""
-    found: dict[int, None] = {}
-    waiting = [top]
-    while waiting:
-        node = waiting.pop()
-        if node not in found:
-            found[node] = None
-            if node >= events:
-                waiting += reversed(gates[node - events].of)
-    return list(found)
+def _smallest(
+    tree: Tree, top: int, borders: frozenset[int], first: frozenset[int], limit: int
+) -> Module:
+    """Return the smallest diagram of a module in several orders of its variables."""
+    inner = reached(tree.gates, top, borders, behind=True)
+    gates = {n: tree.gates[n] for n in inner if n in tree.gates and (n == top or n not in borders)}
+    orders = list(dict.fromkeys(_orders(gates, top, first)))
+    allowed = min(_FIRST_LIMIT, limit)
+    while True:
+        found = [one for order in orders if (one := _module(gates, order, top, allowed))]
+        if found:
+            return min(found, key=lambda one: len(one.nodes))
+        if allowed == limit:
+            raise TooLargeError(tree.origin.get(top, top), limit)
+        allowed = min(4 * allowed, limit)
 
 
-def _modules(events: int, gates: Sequence[Gate], top: int) -> frozenset[int]:
-    """Return the gates whose events occur nowhere else, the top among them (Dutuit, Rauzy)."""
-    enter: dict[int, int] = {}
-    leave: dict[int, int] = {}
-    last: dict[int, int] = {}
-    clock = 0
-    waiting: list[tuple[int, bool]] = [(top, False)]
-    while waiting:
-        node, done = waiting.pop()
-        clock += 1
-        last[node] = clock
-        if done:
-            leave[node] = clock
-        elif node not in enter:
-            enter[node] = clock
-            if node >= events:
-                waiting.append((node, True))
-                waiting += [(below, False) for below in reversed(gates[node - events].of)]
-    low: dict[int, int] = {}
-    high: dict[int, int] = {}
-    found = {top} if top >= events else set()
-    for node in sorted(enter):  # lower numbers first: gates refer backwards
-        if node >= events:
-            below = gates[node - events].of
-            low[node] = min((min(enter[b], low.get(b, enter[b])) for b in below), default=clock)
-            high[node] = max((max(last[b], high.get(b, 0)) for b in below), default=0)
-            if len(below) > 1 and low[node] > enter[node] and high[node] < leave[node]:
-                found.add(node)
-    return frozenset(found)
+def _module(gates: Mapping[int, Gate], order: Sequence[int], top: int, limit: int) -> Module | None:
+    """Return the diagram of a module in one order; None: it is above the limit."""
+    try:
+        return _Builder(gates, order, limit).module(top)
+    except TooLargeError:
+        return None
+
+
+def _orders(
+    gates: Mapping[int, Gate], top: int, first: frozenset[int]
+) -> Iterator[tuple[int, ...]]:
+    """Yield orders of the variables below a gate: first visit, inputs as given or by their size."""
+    size: dict[int, int] = {}
+    for number, gate in gates.items():
+        size[number] = min(sum(size.get(n, 1) for n in gate.of), _LARGEST)
+    for sign in (0, 1, -1):
+        sorted_gates = {
+            number: Gate(gate.type, tuple(sorted(gate.of, key=lambda n: sign * size.get(n, 1))))
+            for number, gate in gates.items()
+        }
+        order = (n for n in reached(sorted_gates, top) if n not in gates)
+        yield tuple(sorted(order, key=lambda n: n not in first) if first else order)
 
 
 class _Builder:
-    """Builds one module; variables are ranks in the order of the tree."""
+    """Builds one module; the leaves are below all levels.
 
-    def __init__(
-        self,
-        events: int,
-        gates: Sequence[Gate],
-        top: int,
-        borders: frozenset[int],
-        order: Sequence[int],
-        limit: int,
-    ) -> None:
-        self._events, self._gates, self._top = events, gates, top
-        self._borders, self._limit = borders, limit
-        self._variables, self._inner = self._visit(order)
-        self._level = {variable: i for i, variable in enumerate(self._variables)}
-        self._nodes: list[tuple[int, int, int]] = []
-        self._unique: dict[tuple[int, int, int], int] = {}
+    Args:
+        gates: of the module, each behind those that it refers to.
+        order: of the variables, the top one first.
+        limit: how many nodes there may be.
+    """
+
+    def __init__(self, gates: Mapping[int, Gate], order: Sequence[int], limit: int) -> None:
+        self._gates, self._variables, self._limit = gates, order, limit
+        self._level = [len(order)] * 2
+        self._high, self._low = [FALSE, TRUE], [FALSE, TRUE]
+        self._unique: list[dict[int, int]] = [{} for _ in order]
         self._memo: dict[tuple[int, int, int], int] = {}
-        self._keys: list[tuple[int, int, int]] = []
 
-    def _visit(self, order: Sequence[int]) -> tuple[list[int], list[int]]:
-        """Return the variables in their order, and the gates of this module, lower ones first."""
-        found: dict[int, None] = {}
-        waiting = [self._top]
-        while waiting:
-            node = waiting.pop()
-            if node in found:
-                continue
-            found[node] = None
-            if node >= self._events and node not in self._borders:
-                waiting += reversed(self._gates[node - self._events].of)
-        leaves = [n for n in found if n < self._events or n in self._borders]
-        if not self._borders:
-            rank = {variable: i for i, variable in enumerate(order)}
-            leaves.sort(key=lambda n: rank[n])
-        return leaves, sorted(n for n in found if n >= self._events and n not in self._borders)
+    def module(self, top: int) -> Module:
+        done = {v: self._node(level, TRUE, FALSE) for level, v in enumerate(self._variables)}
+        for number, gate in self._gates.items():
+            done[number] = self._gate(gate, [done[n] for n in gate.of])
+            if len(self._memo) > self._limit:
+                self._memo.clear()
+        nodes, root = self._kept(done[top])
+        return Module(top, nodes, root)
 
-    def module(self) -> Module:
-        done = {v: self._node(level, TRUE, FALSE) for v, level in self._level.items()}
-        for node in self._inner:
-            done[node] = self._gate(self._gates[node - self._events], done)
-        nodes, root = self._kept(done[self._top])
-        return Module(self._top, nodes, root)
-
-    def _gate(self, gate: Gate, done: dict[int, int]) -> int:
-        below = [done[n] for n in gate.of]
-        # from behind: later inputs are deeper, so each step only adds nodes on top
+    def _gate(self, gate: Gate, below: list[int]) -> int:
+        # from behind: each step mostly adds nodes on top
+        below.sort(key=lambda node: self._level[node], reverse=True)
         if gate.type == "NOT":
-            return self._ite(below[0], FALSE, TRUE) if below else FALSE
+            return self._ite(below[0], FALSE, TRUE)
         if gate.type == "VOTE":
             return self._vote(gate.k, below)
-        result = TRUE if gate.type == "AND" and below else FALSE
-        for one in reversed(below):
+        result = TRUE if gate.type == "AND" else FALSE
+        for one in below:
             if gate.type == "AND":
                 result = self._ite(one, result, FALSE)
             elif gate.type == "XOR":
@@ -208,64 +206,64 @@ class _Builder:
         return result
 
     def _vote(self, k: int, below: Sequence[int]) -> int:
-        """Return at least k of below; ``row[j]``: at least j of those behind."""
+        """Return at least k of below; ``row[j]``: at least j of those so far."""
         row = [TRUE] + [FALSE] * k
-        for one in reversed(below):
+        for one in below:
             row = [TRUE] + [self._ite(one, row[j - 1], row[j]) for j in range(1, k + 1)]
         return row[k]
 
     def _node(self, level: int, high: int, low: int) -> int:
         if high == low:
             return high
-        key = (level, high, low)
-        found = self._unique.get(key)
+        key = high << 32 | low
+        found = self._unique[level].get(key)
         if found is None:
-            if len(self._nodes) >= self._limit:
-                raise TooLargeError(self._top, len(self._nodes))
-            self._nodes.append(key)
-            found = self._unique[key] = len(self._nodes) + 1
+            found = self._unique[level][key] = len(self._level)
+            if found - 2 >= self._limit:
+                raise TooLargeError(0, self._limit)
+            self._level.append(level)
+            self._high.append(high)
+            self._low.append(low)
         return found
 
     def _ite(self, f: int, g: int, h: int) -> int:
         """Return if f then g else h, with a stack of its own."""
+        level, high, low, memo = self._level, self._high, self._low, self._memo
         results: list[int] = []
-        tasks: list[tuple[int, int, int, int]] = [(0, f, g, h)]
+        keys: list[tuple[int, int, int]] = []
+        tasks: list[tuple[int, int, int] | int] = [(f, g, h)]
         while tasks:
-            kind, f, g, h = tasks.pop()
-            if kind:  # combine: f is the level, (g, h) the key of the memo by its position
-                low, high = results.pop(), results.pop()
-                node = self._node(f, high, low)
-                self._memo[self._keys[g]] = node
+            task = tasks.pop()
+            if isinstance(task, int):  # the level of a node whose branches are done
+                down, up = results.pop(), results.pop()
+                memo[keys.pop()] = node = self._node(task, up, down)
                 results.append(node)
                 continue
-            simple = _simple(f, g, h)
-            if simple is None:
-                simple = self._memo.get((f, g, h))
-            if simple is not None:
-                results.append(simple)
+            f, g, h = task
+            g, h = TRUE if g == f else g, FALSE if h == f else h
+            if f <= TRUE or g == h:
+                results.append(g if f else h)
                 continue
-            level = min(self._top_level(f), self._top_level(g), self._top_level(h))
-            self._keys.append((f, g, h))
-            tasks.append((1, level, len(self._keys) - 1, 0))
-            tasks.append((0, *self._branches(f, g, h, level, 2)))
-            tasks.append((0, *self._branches(f, g, h, level, 1)))
-        self._keys.clear()
+            if (g, h) == (TRUE, FALSE):
+                results.append(f)
+                continue
+            if h == FALSE and TRUE < g < f:  # both ways round are one
+                f, g = g, f
+            elif g == TRUE and h < f:
+                f, h = h, f
+            task = (f, g, h)
+            known = memo.get(task)
+            if known is not None:
+                results.append(known)
+                continue
+            of_f, of_g, of_h = level[f], level[g], level[h]
+            top = min(of_f, of_g, of_h)
+            f1, f0 = (high[f], low[f]) if of_f == top else (f, f)
+            g1, g0 = (high[g], low[g]) if of_g == top else (g, g)
+            h1, h0 = (high[h], low[h]) if of_h == top else (h, h)
+            keys.append(task)
+            tasks += top, (f0, g0, h0), (f1, g1, h1)
         return results[0]
-
-    def _top_level(self, node: int) -> int:
-        return self._nodes[node - 2][0] if node > 1 else len(self._variables)
-
-    def _branches(self, f: int, g: int, h: int, level: int, which: int) -> tuple[int, int, int]:
-        return (
-            self._branch(f, level, which),
-            self._branch(g, level, which),
-            self._branch(h, level, which),
-        )
-
-    def _branch(self, node: int, level: int, which: int) -> int:
-        if node <= 1 or self._nodes[node - 2][0] != level:
-            return node
-        return self._nodes[node - 2][which]
 
     def _kept(self, root: int) -> tuple[tuple[tuple[int, int, int], ...], int]:
         """Return the nodes below the root, lower ones first, with events as variables."""
@@ -273,21 +271,13 @@ class _Builder:
         waiting = [root]
         while waiting:
             node = waiting.pop()
-            if node > 1 and node not in below:
+            if node > TRUE and node not in below:
                 below.add(node)
-                waiting += self._nodes[node - 2][1:]
+                waiting += (self._high[node], self._low[node])
         number = {FALSE: FALSE, TRUE: TRUE}
         kept = []
-        for node in sorted(below):
-            level, high, low = self._nodes[node - 2]
-            kept.append((self._variables[level], number[high], number[low]))
-            number[node] = len(kept) + 1
+        for node in sorted(below, key=lambda one: (-self._level[one], one)):
+            number[node] = len(number)
+            variable = self._variables[self._level[node]]
+            kept.append((variable, number[self._high[node]], number[self._low[node]]))
         return tuple(kept), number[root]
-
-
-def _simple(f: int, g: int, h: int) -> int | None:
-    if f == TRUE or g == h:
-        return g
-    if f == FALSE:
-        return h
-    return f if (g, h) == (TRUE, FALSE) else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,11 +12,11 @@ from eddi_scaffold.compiling.document import ModelError, take
 from eddi_scaffold.compiling.reliability.diagram import (
     NODE_LIMIT,
     Diagram,
-    Gate,
     TooLargeError,
     build,
 )
 from eddi_scaffold.compiling.reliability.markov import Chain
+from eddi_scaffold.compiling.reliability.simplification import Gate
 from eddi_scaffold.compiling.reliability.structures import motors_of, rotors_chain, survived
 
 GRID = 256
@@ -377,8 +377,9 @@ class _Reader:
         sets = _cut_sets(item, len(events), where)
         first = frozenset(i for i, event in enumerate(events) if event.input is not None)
         limit = item.get("node_limit", NODE_LIMIT)
+        known = certain(take(item, "events", list, where))
         try:
-            diagram = build(len(events), gates, top, first, limit) if sets is None else None
+            diagram = build(len(events), gates, top, first, limit, known) if sets is None else None
         except TooLargeError as problem:
             raise ModelError("", f"{where}: {problem}, more than the limit") from None
         return FaultTree(events, shown, diagram, sets, take(item, "repair", bool, where))
@@ -401,6 +402,16 @@ class _Reader:
             name = self._input(item, "input", where, _BOOL)
         shown = take(item, "name", str, where)
         return Event(shown, law, numbers, model, name, _age(item, where), _path(item))
+
+
+def certain(events: Iterable[Mapping[str, Any]]) -> dict[int, bool]:
+    """Return the events of a tree that are certain, or cannot happen, whatever is observed."""
+    never = {("fixed", 0.0): False, ("fixed", 1.0): True, ("exponential", 0.0): False}
+    return {
+        i: never[key]
+        for i, one in enumerate(events)
+        if one.get("input") is None and (key := (one["law"], *one["values"])) in never
+    }
 
 
 def battery_chain(failure: float, alpha: float, beta: float, degradation: float) -> Chain:

@@ -134,7 +134,8 @@ def _sums(tree: FaultTree, diagram: Diagram, *, of_failure: bool) -> Iterator[st
                 yield f"        w{variable} = 1.0 - q{variable}"
             value[i + 2] = f"n{place}_{i}"
             text = _sum(variable, value[high], value[low])
-            yield from assignment(value[i + 2], text, 8, comment(named[variable].name))
+            about = comment(named[variable].name) if variable < len(named) else ""
+            yield from assignment(value[i + 2], text, 8, about)
         gate = _about(named[module.variable]) if module.variable < len(named) else ""
         if module is last:
             yield from returned(value[module.root], 8, gate)

@@ -10,7 +10,6 @@ from eddi_scaffold.compiling.reliability.diagram import (
     COHERENT,
     NODE_LIMIT,
     TooLargeError,
-    build,
 )
 from eddi_scaffold.kinds.reliability.check_chain import check_chain
 from eddi_scaffold.kinds.reliability.dependencies import order
@@ -23,7 +22,13 @@ from eddi_scaffold.kinds.reliability.model import (
     Gate,
     ReliabilitySystem,
 )
-from eddi_scaffold.kinds.reliability.runtime_model import gate_name, gates_of, runtime_model, used
+from eddi_scaffold.kinds.reliability.runtime_model import (
+    diagram_of,
+    gate_name,
+    gates_of,
+    runtime_model,
+    used,
+)
 from eddi_scaffold.problems import NearNames, Place, Problem, error, has_errors, warning
 
 _ALL = "\0"
@@ -197,7 +202,7 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
     else:
         limit = tree.node_limit or NODE_LIMIT
         try:
-            diagram = build(len(events), gates, part["top"], limit=limit)
+            diagram_of(part)
         except TooLargeError as problem:
             gate = gate_name(tree, part, problem.gate)
             message = (
@@ -210,7 +215,10 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
             return [error("R010", message, component.place, hint)]
         if tree.cut_sets is None or not coherent:
             return []
-        ours = minimal_cut_sets(diagram)
+        try:  # the file lists them whatever the probabilities of the events are
+            ours = minimal_cut_sets(diagram_of(part, {}))
+        except TooLargeError:
+            return []
     if tree.cut_sets is None or ours is None:
         return []
     named = frozenset(frozenset(events[i]["name"] for i in one) for one in ours)

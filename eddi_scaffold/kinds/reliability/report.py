@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from eddi_scaffold.compiling.reliability.cut_sets import minimal_cut_sets
-from eddi_scaffold.compiling.reliability.diagram import NODE_LIMIT, build
 from eddi_scaffold.escaping import markdown_code, markdown_text
 from eddi_scaffold.kinds.reliability.model import (
     BasicEvent,
@@ -16,7 +15,7 @@ from eddi_scaffold.kinds.reliability.model import (
     FaultTree,
     ReliabilitySystem,
 )
-from eddi_scaffold.kinds.reliability.runtime_model import gates_of, runtime_model
+from eddi_scaffold.kinds.reliability.runtime_model import diagram_of, runtime_model
 from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
 
 _SHOWN = 20
@@ -192,8 +191,7 @@ def cut_sets(component: ComponentModel) -> list[list[str]] | None:
     ][0]
     found = part.get("cut_sets")
     if found is None:
-        limit = part.get("node_limit", NODE_LIMIT)
-        diagram = build(len(part["events"]), gates_of(part), part["top"], limit=limit)
+        diagram = diagram_of(part)
         found = minimal_cut_sets(diagram) if diagram.coherent else None
     if found is None:
         return None

@@ -7,7 +7,9 @@ from functools import lru_cache
 from typing import Any
 
 from eddi_scaffold.compiling.reliability.cut_sets import cut_sets_of_gates
-from eddi_scaffold.compiling.reliability.diagram import Gate as Number
+from eddi_scaffold.compiling.reliability.diagram import NODE_LIMIT, Diagram, build
+from eddi_scaffold.compiling.reliability.model import certain
+from eddi_scaffold.compiling.reliability.simplification import Gate as Number
 from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.inputs import input_id
 from eddi_scaffold.kinds.reliability.model import (
@@ -102,6 +104,23 @@ def _tree(name: str, tree: FaultTree) -> dict[str, Any]:
 def gates_of(part: dict[str, Any]) -> tuple[Number, ...]:
     """Return the gates of a fault tree of the runtime model."""
     return tuple(Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"])
+
+
+def diagram_of(part: dict[str, Any], known: dict[int, bool] | None = None) -> Diagram:
+    """Return the diagram of a fault tree of the runtime model, as it will run.
+
+    Args:
+        part: the tree.
+        known: events that are certain or cannot happen; None: those whose probability says so.
+
+    Raises:
+        TooLargeError: it is above the limit.
+    """
+    events = part["events"]
+    first = frozenset(i for i, one in enumerate(events) if one["input"] is not None)
+    limit = part.get("node_limit", NODE_LIMIT)
+    sure = certain(events) if known is None else known
+    return build(len(events), gates_of(part), part["top"], first, limit, sure)
 
 
 def gate_name(tree: FaultTree, part: dict[str, Any], number: int) -> str:

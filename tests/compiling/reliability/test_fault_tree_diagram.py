@@ -1,9 +1,14 @@
 """Diagrams against the sum over all combinations of events."""
 
+import os
 import random
+import subprocess
+import sys
 from itertools import product
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from eddi_scaffold.compiling.reliability.cut_sets import minimal_cut_sets
 from eddi_scaffold.compiling.reliability.diagram import Gate, TooLargeError, build
@@ -140,6 +145,51 @@ def test_a_basic_event_alone_and_an_empty_gate():
     assert probability(build(1, [], 0))([0.25]) == 0.25
     assert probability(build(1, [Gate("OR", ())], 1))([0.25]) == 0.0
     assert probability(build(1, [Gate("AND", ())], 1))([0.25]) == 0.0
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.integers(0, 2**32), st.booleans(), st.booleans())
+def test_constants_are_put_in_and_change_no_value(seed, coherent, observed):
+    chance = random.Random(seed)
+    events, gates = random_tree(chance, coherent)
+    known = {i: chance.random() < 0.5 for i in range(events) if chance.random() < 0.4}
+    first = frozenset(i for i in range(events) if observed and i not in known)
+    diagram = build(events, gates, events + len(gates) - 1, first, known=known)
+    q = [float(known[i]) if i in known else chance.random() for i in range(events)]
+    assert probability(diagram)(q) == pytest.approx(enumerated(gates, q), rel=1e-12, abs=1e-300)
+    variables = {variable for module in diagram.modules for variable, _, _ in module.nodes}
+    assert variables.isdisjoint(known)
+
+
+def test_inputs_that_share_events_among_each_other_only_are_a_module():
+    pairs = [Gate("AND", (i, j)) for i, j in ((0, 1), (2, 3), (1, 4), (3, 5))]
+    found = build(6, [*pairs, Gate("OR", (6, 7, 8, 9))], 10)
+    assert len(found.modules) == 3
+    q = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    expected = enumerated([*pairs, Gate("OR", (6, 7, 8, 9))], q)
+    assert probability(found)(q) == pytest.approx(expected, rel=1e-14)
+
+
+def test_the_order_of_a_large_tree_does_not_rest_on_the_seed_of_hashes():
+    script = (
+        "import random\n"
+        "from eddi_scaffold.compiling.reliability.diagram import Gate, build\n"
+        "chance, gates = random.Random(3), []\n"
+        "for i in range(40):\n"
+        "    of = tuple(chance.sample(range(40 + i), 3))\n"
+        "    gates.append(Gate(chance.choice(('OR', 'AND')), of))\n"
+        "print(build(40, [*gates, Gate('OR', tuple(range(50, 80)))], 80))"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("0", "1", "2")
+    }
+    assert len(found) == 1
 
 
 def test_large_diagrams_are_evaluated_without_text():
