@@ -20,7 +20,7 @@ from eddi_scaffold.compiling.reliability.simplification import (
 )
 
 FALSE, TRUE = 0, 1
-NODE_LIMIT = 3_000_000
+NODE_LIMIT = 1_280_000
 _FIRST_LIMIT = 20_000
 """Nodes up to which all orders of the variables are tried; four times more as long as none fits."""
 _LARGEST = 2**60

@@ -209,7 +209,9 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
                 f"the diagram of tree {component.name!r} has {problem.count} nodes below gate "
                 f"{gate!r}, at the limit of {limit}"
             )
-            hint = "make parts share fewer events, or raise node_limit"
+            hint = "make parts share fewer events"
+            if limit <= NODE_LIMIT:  # ten times more would need more memory than there is
+                hint += ", or raise node_limit"
             if coherent:
                 hint += ", or take bounds: `approximation: cut_sets`"
             return [error("R010", message, component.place, hint)]

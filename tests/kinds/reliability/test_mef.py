@@ -360,3 +360,10 @@ def test_the_commands(tmp_path: Path) -> None:
     assert run("export", "t.opsa", "-o", ".", cwd=tmp_path).out == "Tank.opsa.xml\nTank.yml\n"
     answers = run("answers", "-m", "Tank.opsa.xml", "--platform", "plain", "-o", "a", cwd=tmp_path)
     assert answers.status == 0, answers.err
+
+
+def test_constants_are_put_in_before_the_diagram_is_built() -> None:
+    """Thousands of combinations of what is certain or cannot happen are no nodes (field)."""
+    file = Path(__file__).parents[2] / "data/oracles/field/constant-events/plant.xml"
+    reading = read_models(Source(file.name, file.read_bytes()))
+    assert p_fail(reading.models[0]) == pytest.approx(2.999997000001e-06, rel=1e-12)
