@@ -22,10 +22,7 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
 
 
 def check_alone(participants: Sequence[Participant]) -> Iterator[Problem]:
-    """Report what is read of a value alone, which does not show whether anything is known (D001).
-
-    What is false there may be unknown, and who takes it as false passes it on as known.
-    """
+    """Report who reads a value alone (D001): an unknown false would be passed on as known."""
     alone = {one.topic(name): (one, of) for one in participants for name, of in one.alone.items()}
     for reader in participants:
         reads = reads_of(reader)
@@ -33,11 +30,10 @@ def check_alone(participants: Sequence[Participant]) -> Iterator[Problem]:
             for topic in dict.fromkeys(topic for topic, _ in reads.get(entry.id, ())):
                 publisher, field = alone.get(topic, (reader, ""))
                 if publisher is not reader:
-                    message = f"input {entry.id!r} gains from silence by {topic}: a value alone does"
-                    message += " not show whether anything is known"
+                    text = f"input {entry.id!r} gains from silence by {topic}: a value alone does"
+                    text += " not show whether anything is known"
                     hint = f"read {field}, on the topic of the whole message of {publisher.name}"
-                    place = reader.config.place("EDDIInputs", index)
-                    yield error("D001", message, place, hint)
+                    yield error("D001", text, reader.config.place("EDDIInputs", index), hint)
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
