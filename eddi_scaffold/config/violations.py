@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from eddi_scaffold.config.file import KEY
 from eddi_scaffold.config.schema import known_keys
 from eddi_scaffold.positioned_yaml.typography import advice
-from eddi_scaffold.problems import HintedError, Place, Problem, did_you_mean, error
+from eddi_scaffold.problems import HintedError, Place, Problem, did_you_mean, error, nearest
 
 _TEXTS = {
     "bool_type": "true or false is expected",
@@ -38,10 +38,14 @@ def violations(
         keys_of: path of a section -> the keys that it has.
     """
     seen: set[tuple[str | int, ...]] = set()
+    extra = [one["loc"] for one in failed.errors() if one["type"] == "extra_forbidden"]
+    meant = {(*loc[:-1], nearest(str(loc[-1]), keys_of(loc[:-1]))) for loc in extra}
     for found in failed.errors():
         path = tuple(found["loc"])
         while path and path not in places:
             path = path[:-1]
+        if found["type"] == "missing" and found["loc"] in meant:
+            continue  # told where it is misspelt
         if path in seen and found["type"] != "missing":
             continue
         seen.add(path)

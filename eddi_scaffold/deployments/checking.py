@@ -13,7 +13,7 @@ from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.deployments.fleet.checking import check_fleet
-from eddi_scaffold.deployments.joining import join, packages_of, unanswered
+from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring.check import members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.topics import absent_publishers
@@ -77,10 +77,10 @@ def check_files(
     if target is None and configs:
         managed = any(config.config.Model.lifecycle for config in configs)
         target = chosen("ros2" if managed else DEFAULT)
-    monitors, found = _together(models, configs, target, default_guarantees)
+    found = _together(models, configs, target, default_guarantees)
     found = [one for one in found if are_whole or one.code not in _OF_WHAT_LACKS]
-    configured = [one.model for one in monitors if one.config is not None]
-    return unanswered([*problems, *found], configured)
+    # that a VAR has no TIMEOUT is a question to whoever uses the model without a configuration
+    return [one for one in (*problems, *found) if one.code != "W003"]
 
 
 def _fleets(files: Iterable[Path]) -> tuple[list[Path], list[Source]]:
@@ -174,15 +174,15 @@ def _together(
     configs: Sequence[ConfigFile],
     platform: Platform | None,
     marks: Sequence[str],
-) -> tuple[list[BoundMonitor], list[Problem]]:
-    """Return monitors of a platform, and what is wrong with models and configurations as these."""
+) -> list[Problem]:
+    """Return what is wrong with models and configurations as monitors of a platform."""
     if platform is None:
-        return [], []
+        return []
     monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
     problems += packages_of(monitors, platform, None)[1]
     if {one.config.name for one in monitors if one.config} >= {one.name for one in configs}:
         problems += absent_publishers(deployment(members_of(monitors)))
-    return monitors, [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
+    return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
 
 
 def _unbound(models: Sequence[Model], monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:

@@ -107,9 +107,11 @@ def _of_no_kind(source: Source) -> Problem | None:
     """Return the error of a YAML file without a key of ours; ``None``: it may be a ConSert."""
     node, _ = read_map(source, "C001")
     known = {key: of for of, keys in _YAML_KEYS.items() for key in keys}
-    meant = [(key, nearest(key.text, known)) for key, _ in (node.entries if node else ())]
-    if not meant or any(near and known[near] == "a ConSert" for _, near in meant):
+    consert = {key for key, of in known.items() if of == "a ConSert"}
+    keys = [key for key, _ in (node.entries if node else ())]
+    if not keys or any(key.text in consert for key in keys):
         return None
+    meant = [(key, nearest(key.text, known.keys() - consert)) for key in keys]
     key, near = next((one for one in meant if one[1]), meant[0])
     if near is not None:
         text = f"there is no section {key.text!r}, and no other key tells what this file is"

@@ -166,7 +166,7 @@ def sensors_die_under_the_guarantee(run):
 
     def blamed():
         text = run.diagnosis(CONSERT).get("guarantee.Cross")
-        return text == "inactive: RiskIsLow: the value is False"
+        return text == "inactive: RiskIsLow: unknown there"
 
     until(blamed, PATIENCE_S, "a diagnosis of the guarantee")
 

@@ -11,13 +11,18 @@ from eddi_scaffold.deployments.wiring.hidden import check_hidden
 from eddi_scaffold.deployments.wiring.meanings import check_meanings
 from eddi_scaffold.deployments.wiring.qualities import check_qualities
 from eddi_scaffold.deployments.wiring.support import Participant, check_rings
-from eddi_scaffold.deployments.wiring.topics import check_spellings, check_topics, check_types
+from eddi_scaffold.deployments.wiring.topics import (
+    check_alone,
+    check_spellings,
+    check_topics,
+    check_types,
+)
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.problems import Problem
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009 but D006, D016, D017, D019).
+    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016, D017, D019).
 
     Args:
         members: the monitors that are at hand.
@@ -27,6 +32,7 @@ def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) 
     rings = list(check_rings(together.participants))
     return [
         *check_meanings(together),
+        *check_alone(together.participants),
         *check_composition(together),
         *check_topics(together),
         *check_types(together),

@@ -38,6 +38,11 @@ class Member:
             self.config,
             json.loads(monitor.model_json),
             monitor.model.source.name,
+            {
+                one.output.topic: _field(one)
+                for one in publications(monitor, self.config)[0]
+                if one.path
+            },
         )
 
     @property
@@ -57,17 +62,17 @@ class Member:
         return self.participant.topic(name)
 
 
+def _field(one: Publication) -> str:
+    path = one.output.field or f"evidence[{one.output.id}].active"  # the topic of a threshold
+    return f"`{path}` of {one.message}"
+
+
 @dataclass(frozen=True)
 class Publisher:
     """A topic that a member publishes."""
 
     member: Member
     publication: Publication
-
-    @property
-    def message(self) -> str:
-        """Name of our message on it, or of the one that contains its value."""
-        return self.publication.message.partition("/")[2]
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ _UNLISTED = Meaning()
 
 
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
-    """Report what gains from silence: D001, D002; D007, D008 and D020 are warnings."""
+    """Report what gains from silence: D001, D002; D007 and D020 are warnings."""
     for member in deployment.members:
         found = readings(member.monitor)
         for input_ in found.inverted:
@@ -56,13 +56,9 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
             yield warning("D020", text, reading.place, absent)
         return
     hint = f"read {meaning.instead.format(field=name)}" if meaning.instead else None
-    given = [one for one in meaning.given if _is_given(deployment, member, reading, one, found)]
-    if not given:
+    if not any(_is_given(deployment, member, reading, one, found) for one in meaning.given):
         text = f"input {reading.input!r} gains from silence by {reading.text!r}: {meaning.refused}"
         yield error("D001", text, reading.place, hint)
-    elif all(one.message != found.message for one in given):
-        text = f"{reading.text!r} and `{given[0].field}` are on two topics, maybe one step apart"
-        yield warning("D008", text, reading.place, hint)
 
 
 @dataclass(frozen=True)
@@ -71,7 +67,7 @@ class _Read:
 
     Attributes:
         publisher: the monitor, or the topic where it is not at hand.
-        message: that the field is in, also where its value alone is on the topic.
+        message: that the field is in.
         path: into that message.
         meanings: what its fields mean.
     """
@@ -86,13 +82,13 @@ def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
     """Return which field of a monitor's message is read, ``None`` for other messages."""
     source, path = field
     publisher = deployment.publisher(member, source)
-    if publisher is not None:
-        one, of = publisher.publication, publisher.member.participant
-        meanings = of.kind.functions.meanings(of.document["model"], one.output.event)
-        return _Read(of.name, publisher.message, one.path or path, meanings)
     kind, message = kind_of_message(source.type), source.type.partition("/")[2]
     if kind is None:
         return None
+    if publisher is not None:
+        one, of = publisher.publication, publisher.member.participant
+        meanings = of.kind.functions.meanings(of.document["model"], one.output.event)
+        return _Read(of.name, message, path, meanings)
     other = deployment.other(member, source)
     if other is not None and other.of.kind is kind:
         meanings = kind.functions.meanings(other.of.document["model"], other.part)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.config.fields import ByKey, FieldPath, parse_field
@@ -37,6 +37,7 @@ class Participant:
         config: its configuration, given or remembered.
         document: content of its ``config/model.json``.
         model_file: of its model, for places.
+        alone: topic with one value of its message -> that field, for people.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Participant:
     config: ConfigFile
     document: Mapping[str, Any]
     model_file: str = ""
+    alone: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def frequency(self) -> float:
@@ -100,9 +102,12 @@ def remembered(package: str, answers: Mapping[str, Any]) -> Participant | None:
         config = from_json(answers["config_json"], package)
         document = json.loads(answers["model_json"])
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
-    except (LookupError, RecursionError, TypeError, ValueError):
+        outputs = [one for one in answers.get("outputs") or () if "topic_text" in one]
+        bare = [one["topic_text"] for one in outputs if one["type_text"].startswith("std_msgs/")]
+    except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return None
-    found = Participant(config.config.Model.id, package, "", kind, config, document, file)
+    alone = dict.fromkeys(bare, "the same field")
+    found = Participant(config.config.Model.id, package, "", kind, config, document, file, alone)
     return found if _is_whole(found) else None
 
 

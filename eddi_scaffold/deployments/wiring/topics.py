@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, Publisher
-from eddi_scaffold.deployments.wiring.support import Participant
+from eddi_scaffold.deployments.wiring.support import Participant, reads_of
 from eddi_scaffold.monitors.knowledge import kind_of_message
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, publications, read_respelt
 from eddi_scaffold.problems import Place, Problem, error, nearest, warning
@@ -19,6 +19,21 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
             if other.member is not publishers[0].member:
                 yield _shared(topic, publishers[0], other)
     yield from _shared_with_others(deployment)
+
+
+def check_alone(participants: Sequence[Participant]) -> Iterator[Problem]:
+    """Report who reads a value alone (D001): an unknown false would be passed on as known."""
+    alone = {one.topic(name): (one, of) for one in participants for name, of in one.alone.items()}
+    for reader in participants:
+        reads = reads_of(reader)
+        for index, entry in enumerate(reader.config.config.EDDIInputs):
+            for topic in dict.fromkeys(topic for topic, _ in reads.get(entry.id, ())):
+                publisher, field = alone.get(topic, (reader, ""))
+                if publisher is not reader:
+                    text = f"input {entry.id!r} gains from silence by {topic}: a value alone does"
+                    text += " not show whether anything is known"
+                    hint = f"read {field}, on the topic of the whole message of {publisher.name}"
+                    yield error("D001", text, reader.config.place("EDDIInputs", index), hint)
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.claims import Acceptance, Meaning, Meanings, ValidityField
+from eddi_scaffold.claims import Acceptance, Meaning, Meanings
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
 _VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
 MEANINGS: Meanings = {
     "BayesianNetworkOutput": {
         "output_nodes": Meaning(
-            given=(ValidityField("BayesianNetworkStatus", "valid", value=True),),
             refused="a raw posterior is not evidence: it is the prior when nothing is known",
             instead=_EVIDENCE,
         ),

@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from tests.deployments.pool.readings import BAD, GOOD, INVERTED, SOURCE_TYPES, SOURCES, Reading
-from tests.deployments.pool.templates import Config, Slot, Template, dump
+from tests.deployments.pool.templates import OUT, Config, Slot, Template, dump
 
 FORMS: tuple[tuple[Mapping[str, Any], int], ...] = (
     ({"G": 0}, 1),
@@ -57,10 +57,12 @@ def _consert(
     for k, slot in enumerate(slots):
         default = {"default": True, "allow_unsafe_default": True} if slot.accepts_default else {}
         config.input(f"E{k}", slot, **default)
+    alone = {"id": "alone", "topic": f"{OUT}/alone", "field": "guarantees[G].active"}
+    config.alone.append(alone)
     if not fault and rng.random() < 0.2:
         config.model["filter"] = {"kind": "debounce", "regain_after": 2}
     files = {f"{name}.yml": _model(form, slots), f"{name}_config.yml": config.text()}
-    offers = {"guarantee": "", "status": "/status"}
+    offers = {"guarantee": "", "status": "/status", "alone": "/alone"}
     return Template(name, "consert", files, tuple(slots), offers, every, fault)
 
 

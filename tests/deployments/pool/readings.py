@@ -189,5 +189,6 @@ BAD: Mapping[str, Reading] = {
         "reliability", "ReliabilityOutput", "{s}.p_fail_low < 0.15",
         Leaf("p_fail_low", CHANCES, _is_number),
     ),
+    "value alone": _expression("alone", "std_msgs/Bool", "NOT {s}.data", flag("data")),
 }  # fmt: skip
 """True also when nothing is known, taken as evidence of a ConSert."""

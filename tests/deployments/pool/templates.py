@@ -85,6 +85,7 @@ class Config:
     model: dict[str, Any] = field(default_factory=dict)
     inputs: list[dict[str, Any]] = field(default_factory=list)
     sources: list[dict[str, Any]] = field(default_factory=list)
+    alone: list[dict[str, Any]] = field(default_factory=list)
 
     def source(self, slot: Slot) -> None:
         """Declare the message of a slot."""
@@ -113,7 +114,7 @@ class Config:
             "Model": {**head, "parameters": [{key: file}], **self.model},
             "SimulatorOutputs": self.sources,
             "EDDIInputs": self.inputs,
-            "EDDIOutputs": [{"id": f"{self.name}_out", "topic": OUT}],
+            "EDDIOutputs": [{"id": f"{self.name}_out", "topic": OUT}, *self.alone],
         }
         return dump(document)
 
@@ -140,5 +141,6 @@ def with_topics(template: Template, topics: Mapping[str, str]) -> Mapping[str, s
     config = yaml.safe_load(template.files[f"{template.name}_config.yml"])
     rows: Sequence[dict[str, Any]] = [*config["SimulatorOutputs"], *config["EDDIOutputs"]]
     for row in rows:
-        row["topic"] = topics[row["topic"]]
+        first, _, rest = row["topic"].partition("/")
+        row["topic"] = f"{topics[first]}/{rest}".rstrip("/")
     return {**template.files, f"{template.name}_config.yml": dump(config)}

@@ -79,9 +79,9 @@ def test_a_relative_topic_stays_with_its_robot(tmp_path: Path) -> None:
     assert found.member is base[1]
 
 
-def test_a_value_alone_means_what_its_field_means(tmp_path: Path) -> None:
-    """A guarantee on a std_msgs topic, and NOT of it: the topic's type says nothing of it."""
-    base = member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
+def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
+    """A guarantee on a std_msgs topic: false is also UNKNOWN there, whatever it is read for."""
+    member(tmp_path, "base", "base/out", SENSOR, "requires: [s]")
     path = tmp_path / "base_config.yml"
     text = path.read_text("utf-8").replace(
         "EDDIOutputs: [", "EDDIOutputs: [{id: g, topic: base/g, field: 'guarantees[G].active'}, "
@@ -91,8 +91,14 @@ def test_a_value_alone_means_what_its_field_means(tmp_path: Path) -> None:
     source = "  - {id: g, type: std_msgs.Bool, topic: base/g}"
     good = member(tmp_path, "good", "good/out", source, "requires: [g]")
     bad = member(tmp_path, "bad", "bad/out", source, 'expression: "NOT g.data"')
-    assert codes(check_wiring([base, good])) == []
-    assert codes(check_wiring([base, bad])) == ["D001"]
+    for reader in (good, bad):
+        (found,) = check_wiring([base, reader])
+        assert found.code == "D001"
+        assert found.hint == (
+            "read `guarantees[G].active` of eddi_messages/ConSertOutput, on the topic of the"
+            " whole message of base"
+        )
+        assert codes(check_wiring([base], [reader.participant])) == ["D001"]
 
 
 def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:

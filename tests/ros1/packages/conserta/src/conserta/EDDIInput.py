@@ -1,5 +1,5 @@
 # ruff: noqa: N802, N803, N999 - the names of D7.2
-from eddi_runtime import EDDIInputBase, by_id
+from eddi_runtime import EDDIInputBase, by_id, given
 
 
 class EDDIInput(EDDIInputBase):
@@ -9,7 +9,7 @@ class EDDIInput(EDDIInputBase):
         self.RtE_A_E0 = None
 
     def process_RtE_A_D0(self, consertb):
-        self.RtE_A_D0 = by_id(consertb.guarantees, "System_B_G0").active
+        self.RtE_A_D0 = given(by_id(consertb.guarantees, "System_B_G0").active, True)
 
     def process_RtE_A_E0(self, RtE_E0):
         self.RtE_A_E0 = RtE_E0.data
