@@ -38,6 +38,7 @@ _COMPARISONS = {
     "least": "(isnan({0}) || isnan({1})) ? (double)NAN : ({1} < {0}) ? {1} : {0}",
     "greatest": "(isnan({0}) || isnan({1})) ? (double)NAN : ({1} > {0}) ? {1} : {0}",
     "is_true": "{0}",
+    "is_false": "2 - {0}",
     "known": "isnan({0}) ? 0 : 2",
     "known_bool": "{0} == 1 ? 0 : 2",
     "known_enum": "{0} < 0 ? 0 : 2",

@@ -6,30 +6,14 @@ import pytest
 from eddi_runtime.testing import inputs
 
 from eddi_scaffold.compiling.consert.emission import STRAIGHT_LINE_LIMIT
-from eddi_scaffold.compiling.document import digest_of
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
-from runtime_lib.tests.documents import compiled
 from tests.kinds.consert.oracle import as_source, oracle
-
-
-def document(model, settings):
-    data = {
-        "format": 1,
-        "kind": "consert",
-        "id": model.name,
-        "source": {},
-        "inputs": [
-            {"id": one.id, "attribute": one.id, "requires": []} for one in FUNCTIONS.inputs(model)
-        ],
-        "model": FUNCTIONS.runtime_model(model),
-        "settings": settings,
-    }
-    return dict(data, sha256=digest_of(data))
+from tests.kinds.consert.running import monitor_of
 
 
 def monitor(name, limit=STRAIGHT_LINE_LIMIT, **settings):
     (model,) = FUNCTIONS.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
-    return compiled(document(model, settings), allow_unsupported=True, limit=limit)
+    return monitor_of(model, limit, **settings)[0]
 
 
 def active(rows):
@@ -95,7 +79,7 @@ def test_every_model_that_the_generator_accepts_is_accepted_here():
         if any(problem.level == "error" for problem in reading.problems):
             continue
         for model in reading.models:
-            made = compiled(document(model, {}))
+            made, _ = monitor_of(model)
             assert active(made.execute_step(None)) == [
                 g.id for g in model.data.guarantees if g.default
             ]

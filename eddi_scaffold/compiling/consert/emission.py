@@ -150,7 +150,7 @@ def _service(service: Service) -> Part:
 
 def _leaf(leaf: Leaf) -> Part:
     if isinstance(leaf, BinaryLeaf):
-        return "consert.Binary()"
+        return "consert.Binary()" if leaf.good else "consert.Binary(False)"
     if isinstance(leaf, CategoricalLeaf):
         return call("consert.Categorical", map(text_literal, leaf.covered))
     ranges = tuple_of(

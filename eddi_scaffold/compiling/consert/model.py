@@ -23,9 +23,10 @@ _MAX_BOUND = 1000
 
 @dataclass(frozen=True)
 class BinaryLeaf:
-    """A leaf with the value True or False: binary evidence, or any demand."""
+    """A leaf with the value True or False, of which one is good: evidence, or any demand."""
 
     id: str
+    good: bool = True
 
 
 @dataclass(frozen=True)
@@ -158,8 +159,10 @@ def _leaf(item: Any, name: str, spec: InputData, *, is_demand: bool) -> Leaf:
     kind = "binary" if dimension is None else take(dimension, "kind", str, where)
     if spec.factor is not None and kind != "numeric":
         raise ModelError("", f"input {where} has a factor but is not numeric")
-    if dimension is None or kind == "binary":
+    if dimension is None:
         return BinaryLeaf(name)
+    if kind == "binary":
+        return BinaryLeaf(name, good=dimension.get("value") is not False)
     covered = take(dimension, "covered", list, where)
     if kind == "categorical":
         if not all(isinstance(text, str) for text in covered):
@@ -189,6 +192,8 @@ def _interval(item: Any, where: str, factor: tuple[int, int] | None) -> Interval
         for text, exact in ends
     )
     closed = take(item, "inclusive", bool, f"a range of {where}")
+    if item.get("start_inclusive") is False:
+        start = math.nextafter(start, math.inf)
     if start > end:
         raise ModelError("", f"a range of {where} starts above its end")
     return Interval(start, end, closed)
@@ -210,7 +215,11 @@ def _shown(one: Interval) -> str:
 
 
 def _range_text(covered: list[Any], unit: Any) -> str:
-    parts = [f"[{r['start']}, {r['end']}{']' if r['inclusive'] else ')'}" for r in covered]
+    parts = [
+        f"{'(' if one.get('start_inclusive') is False else '['}{one['start']}, {one['end']}"
+        f"{']' if one['inclusive'] else ')'}"
+        for one in covered
+    ]
     return " or ".join(parts) + (f" {unit}" if isinstance(unit, str) and unit else "")
 
 

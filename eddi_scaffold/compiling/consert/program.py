@@ -128,6 +128,8 @@ def _read(leaf: Leaf, spec: InputData) -> Read:
         covered = f"good: {' or '.join(leaf.covered)}"
     elif isinstance(leaf, NumericLeaf):
         covered = f"good: {leaf.text}"
+    elif not leaf.good:
+        covered = "good: false"
     return Read(
         leaf.id,
         type_,
@@ -141,7 +143,7 @@ def _read(leaf: Leaf, spec: InputData) -> Read:
 def _judged(leaf: Leaf) -> tuple[str, str, object]:
     """Return the type of what is read, the operation that judges it, and what is covered."""
     if isinstance(leaf, BinaryLeaf):
-        return BOOL, "is_true", None
+        return BOOL, "is_true" if leaf.good else "is_false", None
     if isinstance(leaf, CategoricalLeaf):
         return TEXT, "is_covered", leaf.covered
     return NUMBER, "is_within", leaf.ranges

@@ -22,7 +22,8 @@ operation is done once in a step, after those that it works on, and has one valu
 ``time once``                        AND and OR over a window
 ``rise fall edge latch``             of truths; they remember the step before
 ``hysteresis elapsed age``           state by two limits; seconds since a change, a known sample
-``is_true is_covered is_within``     judge evidence: a truth, a text among ``value``, a number in a
+``is_true is_false``                 judge evidence: a truth, and what is good when it is false
+``is_covered is_within``             judge evidence: a text among ``value``, a number in a
                                      range of it; FALSE for others, UNKNOWN when it is not known
 ``debounce majority``                a truth filtered over ``value`` steps
 ===================================  ===============================================================

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from eddi_scaffold.compiling.program.instructions import Interval, Operation
 from eddi_scaffold.compiling.text import number, text_literal
 
-JUDGEMENTS = ("is_true", "is_covered", "is_within")
+JUDGEMENTS = ("is_true", "is_false", "is_covered", "is_within")
 
 _MAX_RANGES = 8
 """Ranges that are written out; more are judged by the general function."""
@@ -23,12 +23,13 @@ def judgement(one: Operation, place: int, value: str, target: str) -> list[str]:
         target: name of the truth value.
     """
     judged = f"1 if {value} is None else self.judge({place}, {value})"
-    if one.op == "is_true":
+    if one.op in ("is_true", "is_false"):
+        good, bad = ("True", "False") if one.op == "is_true" else ("False", "True")
         return [
-            f"if {value} is True:",
+            f"if {value} is {good}:",
             f"    {target} = 2",
             "else:",
-            f"    {target} = 0 if {value} is False else {judged}",
+            f"    {target} = 0 if {value} is {bad} else {judged}",
         ]
     if one.op == "is_covered":
         return _covered(one.value, value, target, judged)

@@ -45,7 +45,7 @@ def inputs(consert: ConSert) -> Sequence[ModelInput]:
 def covered_text(dimension: Dimension) -> str:
     """Describe in one line what counts as good: ``Distance in [0, 5) m``."""
     if isinstance(dimension, BinaryDimension):
-        return dimension.type
+        return dimension.type if dimension.value else f"{dimension.type} is false"
     if isinstance(dimension, CategoricalDimension):
         return f"{dimension.type} in {{{', '.join(dimension.covered)}}}"
     ranges = " or ".join(range_text(one, dimension.uom) for one in dimension.covered)
@@ -84,12 +84,14 @@ def _is_true(value: object) -> bool:
 
 def _is_covered(dimension: Dimension, value: object) -> bool:
     if isinstance(dimension, BinaryDimension):
-        return value is True
+        return value is dimension.value
     if isinstance(dimension, CategoricalDimension):
         return value in dimension.covered
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return any(
-        one.start.value <= value < one.end.value or (one.inclusive and value == one.end.value)
+        one.start.value < value < one.end.value
+        or (one.inclusive and value == one.end.value)
+        or (one.start_inclusive and value == one.start.value)
         for one in dimension.covered
     )

@@ -14,7 +14,7 @@ from eddi_scaffold.kinds.consert.model import (
     Guarantee,
     NumericDimension,
 )
-from eddi_scaffold.kinds.consert.ranges import is_inside, range_text, span
+from eddi_scaffold.kinds.consert.ranges import common, is_inside, range_text, span
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds.consert.ranges import Interval
@@ -23,6 +23,13 @@ _KINDS = {
     BinaryDimension: "Binary",
     CategoricalDimension: "Categorical",
     NumericDimension: "Numeric",
+}
+
+
+_RELATIONS = {
+    "Demand": "is not inside",
+    "Guarantee": "is not inside",
+    "Intersection": "has nothing in common with",
 }
 
 
@@ -42,9 +49,9 @@ class Mismatch:
 def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None:
     """Compare a guarantee with a demand.
 
-    Every dimension of the demand needs one of the guarantee with the same kind, type and subset
-    flag, whose covered values fit in the direction of the flag; further dimensions of the
-    guarantee do not matter.
+    Every dimension of the demand needs one of the guarantee with the same kind and type, whose
+    covered values fit in the direction of the demand's subset flag; a flag of the guarantee must be
+    the same, and further dimensions of the guarantee do not matter.
 
     Args:
         guarantee: what another ConSert offers.
@@ -70,16 +77,23 @@ def fits(given: Dimension, wanted: Dimension) -> bool:
     """Return whether a dimension of a guarantee satisfies one of a demand."""
     if type(given) is not type(wanted) or given.type != wanted.type:
         return False
-    if isinstance(given, CategoricalDimension) and isinstance(wanted, CategoricalDimension):
-        sets = set(wanted.covered), set(given.covered)
-        inner, outer = sets if given.subset == "Demand" else sets[::-1]
-        return given.subset == wanted.subset and inner <= outer
+    if isinstance(given, BinaryDimension) or isinstance(wanted, BinaryDimension):
+        return given == wanted
+    if given.subset not in (None, wanted.subset):
+        return False
     if isinstance(given, NumericDimension) and isinstance(wanted, NumericDimension):
-        if given.subset != wanted.subset or units.factor(given.uom, wanted.uom) is None:
+        if units.factor(given.uom, wanted.uom) is None:
             return False
-        spans = _spans(wanted), _spans(given)
-        return is_inside(*(spans if given.subset == "Demand" else spans[::-1]))
-    return True
+        demanded, offered = _spans(wanted), _spans(given)
+        if wanted.subset == "Intersection":
+            return common(demanded, offered)
+        inside = is_inside(demanded, offered), is_inside(offered, demanded)
+    else:
+        demanded_set, offered_set = set(wanted.covered), set(given.covered)
+        if wanted.subset == "Intersection":
+            return not demanded_set.isdisjoint(offered_set)
+        inside = demanded_set <= offered_set, offered_set <= demanded_set
+    return {"Demand": inside[0], "Guarantee": inside[1]}.get(wanted.subset or "", all(inside))
 
 
 def _spans(dimension: NumericDimension) -> list[Interval]:
@@ -94,8 +108,9 @@ def _reason(wanted: Dimension, given: Dimension, name: str, demand: str) -> tupl
         kind = _KINDS[type(wanted)]
         return 3, f"{name} has no {kind} {title}"
     if isinstance(wanted, BinaryDimension) or isinstance(given, BinaryDimension):
-        return 3, f"{name} has no Binary {title}"
-    if given.subset != wanted.subset:
+        value = str(isinstance(wanted, BinaryDimension) and wanted.value).lower()
+        return 3, f"{name} has no Binary {title} of the value {value}"
+    if given.subset not in (None, wanted.subset):
         text = f"{title}: the subset is {given.subset} in {name} and {wanted.subset} in {demand}"
         return 2, text
     if _has_other_quantity(given, wanted):
@@ -103,10 +118,11 @@ def _reason(wanted: Dimension, given: Dimension, name: str, demand: str) -> tupl
             2,
             f"{title}: {_unit(given)} of {name} and {_unit(wanted)} of {demand} do not compare",
         )
-    sides = (wanted, demand), (given, name)
-    (inner, of_inner), (outer, of_outer) = sides if given.subset == "Demand" else sides[::-1]
-    text = f"{_covered(inner)} of {of_inner} is not inside {_covered(outer)} of {of_outer}"
-    return 1, f"{title}: {text}"
+    sides = [f"{_covered(wanted)} of {demand}", f"{_covered(given)} of {name}"]
+    relation = _RELATIONS.get(wanted.subset or "", "does not equal")
+    if wanted.subset == "Guarantee":
+        sides.reverse()
+    return 1, f"{title}: {sides[0]} {relation} {sides[1]}"
 
 
 def _has_other_quantity(given: Dimension, wanted: Dimension) -> bool:

@@ -16,7 +16,10 @@ from eddi_scaffold.problems import Place
 
 NAME = "consert"
 
-Subset = Literal["Demand", "Guarantee"]
+Subset = Literal["Demand", "Guarantee", "Equals", "Intersection"]
+"""How the values of a guarantee and of the demand that it fulfils lie to each other: those of the
+demand inside, those of the guarantee inside, the same, or some in common. The demand decides; a
+guarantee or evidence may have none."""
 GateFunction = Literal["And", "Or"]
 
 
@@ -35,38 +38,40 @@ class Bound:
 
 @dataclass(frozen=True)
 class Range:
-    """A range of numbers in the unit of its dimension; the start always lies inside.
+    """A range of numbers in the unit of its dimension.
 
     Attributes:
         inclusive: the end lies inside as well (``Inclusive``), or outside (``Exclusive``).
+        start_inclusive: the start lies inside, as it always does in YAML.
     """
 
     start: Bound
     end: Bound
     inclusive: bool
     place: Place = field(default=Place(), compare=False)
+    start_inclusive: bool = True
 
 
 @dataclass(frozen=True)
 class BinaryDimension:
-    """A property that holds or does not hold."""
+    """A property that holds or does not hold.
+
+    Attributes:
+        value: what is good, expected or guaranteed; true unless an EDDI says false.
+    """
 
     type: str
     place: Place = field(default=Place(), compare=False)
+    value: bool = True
 
 
 @dataclass(frozen=True)
 class CategoricalDimension:
-    """A property with named values, one of which is expected to be among ``covered``.
-
-    Attributes:
-        subset: ``Demand``: the covered set of a demand lies inside that of the guarantee that
-            fulfils it; ``Guarantee``: the other way round.
-    """
+    """A property with named values, one of which is expected to be among ``covered``."""
 
     type: str
     covered: tuple[str, ...]
-    subset: Subset
+    subset: Subset | None
     place: Place = field(default=Place(), compare=False)
 
 
@@ -80,7 +85,7 @@ class NumericDimension:
 
     type: str
     covered: tuple[Range, ...]
-    subset: Subset
+    subset: Subset | None
     uom: str | None
     place: Place = field(default=Place(), compare=False)
 

@@ -20,11 +20,12 @@ _MAX_DIGITS = 64
 
 @dataclass(frozen=True)
 class Interval:
-    """A range with exact ends; the start lies inside, the end only when ``closed``."""
+    """A range with exact ends; the end lies inside when ``closed``, the start unless ``open``."""
 
     start: Exact
     end: Exact
     closed: bool
+    open: bool = False
 
 
 def exact(bound: Bound) -> Exact:
@@ -45,7 +46,7 @@ def span(one: Range, factor: Fraction = Fraction(1)) -> Interval:
         value if isinstance(value, float) else value * factor
         for value in (exact(one.start), exact(one.end))
     )
-    return Interval(start, end, one.inclusive)
+    return Interval(start, end, one.inclusive, not one.start_inclusive)
 
 
 def is_nan(bound: Bound) -> bool:
@@ -56,7 +57,7 @@ def is_nan(bound: Bound) -> bool:
 def is_empty(one: Range) -> bool:
     """Return whether no number lies in a range."""
     exact_span = span(one)
-    if exact_span.closed:
+    if exact_span.closed and not exact_span.open:
         return exact_span.start > exact_span.end
     return exact_span.start >= exact_span.end
 
@@ -77,10 +78,10 @@ def merged(spans: Iterable[Interval]) -> list[Interval]:
     """Return the same numbers in as few spans as possible, by their starts."""
     result: list[Interval] = []
     for here in sorted(spans, key=_by_start):
-        if result and here.start <= result[-1].end:
+        if result and _touches(result[-1], here):
             before = result.pop()
             end, closed = max((before.end, before.closed), (here.end, here.closed))
-            here = Interval(before.start, end, closed)  # noqa: PLW2901 - the merged span goes on
+            here = Interval(before.start, end, closed, before.open)  # noqa: PLW2901 - it goes on
         result.append(here)
     return result
 
@@ -91,8 +92,27 @@ def is_inside(inner: Iterable[Interval], outer: Iterable[Interval]) -> bool:
     return all(any(_contains(o, i) for o in outside) for i in merged(inner))
 
 
-def _by_start(one: Interval) -> tuple[Exact, Exact, bool]:
-    return one.start, one.end, one.closed
+def common(first: Iterable[Interval], second: Iterable[Interval]) -> bool:
+    """Return whether some number lies in both."""
+    others = list(second)
+    return any(_meet(one, other) for one in first for other in others)
+
+
+def _meet(first: Interval, second: Interval) -> bool:
+    start, is_open = max((first.start, first.open), (second.start, second.open))
+    end, is_end_open = min((first.end, not first.closed), (second.end, not second.closed))
+    return start < end or (start == end and not is_open and not is_end_open)
+
+
+def _by_start(one: Interval) -> tuple[Exact, bool, Exact, bool]:
+    return one.start, one.open, one.end, one.closed
+
+
+def _touches(first: Interval, second: Interval) -> bool:
+    """Return whether no number lies between two spans, of which the first begins first."""
+    if second.start == first.end:
+        return first.closed or not second.open
+    return second.start < first.end
 
 
 def _shares(first: Interval, second: Interval) -> bool:
@@ -102,7 +122,7 @@ def _shares(first: Interval, second: Interval) -> bool:
 
 
 def _contains(outer: Interval, inner: Interval) -> bool:
-    if inner.start < outer.start:
+    if (inner.start, inner.open) < (outer.start, outer.open):
         return False
     if inner.closed and not outer.closed:
         return inner.end < outer.end
@@ -111,5 +131,5 @@ def _contains(outer: Interval, inner: Interval) -> bool:
 
 def range_text(one: Range, unit: str | None = None) -> str:
     """Return a range for people: ``[0, 5] m``, ``[0, 5)``."""
-    close = "]" if one.inclusive else ")"
-    return f"[{one.start.text}, {one.end.text}{close}" + (f" {unit}" if unit else "")
+    opening, closing = "[" if one.start_inclusive else "(", "]" if one.inclusive else ")"
+    return f"{opening}{one.start.text}, {one.end.text}{closing}" + (f" {unit}" if unit else "")

@@ -83,7 +83,8 @@ def _dimensions(node: Demand | Guarantee) -> Json:
 
 def _dimension(dimension: Dimension) -> Json:
     if isinstance(dimension, BinaryDimension):
-        return {"kind": "binary", "type": dimension.type}
+        expected = {} if dimension.value else {"value": False}
+        return {"kind": "binary", "type": dimension.type, **expected}
     if isinstance(dimension, CategoricalDimension):
         return {
             "kind": "categorical",
@@ -95,7 +96,12 @@ def _dimension(dimension: Dimension) -> Json:
         "kind": "numeric",
         "type": dimension.type,
         "covered": [
-            {"start": one.start.text, "end": one.end.text, "inclusive": one.inclusive}
+            {
+                "start": one.start.text,
+                "end": one.end.text,
+                "inclusive": one.inclusive,
+                **({} if one.start_inclusive else {"start_inclusive": False}),
+            }
             for one in dimension.covered
         ],
         "subset": dimension.subset,

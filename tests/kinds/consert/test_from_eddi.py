@@ -364,19 +364,14 @@ ROWS = {
         [
             (
                 "m.xml:46: error X010: a dimension has no xsi:type; allowed: BinaryDimension, "
-                "CategoricalDimension, NumericDimension"
+                "CategoricalDimension, NumericDimension, NumericRangeDimension"
             )
         ],
     ),
     "X010 dimension type": (
         '<dimensionType name="BrakesWork"/>',
         "",
-        [
-            (
-                "m.xml:46: error X010: a dimension has no type: "
-                "a child dimensionType with a name is missing"
-            )
-        ],
+        [("m.xml:46: error X010: a dimension has no type: a child type with a name is missing")],
     ),
     "X010 service type": (
         '<serviceType name="MappingType"/>',
@@ -404,7 +399,7 @@ ROWS = {
         [
             (
                 'm.xml:46: error X011: xsi:type is "consert_:TextDimension", allowed: '
-                "BinaryDimension, CategoricalDimension, NumericDimension"
+                "BinaryDimension, CategoricalDimension, NumericDimension, NumericRangeDimension"
             )
         ],
     ),

@@ -28,13 +28,15 @@ _NO_UNIT = 'write its unit, such as `uom: percent`; `uom: ""` is a ratio, 0.2 fo
 def check_dimensions(consert: ConSert) -> list[Problem]:
     """Check every dimension of evidence, demands and guarantees."""
     found: list[Problem] = []
+    of_services = {id_ for service in consert.required_services for id_ in service.demands}
     for evidence in consert.evidence:
         found += _dimension(evidence.dimension, f"evidence {shown(evidence.id)}", evidence.place)
     for kind, group in (("demand", consert.demands), ("guarantee", consert.guarantees)):
         for node in group:
             what = f"{kind} {shown(node.id)}"
-            if not node.dimensions:
-                found.append(error("C006", f"{what} has no dimension", node.place))
+            if not node.dimensions and kind == "demand" and node.id not in of_services:
+                message = f"{what} has neither a dimension nor a service: it asks for nothing"
+                found.append(error("C006", message, node.place))
             for dimension in node.dimensions:
                 found += _dimension(dimension, what, node.place)
     return found

@@ -143,9 +143,10 @@ def _support(guarantee: Guarantee, fed: set[str]) -> Iterator[Problem]:
         yield error("C012", message, guarantee.place, hint)
     elif not guarantee.default and guarantee.id not in fed:
         message = f"{name} has no support: it would always be active"
+        mark = "" if guarantee.place.path else "`default: true` or "  # an EDDI has no such flag
         hint = (
             "add an edge into it; if it is the fallback of its service and is to hold always, "
-            f"mark it with `default: true` or --default-guarantee {guarantee.id}"
+            f"mark it with {mark}--default-guarantee {guarantee.id}"
         )
         yield error("C012", message, guarantee.place, hint)
 

@@ -1,9 +1,10 @@
-"""Dimensions of ConSerts in EDDI XML: the SESAME form, and English in the older dialect."""
+"""Dimensions of ConSerts in EDDI XML: the forms of SESAME, and English in the older dialect."""
 
 from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds.consert.eddi import vocabulary as names
@@ -19,6 +20,8 @@ from eddi_scaffold.kinds.consert.model import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
@@ -32,14 +35,18 @@ _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 def sesame_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
     """Read the dimensions of a guarantee, demand or evidence, those of all its properties."""
     document = findings.document
-    dimensions = []
+    dimensions: dict[Element, Dimension | None] = {}
     for part in document.children(element, names.PROPERTY):
         _check_property_type(part, findings)
         for child in document.children(part, names.DIMENSION):
-            dimension = _dimension(child, findings)
-            if dimension is not None:
-                dimensions.append(dimension)
-    return tuple(dimensions)
+            dimensions[child] = _dimension(child, findings)
+    related = _relations(element, dimensions, findings)
+    is_demand = names.DEMANDS.accepts(document.feature(element))
+    return tuple(
+        _with_relation(child, dimension, related.get(child), findings) if is_demand else dimension
+        for child, dimension in dimensions.items()
+        if dimension is not None
+    )
 
 
 def english_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
@@ -90,54 +97,212 @@ def _check_property_type(part: Element, findings: EddiFindings) -> None:
 
 
 def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
-    stated = findings.document.class_of(element)
-    allowed = "BinaryDimension, CategoricalDimension, NumericDimension"
+    document = findings.document
+    stated = document.class_of(element)
+    allowed = "BinaryDimension, CategoricalDimension, NumericDimension, NumericRangeDimension"
     if not stated.name:
         findings.error("X010", f"a dimension has no xsi:type; allowed: {allowed}", element)
         return None
-    shape = stated.name.removesuffix("dimension")
+    shape = stated.name.removesuffix("dimension").removesuffix("range")
     if shape not in ("binary", "categorical", "numeric"):
         findings.error("X011", f'xsi:type is "{stated.printed}", allowed: {allowed}', element)
         return None
     kind = _dimension_type(element, findings)
     if kind is None:
         return None
-    place = findings.document.place(element)
+    place = document.place(element)
     if shape == "binary":
-        return BinaryDimension(kind, place)
+        return BinaryDimension(kind, place, _binary_value(element, kind, findings))
+    parts = document.children(element, names.COVERED)
     subset = _subset(element, findings)
-    parts = findings.document.children(element, names.COVERED)
     if shape == "categorical":
-        values = [_mandatory(part, names.VALUE, findings) for part in parts]
+        category = names.NAME if _is_public(element, findings) else names.VALUE
+        values = [_mandatory(part, category, findings) for part in parts]
         return CategoricalDimension(kind, tuple(v for v in values if v is not None), subset, place)
-    ranges = [_range(part, findings) for part in parts]
-    unit = findings.document.attribute(element, names.UNIT)
+    if _is_public(element, findings):
+        ranges = [_public_range(element, findings)]
+        unit = _public_unit(element, kind, findings)
+    else:
+        ranges = [_range(part, findings) for part in parts]
+        unit = document.attribute(element, names.UNIT)
     covered = tuple(r for r in ranges if r is not None)
     return NumericDimension(kind, covered, subset, unit, place)
+
+
+def _is_public(element: Element, findings: EddiFindings) -> bool:
+    """Tell whether a dimension is written with names of the public metamodel of SESAME.
+
+    X011 where one thing is written in both ways.
+    """
+    document = findings.document
+    covered = document.children(element, names.COVERED)
+    ends = [*document.children(element, names.START), *document.children(element, names.END)]
+    attributes = [
+        (document.attribute_name(one, public), document.attribute_name(one, ours))
+        for one, public, ours in (
+            (element, names.PUBLIC_UNIT, names.UNIT),
+            *((part, names.NAME, names.VALUE) for part in covered),
+        )
+    ]
+    for public, ours in attributes:
+        if public and ours:
+            message = f'"{public}" and "{ours}" say the same thing; write one of them'
+            findings.error("X011", message, element)
+    if ends and covered:
+        findings.error("X011", '"start" or "end" stand beside "covered"; write one form', element)
+    if document.class_of(element).name.endswith("rangedimension"):
+        return True
+    return bool(ends) or any(public for public, _ in attributes)
 
 
 def _dimension_type(element: Element, findings: EddiFindings) -> str | None:
     document = findings.document
     child = findings.only(element, names.DIMENSION_TYPE)
+    public = findings.only(element, names.PUBLIC_TYPE)
+    if child is not None and public is not None:
+        message = '"type" and "dimensionType" say the same thing; write one of them'
+        findings.error("X011", message, element)
+    child = public if child is None else child
     kind = document.attribute(child, names.NAME) if child is not None else None
-    kind = kind or document.attribute(element, names.DIMENSION_TYPE_ATTRIBUTE)
+    kind = kind or document.attribute(element, names.PUBLIC_TYPE)
     if not kind:
-        message = "a dimension has no type: a child dimensionType with a name is missing"
+        message = "a dimension has no type: a child type with a name is missing"
         findings.error("X010", message, element)
     return kind or None
 
 
-def _subset(element: Element, findings: EddiFindings) -> Subset:
-    text = findings.document.attribute(element, names.SUBSET)
-    if text is None:
-        message = "subset is absent, taken as Guarantee (a demand asks at most)"
-        findings.warning("X014", message, element, 'write subset="Guarantee" or subset="Demand"')
-        return "Guarantee"
-    subset = _SUBSETS.get(text.strip().casefold())
-    if subset is None:
-        message = f'subset is "{_shortened(text)}", allowed: Guarantee, Demand'
+def _binary_value(element: Element, kind: str, findings: EddiFindings) -> bool:
+    text = findings.document.attribute(element, names.VALUE)
+    if text is not None:
+        return read_boolean(text, "value", element, findings) is not False
+    if not findings.document.children(element, names.PUBLIC_TYPE):
+        return True
+    message = f'value of "{kind}" is absent, taken as false (or it was never set)'
+    findings.warning("X014", message, element, 'write value="true" if it is good when it holds')
+    return False
+
+
+def _subset(element: Element, findings: EddiFindings) -> Subset | None:
+    document = findings.document
+    text = document.attribute(element, names.SUBSET)
+    if text is not None:
+        subset = _SUBSETS.get(text.strip().casefold())
+        if subset is None:
+            message = f'subset is "{_shortened(text)}", allowed: Guarantee, Demand'
+            findings.error("X011", message, element)
+        return subset or "Guarantee"
+    if document.children(element, names.PUBLIC_TYPE) or _is_public(element, findings):
+        return None  # the demand says it, by a relation
+    message = "subset is absent, taken as Guarantee (a demand asks at most)"
+    findings.warning("X014", message, element, 'write subset="Guarantee" or subset="Demand"')
+    return "Guarantee"
+
+
+def _relations(
+    owner: Element, dimensions: Mapping[Element, Dimension | None], findings: EddiFindings
+) -> dict[Element, Subset]:
+    """Return what the relation elements of a demand say of its dimensions."""
+    document = findings.document
+    related: dict[Element, Subset] = {}
+    for part in document.children(owner, names.RELATIONS):
+        text = document.attribute(part, names.RELATION_TYPE)
+        allowed = ", ".join(names.RELATION_TYPES)
+        # EMF omits the first literal of an enumeration.
+        relation = names.RELATION_TYPES.get("DinG" if text is None else text.strip())
+        if relation is None:
+            message = f'dimensionRelationType is "{_shortened(text or "")}", allowed: {allowed}'
+            findings.error("X011", message, part)
+            continue
+        ends, problems, present = document.targets(part, names.DIMENSION)
+        findings.add(*problems)
+        if not present and len(dimensions) == 1:
+            ends = list(dimensions)
+        elif not present:
+            findings.error("X010", 'the attribute "dimension" of a relation is missing', part)
+        for end in ends:
+            if end in dimensions:
+                related[end] = relation
+            else:
+                message = f"dimension points at {document.describe(end)}, expected one of "
+                message += "the same demand"
+                findings.error("X009", message, part)
+    return related
+
+
+def _with_relation(
+    element: Element, dimension: Dimension, relation: Subset | None, findings: EddiFindings
+) -> Dimension:
+    """Return a dimension of a demand with its relation to what fulfils it."""
+    if isinstance(dimension, BinaryDimension):
+        return dimension
+    if dimension.subset is not None and relation is not None:
+        message = '"subset" and a relation say the same thing; write one of them'
         findings.error("X011", message, element)
-    return subset or "Guarantee"
+    if dimension.subset is not None:
+        return dimension
+    if relation is None:
+        message = f'no relation is given for "{dimension.type}", taken as Equals'
+        hint = "write demandGuaranteeDimensionRelations with a dimensionRelationType"
+        findings.warning("X014", message, element, hint)
+    return replace(dimension, subset=relation or "Equals")
+
+
+def _public_unit(element: Element, kind: str, findings: EddiFindings) -> str | None:
+    document = findings.document
+    text = document.attribute(element, names.PUBLIC_UNIT)
+    if text is None:
+        free = document.attribute(element, names.UNIT)
+        if free is not None:
+            return free
+        message = f'unitOfMeasurement of "{kind}" is absent, taken as m/s (or it was never set)'
+        hint = f"set it; known are {', '.join(names.PUBLIC_UNITS)}"
+        findings.warning("X014", message, element, hint)
+        return names.PUBLIC_UNITS["MPS"]
+    unit = names.PUBLIC_UNITS.get(text.strip().upper())
+    if unit is None:
+        allowed = ", ".join(names.PUBLIC_UNITS)
+        message = f'unitOfMeasurement is "{_shortened(text)}", allowed: {allowed}'
+        findings.error("X011", message, element)
+    return unit
+
+
+def _public_range(element: Element, findings: EddiFindings) -> Range | None:
+    errors = findings.errors
+    start, is_start_inside = _boundary(element, names.START, "-inf", findings)
+    end, is_end_inside = _boundary(element, names.END, "inf", findings)
+    if findings.errors > errors:
+        return None
+    place = findings.document.place(element)
+    return Range(start, end, is_end_inside, place, is_start_inside)
+
+
+def _boundary(
+    element: Element, spelling: Spelling, unbounded: str, findings: EddiFindings
+) -> tuple[Bound, bool]:
+    """Return one end of a range and whether it lies inside; absent, there is no bound."""
+    document = findings.document
+    nothing = Bound(unbounded, float(unbounded)), True
+    parts = document.children(element, spelling)
+    if not parts:
+        return nothing
+    values = document.children(parts[0], names.VALUE)
+    text = document.attribute(parts[0], names.INCLUSIVE)
+    is_inside = text is not None and read_boolean(text, "inclusive", parts[0], findings)
+    if not values:
+        message = f"a child value of {spelling.name} is missing: nothing was said"
+        findings.error("X010", message, parts[0])
+        return nothing
+    epsilon = document.attribute(values[0], names.EPSILON)
+    if epsilon is not None and epsilon.strip() not in ("0", "0.0"):
+        message = f'epsilon "{_shortened(epsilon)}" is not used: bounds are exact'
+        findings.count("warning", "X014", message, values[0])
+    if document.attribute(values[0], names.NUMBER_TYPE) is not None:
+        findings.count("info", "X014", "numberType is not used", values[0])
+    number = document.attribute(values[0], names.NUMBER)
+    bound = (
+        Bound("0", 0.0) if number is None else _number(number, names.NUMBER, values[0], findings)
+    )
+    return bound or nothing[0], bool(is_inside)
 
 
 def _range(part: Element, findings: EddiFindings) -> Range | None:
@@ -157,8 +322,10 @@ def _range(part: Element, findings: EddiFindings) -> Range | None:
 
 def _bound(part: Element, spelling: Spelling, findings: EddiFindings) -> Bound | None:
     text = _mandatory(part, spelling, findings)
-    if text is None:
-        return None
+    return None if text is None else _number(text, spelling, part, findings)
+
+
+def _number(text: str, spelling: Spelling, part: Element, findings: EddiFindings) -> Bound | None:
     text = text.strip()
     infinite = _INFINITE.fullmatch(text)
     if infinite:

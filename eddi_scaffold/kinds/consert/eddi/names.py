@@ -18,11 +18,16 @@ if TYPE_CHECKING:
 _PROPERTY_PARTS = (names.PROPERTY, names.SAFETY_PROPERTIES, names.INTEGRITY_LEVEL)
 _DIMENSION_PARTS = (
     names.DIMENSION_TYPE,
-    names.DIMENSION_TYPE_ATTRIBUTE,
+    names.PUBLIC_TYPE,
     names.COVERED,
     names.SUBSET,
     names.UNIT,
+    names.PUBLIC_UNIT,
+    names.VALUE,
+    names.START,
+    names.END,
 )
+_BOUNDARY_PARTS = (names.INCLUSIVE, names.VALUE)
 _KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
     names.CONSERTS: (
         names.GUARANTEES,
@@ -31,18 +36,36 @@ _KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
         names.GATES,
         names.PROPAGATIONS,
         names.INVARIANT,
+        names.SERVICE_CONFIGURATION,
+        names.PROPERTY_TYPES,
     ),
-    names.GUARANTEES: (names.PROVIDED_SERVICE, names.DEFAULT, names.RANKING, *_PROPERTY_PARTS),
-    names.DEMANDS: (names.REQUIRED_SERVICE, *_PROPERTY_PARTS),
-    names.EVIDENCE: _PROPERTY_PARTS,
+    names.GUARANTEES: (
+        names.PROVIDED_SERVICE,
+        names.DEFAULT,
+        names.RANKING,
+        names.REQUIREMENT,
+        *_PROPERTY_PARTS,
+    ),
+    names.DEMANDS: (
+        names.REQUIRED_SERVICE,
+        names.RELATIONS,
+        names.REQUIREMENT,
+        *_PROPERTY_PARTS,
+    ),
+    names.EVIDENCE: (names.EVENTS, names.REQUIREMENT, *_PROPERTY_PARTS),
     names.GATES: (names.GATE_TYPE,),
     names.INVARIANT: (names.GATE_TYPE,),
     names.PROPAGATIONS: (names.SOURCE, names.TARGET),
-    names.PROPERTY: (names.PROPERTY_TYPE, names.DIMENSION),
+    names.PROPERTY: (names.PROPERTY_TYPE, names.DIMENSION, names.REQUIREMENT),
     names.SAFETY_PROPERTIES: (names.REFINEMENT, names.INTEGRITY_LEVEL),
     names.DIMENSION: _DIMENSION_PARTS,
     names.COVERED: (names.VALUE, names.START, names.END, names.INCLUSIVE),
+    names.START: _BOUNDARY_PARTS,
+    names.END: _BOUNDARY_PARTS,
+    names.VALUE: (names.NUMBER, names.NUMBER_TYPE, names.EPSILON),
+    names.RELATIONS: (names.RELATION_TYPE, names.DIMENSION),
     names.DIMENSION_TYPE: (),
+    names.PUBLIC_TYPE: (),
     names.REFINEMENT: (),
 }
 """Feature -> what an object there may have besides the common names."""

@@ -13,6 +13,7 @@ from eddi_scaffold.kinds.consert.eddi.dimensions import (
     sesame_dimensions,
 )
 from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
     Demand,
     Dimension,
     Evidence,
@@ -144,6 +145,11 @@ def _evidence(element: Element, parts: ConSertParts, findings: EddiFindings) -> 
     dimensions = _dimensions(element, findings) or _described(element, findings)
     if name is None:
         return
+    has_property = bool(findings.document.children(element, names.PROPERTY))
+    if not dimensions and not has_property and not (element.text or "").strip():
+        message = f'evidence "{name}" has no property, its id is taken as one that holds or not'
+        findings.warning("X014", message, element)
+        dimensions = (BinaryDimension(name, findings.document.place(element)),)
     parts.ids[element] = name
     if len(dimensions) != 1:
         # A dimension with an error of its own is not missing.

@@ -1,12 +1,14 @@
-"""Names of the ConSert extension of EDDI XML: the one place to change when the metamodel differs.
+"""Names of ConSerts in EDDI XML: the one place to change when the metamodel differs.
 
-The metamodel of SESAME is not public. Containment and the names of SESAME D7.2 Figs 4 and 36 are
-facts; the inner names of dimensions and the gate type are our choice. The older names are those
-of the DEIS metamodel ``allInOne``. All accepted spellings are read in every dialect.
+The spellings are those of the public metamodel of SESAME (``ODE.ecore``, 2024), of SESAME D7.2
+(Figs 4 and 36; the inner names of dimensions are our choice), and of ``allInOne`` of
+DEIS (2020). All spellings are read in every file, also mixed. Where they differ in what an absent
+value means, the spelling decides: names of the public metamodel have its defaults.
 """
 
 from __future__ import annotations
 
+from eddi_scaffold.kinds.consert.model import Subset
 from eddi_scaffold.readers.spelling import Spelling
 
 PACKAGE_CLASS = "consertpackage"
@@ -19,9 +21,9 @@ CONFIGURATIONS = Spelling("configurations", ("configuration",))
 GUARANTEES = Spelling("guarantees", ("guarantee",))
 DEMANDS = Spelling("demands", ("demand",))
 EVIDENCE = Spelling("runtimeEvidence", ("runtimeEvidences",))
-GATES = Spelling("consertGates", ("gates", "consertGate", "gate"))
+GATES = Spelling("consertGates", ("conSertGates", "gates", "consertGate", "gate"))
 PROPAGATIONS = Spelling("guaranteePropagation", ("guaranteePropagations",))
-INVARIANT = Spelling("invariant", ("invariants",))
+INVARIANT = Spelling("invariant", ("invariants", "invariantOutput"))
 PROPERTY_TYPES = Spelling("dependabilityPropertyTypes", ("dependabilityPropertyType",))
 REQUIRED_SERVICES = Spelling("requiredServices")
 PROVIDED_SERVICES = Spelling("providedServices")
@@ -41,12 +43,18 @@ RANKING = Spelling("ranking")
 SERVICE_DEMANDS = Spelling("demands")
 SERVICE_GUARANTEES = Spelling("guarantees")
 
-# dimensions of the SESAME extension
+# what other packages say of a ConSert and its parts; links, not content
+EVENTS = Spelling("events")
+REQUIREMENT = Spelling("dependabilityRequirement", ("requirements",))
+SERVICE_CONFIGURATION = Spelling("serviceConfiguration")
+
+# dimensions of SESAME
 PROPERTY = Spelling("dependabilityProperty", ("dependabilityProperties",))
 PROPERTY_TYPE = Spelling("dependabilityPropertyType")
 DIMENSION = Spelling("dimension", ("dimensions",))
 DIMENSION_TYPE = Spelling("dimensionType")
-DIMENSION_TYPE_ATTRIBUTE = Spelling("type")
+PUBLIC_TYPE = Spelling("type")
+"""A child of the public metamodel; as an attribute, short for ``dimensionType``."""
 COVERED = Spelling("covered")
 VALUE = Spelling("value")
 START = Spelling("start")
@@ -54,6 +62,26 @@ END = Spelling("end")
 INCLUSIVE = Spelling("inclusive")
 SUBSET = Spelling("subset")
 UNIT = Spelling("unitOfMeasure", ("uom",))
+PUBLIC_UNIT = Spelling("unitOfMeasurement")
+PUBLIC_UNITS = {
+    "MPS": "m/s",
+    "KMH": "km/h",
+    "METER": "m",
+    "KILOMETER": "km",
+    "SECOND": "s",
+    "NEWTON": "N",
+}
+NUMBER = Spelling("number")
+EPSILON = Spelling("epsilon")
+NUMBER_TYPE = Spelling("numberType")
+RELATIONS = Spelling("demandGuaranteeDimensionRelations")
+RELATION_TYPE = Spelling("dimensionRelationType")
+RELATION_TYPES: dict[str, Subset] = {
+    "DinG": "Demand",
+    "GinD": "Guarantee",
+    "Equals": "Equals",
+    "IntersectionNotEmpty": "Intersection",
+}
 
 # dimensions of the older dialect: English text
 SAFETY_PROPERTIES = Spelling("safetyProperties", ("safetyProperty",))

@@ -14,17 +14,56 @@ from eddi_scaffold.kinds.consert.model import (
     Dimension,
     Evidence,
     Guarantee,
+    NumericDimension,
     Range,
 )
+from eddi_scaffold.kinds.consert.ranges import range_text
 from eddi_scaffold.positioned_yaml.writer import Verbatim, dump_plain
+from eddi_scaffold.problems import EddiError, Place, Problem, error, in_order
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
 
 def to_yaml(consert: ConSert) -> str:
-    """Return the YAML text of a ConSert; its name is that of the file and not inside."""
+    """Return the YAML text of a ConSert; its name is that of the file and not inside.
+
+    Raises:
+        EddiError: an EDDI says something of it that this format cannot say (G021).
+    """
+    problems = list(_unsayable(consert))
+    if problems:
+        raise EddiError(*in_order(problems))
     return "---\n" + dump_plain(as_plain(consert))
+
+
+def _unsayable(consert: ConSert) -> Iterator[Problem]:
+    """Yield an error for each thing that an EDDI can say and YAML cannot."""
+    nodes: tuple[Evidence | Demand | Guarantee, ...]
+    nodes = (*consert.guarantees, *consert.demands, *consert.evidence)
+    for node in nodes:
+        is_evidence = isinstance(node, Evidence)
+        dimensions = (node.dimension,) if isinstance(node, Evidence) else node.dimensions
+        if not dimensions:
+            yield _lost(f"{node.id!r} has no dimension", node.place)
+        for one in dimensions:
+            what = f"dimension {one.type!r} of {node.id!r}"
+            if isinstance(one, BinaryDimension):
+                if not one.value:
+                    yield _lost(f"{what} is good when it is false", one.place)
+                continue
+            if one.subset not in ("Demand", "Guarantee") and not is_evidence:
+                relation = "no direction" if one.subset is None else f"the relation {one.subset}"
+                yield _lost(f"{what} has {relation}", one.place)
+            if isinstance(one, NumericDimension):
+                for covered in one.covered:
+                    if not covered.start_inclusive:
+                        text = range_text(covered, one.uom)
+                        yield _lost(f"the start of {text} of {what} lies outside", one.place)
+
+
+def _lost(what: str, place: Place) -> Problem:
+    return error("G021", f"{what}, which YAML cannot say", place, "generate from the EDDI itself")
 
 
 def as_plain(consert: ConSert) -> Mapping[str, Any]:
@@ -77,11 +116,12 @@ def _dimension(dimension: Dimension) -> dict[str, Any]:
     if isinstance(dimension, BinaryDimension):
         return {"Binary": {"type": dimension.type}}
     head: dict[str, Any] = {"type": dimension.type}
+    subset = dimension.subset or "Demand"  # of evidence, where it means nothing
     if isinstance(dimension, CategoricalDimension):
-        content = head | {"covered": dimension.covered, "subset": dimension.subset}
+        content = head | {"covered": dimension.covered, "subset": subset}
         return {"Categorical": content}
     covered = [_range(one) for one in dimension.covered]
-    content = head | {"covered": covered, "subset": dimension.subset}
+    content = head | {"covered": covered, "subset": subset}
     return {"Numeric": content | ({} if dimension.uom is None else {"uom": dimension.uom})}
 
 

@@ -63,19 +63,22 @@ class Leaf:
             problem = raw.problem if type(raw) is Absent else ""  # isinstance asks the object
             return problem or f"expected {self.expected}, got {show(raw)}"
         if not self.covered_text:
-            return "the value is False"
+            return f"the value is {show(raw)}"
         text = self.covered_text
         short = text if len(text) <= 200 else f"{text[:197]}..."
         return f"the value {show(raw)} is not in {short}"
 
 
 class Binary(Leaf):
-    """A leaf with the value True or False: binary evidence, or any demand."""
+    """A leaf with the value True or False, of which one is good: evidence, or any demand."""
 
     expected = "True or False"
 
+    def __init__(self, good: bool = True) -> None:
+        self.good = good
+
     def _covers(self, value: object) -> bool | None:
-        return value if isinstance(value, bool) else None
+        return value is self.good if isinstance(value, bool) else None
 
 
 class Categorical(Leaf):
