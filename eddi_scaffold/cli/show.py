@@ -95,6 +95,9 @@ def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[
         console.data(f"{kinds()[item.kind].title} {item.name}")
         for line in kinds()[item.kind].functions.outline(item):
             console.data(f"  {line}")
+        for one in item.links.values():
+            names = "; ".join(f"{link.class_name} {link.name}" for link in one.links)
+            console.data(f"  {one.element} {one.id} is linked with {names}")
     for other in survey["models"]:
         if not is_one_of(other, models):
             counts = ", ".join(f"{number} {what}" for what, number in other["counts"].items())

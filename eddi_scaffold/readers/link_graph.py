@@ -1,7 +1,8 @@
 """Who refers to whom in an EDDI, from the elements of monitored models on.
 
-Elements that refer to one of a monitored model count, those that refer to these in turn, and what
-all of these refer to. Those of the design do not: a system would link everything with everything.
+What an element of a monitored model refers to counts, what refers to it or to that, what refers to
+these in turn, and what all of these refer to. Those of the design do not: a system would link
+everything with everything.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ _DESIGN = frozenset({"architecturepackage", "consertpackage", "ddipackage", "des
 _CAUSES, _FAILURE, _FAILURES = Spelling("causes"), Spelling("failure"), Spelling("failures")
 _TEXTS = frozenset({"content", "description", "gid", "id", "key", "name", "tag", "value"})
 """Attributes that refer to nothing."""
+_TRACE = {"odeelement", "sacmelement"}
 _MOST = 100
 """Links of one element; an EDDI in which everything refers to everything has more."""
 _STEPS = 1_000_000
@@ -64,6 +66,7 @@ class LinkGraph:
         self._into: _Edges = {}
         """Path -> path and element of each that refers to it."""
         self._out: _Edges = {}
+        """Path -> path and element of each that it refers to; also of elements of models."""
         self._stands_for: dict[str, list[str]] = {path: list(e) for path, e in found.events.items()}
         """Path -> paths whose links are its own: of a cause its failure, of evidence its event."""
         self._packages: dict[Element, str | None] = {}
@@ -75,13 +78,13 @@ class LinkGraph:
                 self._refer(owner, by)
             else:
                 self._stands_for.setdefault(self._path(owner), []).append(by)
-        for model in self._models if self._into else ():
+        for model in self._models if self._into or self._out else ():
             for cause in document.children(model, _CAUSES):
                 self._name_failure(model, cause)
 
     def ends(self) -> Iterator[tuple[str, Ends]]:
         """Yield path and ends of each monitored element that has some."""
-        for path in dict.fromkeys([*self._into, *self._stands_for]):
+        for path in dict.fromkeys([*self._into, *self._out, *self._stands_for]):
             start = self._document.at(path)
             if start is not None and self._is_monitored(start):
                 found = self._ends(path)
@@ -95,9 +98,13 @@ class LinkGraph:
             element = waiting.pop()
             if kind_of_model(self._document, element) in MONITORED:
                 self._models.append(element)
+                self._visit_model(element)
                 continue
             waiting += reversed(element)
             targets = dict(self._targets(element))
+            if targets.keys() == _TRACE:
+                self._trace(*(targets[name] for name in sorted(targets)))
+                continue
             if not targets or not self._is_end(element):
                 continue
             if "source" in targets and "target" in targets:
@@ -109,8 +116,25 @@ class LinkGraph:
             owner = self._owner(element)
             for end in [end for ends in targets.values() for end in ends]:
                 self._refer(owner, self._path(end))
-                if self._is_end(end):
-                    self._out.setdefault(self._path(owner), {})[self._path(end)] = end
+                self._link(owner, [end] if self._is_end(end) else [])
+
+    def _visit_model(self, model: Element) -> None:
+        """Note what the parts of a model refer to outside of all models."""
+        for part in model.iterchildren():
+            for element in part.iter():
+                for _, ends in self._targets(element):
+                    self._link(part, [end for end in ends if self._is_end(end)])
+
+    def _trace(self, ours: Sequence[Element], others: Sequence[Element]) -> None:
+        """Note a trace, which is a link between two elements without a name of its own."""
+        for start, ends in [*((one, others) for one in ours), *((one, ours) for one in others)]:
+            self._link(start, [end for end in ends if self._is_end(end)])
+            for end in ends if self._is_end(start) else ():
+                self._refer(start, self._path(end))
+
+    def _link(self, start: Element, ends: Sequence[Element]) -> None:
+        for end in ends:
+            self._out.setdefault(self._path(start), {})[self._path(end)] = end
 
     def _name_failure(self, model: Element, cause: Element) -> None:
         failures, _, _ = self._document.targets(cause, _FAILURE)
@@ -148,7 +172,9 @@ class LinkGraph:
             first.update(zip(new, new, strict=True))
             waiting += new
         found: dict[str, Element] = {}
-        self._follow(self._into, list(first), found)
+        for path in list(first):
+            found |= self._out.get(path, {})
+        self._follow(self._into, [*first, *found], found)
         self._follow(self._out, list(found), found)
         return [element for path, element in found.items() if path not in first]
 

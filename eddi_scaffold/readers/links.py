@@ -1,4 +1,4 @@
-"""What refers to the elements of monitored models: hazards, requirements, failure modes, claims.
+"""What is linked with elements of monitored models: hazards, requirements, events, claims.
 
 A link leads from an element of a model that a monitor is made of to one that nothing monitors by
 itself.
@@ -121,4 +121,7 @@ def _link(document: EddiDocument, element: Element) -> Link:
     place = document.place(element)
     stated = document.class_of(element).printed or feature_of(element)
     name = name_of(document, element) or element.get("gid") or ""
+    condition = element.get("condition")
+    if condition and fold(local_name(stated)).endswith("event"):  # for people: nothing evaluates it
+        name += f" ({condition})"
     return Link(local_name(stated), name, place.path or "/", place.line)

@@ -52,6 +52,7 @@ def test_content(file: str, want: dict[str, Any]) -> None:
     assert {one.id: [plain(d) for d in one.dimensions] for one in read.guarantees} == {
         id_: one["dimensions"] for id_, one in want["guarantees"].items()
     }
+    assert read.system == want.get("system", read.system)
     gates = {gate.id: gate.function for gate in read.gates}
     assert gates.pop(want.get("invariant"), "And") == "And"
     assert gates == want["gates"]

@@ -170,7 +170,11 @@ class ProvidedService:
 
 @dataclass(frozen=True)
 class ConSert:
-    """A conditional safety certificate: a directed acyclic graph from evidence to guarantees."""
+    """A conditional safety certificate: a directed acyclic graph from evidence to guarantees.
+
+    Attributes:
+        system: name of the system that it is of, empty where the file does not say it.
+    """
 
     name: str
     guarantees: tuple[Guarantee, ...]
@@ -181,6 +185,7 @@ class ConSert:
     required_services: tuple[RequiredService, ...]
     provided_services: tuple[ProvidedService, ...]
     place: Place = field(default=Place(), compare=False)
+    system: str = ""
 
 
 ConSertModel = TypedModel[ConSert, Mapping[str, JsonValue]]

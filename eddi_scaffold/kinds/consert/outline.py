@@ -36,7 +36,8 @@ def outline(consert: ConSert) -> Sequence[str]:
     """
     labels, inputs = _labels(consert), inputs_of(consert)
     shown: set[str] = set()
-    lines = [line for g in consert.guarantees for line in _tree(g.id, labels, inputs, shown)]
+    lines = [f"of the system {consert.system}"] if consert.system else []
+    lines += [line for g in consert.guarantees for line in _tree(g.id, labels, inputs, shown)]
     lines += [_required(service) for service in consert.required_services]
     lines += [_provided(service) for service in consert.provided_services]
     return lines

@@ -121,12 +121,10 @@ def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
         return CategoricalDimension(kind, tuple(v for v in values if v is not None), subset, place)
     if _is_public(element, findings):
         ranges = [_public_range(element, findings)]
-        unit = _public_unit(element, kind, findings)
     else:
         ranges = [_range(part, findings) for part in parts]
-        unit = document.attribute(element, names.UNIT)
     covered = tuple(r for r in ranges if r is not None)
-    return NumericDimension(kind, covered, subset, unit, place)
+    return NumericDimension(kind, covered, subset, _unit(element, kind, findings), place)
 
 
 def _is_public(element: Element, findings: EddiFindings) -> bool:
@@ -137,22 +135,17 @@ def _is_public(element: Element, findings: EddiFindings) -> bool:
     document = findings.document
     covered = document.children(element, names.COVERED)
     ends = [*document.children(element, names.START), *document.children(element, names.END)]
-    attributes = [
-        (document.attribute_name(one, public), document.attribute_name(one, ours))
-        for one, public, ours in (
-            (element, names.PUBLIC_UNIT, names.UNIT),
-            *((part, names.NAME, names.VALUE) for part in covered),
-        )
-    ]
-    for public, ours in attributes:
-        if public and ours:
-            message = f'"{public}" and "{ours}" say the same thing; write one of them'
-            findings.error("X011", message, element)
+    pairs = [(element, names.PUBLIC_UNIT, names.UNIT)]
+    pairs += [(part, names.NAME, names.VALUE) for part in covered]
+    for part, public, ours in pairs:
+        if document.attribute_name(part, public) and document.attribute_name(part, ours):
+            message = f'"{public.name}" and "{ours.name}" say the same thing; write one of them'
+            findings.error("X011", message, part)
     if ends and covered:
         findings.error("X011", '"start" or "end" stand beside "covered"; write one form', element)
     if document.class_of(element).name.endswith("rangedimension"):
         return True
-    return bool(ends) or any(public for public, _ in attributes)
+    return bool(ends) or any(document.attribute_name(one, names.NAME) for one in covered)
 
 
 def _dimension_type(element: Element, findings: EddiFindings) -> str | None:
@@ -247,23 +240,16 @@ def _with_relation(
     return replace(dimension, subset=relation or "Equals")
 
 
-def _public_unit(element: Element, kind: str, findings: EddiFindings) -> str | None:
+def _unit(element: Element, kind: str, findings: EddiFindings) -> str | None:
     document = findings.document
     text = document.attribute(element, names.PUBLIC_UNIT)
-    if text is None:
-        free = document.attribute(element, names.UNIT)
-        if free is not None:
-            return free
+    text = document.attribute(element, names.UNIT) if text is None else text
+    if text is None and _is_public(element, findings):
         message = f'unitOfMeasurement of "{kind}" is absent, taken as m/s (or it was never set)'
         hint = f"set it; known are {', '.join(names.PUBLIC_UNITS)}"
         findings.warning("X014", message, element, hint)
         return names.PUBLIC_UNITS["MPS"]
-    unit = names.PUBLIC_UNITS.get(text.strip().upper())
-    if unit is None:
-        allowed = ", ".join(names.PUBLIC_UNITS)
-        message = f'unitOfMeasurement is "{_shortened(text)}", allowed: {allowed}'
-        findings.error("X011", message, element)
-    return unit
+    return None if text is None else names.PUBLIC_UNITS.get(text.strip(), text)
 
 
 def _public_range(element: Element, findings: EddiFindings) -> Range | None:

@@ -98,8 +98,17 @@ def _consert(
         required,
         provided,
         findings.document.place(element),
+        _system(element, findings),
     )
     return consert, parts.services
+
+
+def _system(element: Element, findings: EddiFindings) -> str:
+    """Return the name of the system whose configuration of services a ConSert is for."""
+    found, problems, _ = findings.document.targets(element, names.SERVICE_CONFIGURATION)
+    findings.add(*problems)
+    systems = [configuration.getparent() for configuration in found]
+    return next((one.get("name") or "" for one in systems if one is not None), "")
 
 
 def _name(element: Element, source: Source, document: EddiDocument) -> str:
