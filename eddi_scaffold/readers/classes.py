@@ -18,15 +18,18 @@ from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of
 if TYPE_CHECKING:
     from eddi_scaffold.readers.document import EddiDocument
 
-MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain")
+MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain", "StateMachine")
 """Classes that monitors are made of."""
 PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")
 """Packages that hold them."""
 OTHERS = (
     *("AttackTree", "Failure", "FailureModel", "FMEA", "FMEDA", "SecurityViolation"),
+    *("CommonCauseFailure", "Action", "FunctionAction", "MessageAction", "WarningAction"),
+    *("RosAction", "StateMachineAction"),
     *("AssuranceCasePackage", "ArgumentPackage", "ArtifactPackage", "TerminologyPackage"),
     *("ArchitecturePackage", "DesignPackage", "DependabilityPackage", "RequirementPackage"),
     *("DomainPackage", "HARAPackage", "TARAPackage", "StandardPackage", "ODEProductPackage"),
+    *("EventPackage", "TraceabilityPackage", "SafetyRelatedSystem"),
     *("System", "PhysicalComponent", "LogicalComponent", "SoftwareComponent", "Function"),
 )
 """Classes of the metamodel that are left out on purpose."""

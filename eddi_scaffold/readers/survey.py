@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.readers.extensions import EVENTS, SAFEML, ExtensionMap, extension_maps
 from eddi_scaffold.readers.references import References, parse_fragment
 from eddi_scaffold.readers.spelling import Spelling, fold
+from eddi_scaffold.readers.state_machines import TRANSITIONS, is_chain
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of, select
 
 if TYPE_CHECKING:
@@ -152,6 +153,7 @@ _BY_CLASS = {
     "bayesiannetwork": "bayesian_network",
     "faulttree": "fault_tree",
     "markovchain": "markov_chain",
+    "statemachine": "state_machine",
     "fmea": "fmea",
     "fmeda": "fmea",
     "failuremodel": "failure_model",
@@ -177,6 +179,8 @@ def kind_of_model(document: EddiDocument, element: Element) -> str | None:
     kind = kind or _BY_FEATURE.get(feature)
     if kind is None and feature in _BY_CLASS and document.is_root(element):
         kind = _BY_CLASS[feature]
+    if kind == "state_machine" and is_chain(document, element):
+        return "markov_chain"
     if kind == "consert" and not document.is_root(element):
         kind = kind if _holds_conserts(document, element.getparent()) else None
     if kind == "assurance_case" and _is_nested(element):
@@ -252,7 +256,7 @@ def _fault_tree(document: EddiDocument, element: Element) -> Counts:
 def _markov_chain(document: EddiDocument, element: Element) -> Counts:
     return {
         "states": _count(document, element, "states"),
-        "transitions": _count(document, element, "transitions"),
+        "transitions": len(document.children(element, TRANSITIONS)),
         "failures": _count(document, element, "failures"),
     }
 
@@ -285,6 +289,7 @@ _COUNTS: Mapping[str, Callable[[EddiDocument, Element], Counts]] = {
     "bayesian_network": _bayesian_network,
     "fault_tree": _fault_tree,
     "markov_chain": _markov_chain,
+    "state_machine": _markov_chain,
     "fmea": _fmea,
     "failure_model": _failure_model,
     "assurance_case": _assurance_case,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
 """Packages that readers look into, whether or not there is a model in them."""
-_LEFT_OUT = frozenset({"attacktree", "fmea", "fmeda", "statemachine"})
+_LEFT_OUT = frozenset({"action", "attacktree", "fmea", "fmeda", "statemachine"})
 """Models of which no monitors are generated."""
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
 """Names in the namespaces of all generations of the metamodel."""
@@ -74,7 +74,10 @@ class Unread:
             elements += f" with {', '.join(f'{n} {what}' for what, n in self.inside.items())}"
         what = elements if name == self.class_name else f"{self.class_name}, {elements}"
         verb, them = ("is", "it") if self.count == 1 else ("are", "them")
-        message = f"{self.count} {name} ({what}) {verb} not read: no monitor is made of {them}"
+        read = f"{verb} not read: no monitor is made of {them}"
+        if fold(name) == "statemachine":
+            read = f"{verb} listed by `show`: no monitor is made of {them} yet"
+        message = f"{self.count} {name} ({what}) {read}"
         return warning("X021", message, self.place)
 
 
@@ -145,7 +148,8 @@ def _is_left_out(document: EddiDocument, element: Element) -> bool:
     """Tell whether an element is a model or a package that no monitor is made of."""
     name = fold(local_name(_class_of(document, element)))
     is_package = name.endswith(("package", "packages")) and not _holds_models(document, element)
-    return is_package or name in _LEFT_OUT or name.removesuffix("s") in _LEFT_OUT
+    is_left_out = is_package or name.endswith("action") or name.removesuffix("s") in _LEFT_OUT
+    return is_left_out and kind_of_model(document, element) not in MONITORED
 
 
 def _holds_models(document: EddiDocument, element: Element) -> bool:

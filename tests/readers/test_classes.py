@@ -44,7 +44,7 @@ def test_classes_of_the_metamodel_and_of_others(package: str, model: str) -> Non
     [
         ("f:FaultTre", "did you mean 'FaultTree'?"),
         ("MarkovChian", "did you mean 'MarkovChain'?"),
-        ("f:PetriNet", "known are: BayesianNetwork, ConSert, FaultTree, MarkovChain"),
+        ("f:PetriNet", "known are: BayesianNetwork, ConSert, FaultTree, MarkovChain, StateMachine"),
     ],
 )
 def test_a_model_of_an_unknown_class_is_named(model: str, hint: str) -> None:

@@ -30,15 +30,16 @@ _CONFIG = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
-_CLASS = (
-    'contains(translate({0}, "FAULTRE", "faultre"), "faulttree") or '
-    'contains(translate({0}, "MARKOVCHIN", "markovchin"), "markovchain")'
+_LOWER = 'translate({0}, "FAULTREMKOVCHINS", "faultremkovchins")'
+_CLASS = " or ".join(
+    f'contains({_LOWER}, "{name}")' for name in ("faulttree", "markovchain", "statemachine")
 )
 IN_EDDI = (
     f"self::*[{_CLASS.format('local-name()')}] | "
     f'descendant-or-self::*[@*[local-name() = "type" and ({_CLASS.format(".")})]]'
 )
-"""Chains and trees, as root or elements of an EDDI; classes are compared without case."""
+"""Chains, trees and state machines, as root or elements of an EDDI; classes are compared without
+case."""
 
 
 def _sniff(source: Source) -> bool:

@@ -18,15 +18,19 @@ from eddi_scaffold.quantities import (
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling
+from eddi_scaffold.readers.state_machines import (
+    DISTRIBUTION_TYPE,
+    PARAMETERS,
+    RATE,
+    RATE_DISTRIBUTION,
+    is_none,
+)
 from eddi_scaffold.readers.xmi import Element, only
 
-_NAME, _TYPE, _VALUE, _KEY = (Spelling(n) for n in ("name", "type", "value", "key"))
+_NAME, _VALUE, _KEY = (Spelling(n) for n in ("name", "value", "key"))
 _MAPS, _VALUES = Spelling("keyValueMaps", ("keyValueMap",)), Spelling("values")
-_PARAMETERS = Spelling("parameters", ("parameter",))
 _DISTRIBUTION = Spelling("failureProbDistribution")
-_TRANSITION_DISTRIBUTION = Spelling("transitionProbDistribution")
-_RATE, _TRANSITION = Spelling("failureRate"), Spelling("transition")
-_CCF, _IS_CCF = Spelling("ccfFailures"), Spelling("isCcf")
+_RATE, _UNAVAILABILITY = Spelling("failureRate"), Spelling("unavailability")
 
 
 class Laws:
@@ -56,7 +60,10 @@ class Laws:
     def law(self, failure: Element, event: str, chain: str | None) -> Law | None:
         """Return the law of a failure; ``chain`` is the model whose fail state it is."""
         what = f"event {event!r}"
-        self._common_cause(failure, what)
+        result = (self._document.attribute(failure, _UNAVAILABILITY) or "").strip()
+        if result.strip("0. "):
+            message = f"{what}: unavailability={result} is a result at a time that is not stated"
+            self._findings.warning("X018", f"{message}: it is not used", failure)
         if chain is not None:
             return Law("model", model=chain)
         given = self._document.attribute(failure, _RATE)
@@ -74,14 +81,14 @@ class Laws:
     def transition(self, element: Element) -> float | None:
         """Return the rate of a transition in 1/h, None after an error."""
         what = self._document.describe(element)
-        given = self._document.attribute(element, _TRANSITION)
-        distribution = self._distribution_of(element, _TRANSITION_DISTRIBUTION, _TRANSITION, what)
+        given = self._document.attribute(element, RATE)
+        distribution = self._distribution_of(element, RATE_DISTRIBUTION, RATE, what)
         try:
             if distribution is not None:
                 law = self._distribution(distribution, what)
                 if law is not None and law.kind == "exponential":
                     return law.values[0]
-                kind = self._document.attribute(distribution, _TYPE)
+                kind = self._document.attribute(distribution, DISTRIBUTION_TYPE)
                 message = f"{what} is {kind!r}: only exponential transitions make a Markov chain"
                 self._findings.error("R008", message, element)
                 return None
@@ -93,17 +100,13 @@ class Laws:
         self._findings.error("X020", f"{what} has no rate", element, 'write transition="..."')
         return None
 
-    def _common_cause(self, failure: Element, what: str) -> None:
-        stated = (self._document.attribute(failure, _IS_CCF) or "").lower() == "true"
-        if stated or self._document.attribute(failure, _CCF):
-            message = f"{what} has common causes, which are not analysed"
-            self._findings.warning("R013", message, failure)
-
     def _distribution_of(
         self, element: Element, feature: Spelling, rate_: Spelling, what: str
     ) -> Element | None:
         """Return the distribution, which counts where a rate is given, too."""
         found = self._only(self._document.children(element, feature))
+        if found is not None and is_none(self._document, found):
+            return None
         given = self._document.attribute(element, rate_)
         if found is not None and given and given.strip("0. "):  # EMF may write what is not given
             message = f"{what} has a distribution, so that its {rate_.name} is not used"
@@ -111,9 +114,9 @@ class Laws:
         return found
 
     def _distribution(self, element: Element, what: str) -> Law | None:
-        given = (self._document.attribute(element, _TYPE) or "").strip()
+        given = (self._document.attribute(element, DISTRIBUTION_TYPE) or "").strip()
         parameters: dict[str, list[Element]] = {}
-        for one in self._document.children(element, _PARAMETERS):
+        for one in self._document.children(element, PARAMETERS):
             name = (self._document.attribute(one, _NAME) or "").casefold()
             parameters.setdefault(_ALSO.get(name, name), []).append(one)
         for same in parameters.values():

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from eddi_scaffold.kinds.reliability import IN_EDDI
 from eddi_scaffold.kinds.reliability.dependencies import order
+from eddi_scaffold.kinds.reliability.eddi_common_causes import CommonCauses, joined
 from eddi_scaffold.kinds.reliability.eddi_laws import Laws
 from eddi_scaffold.kinds.reliability.model import (
     GATES,
@@ -15,12 +17,15 @@ from eddi_scaffold.kinds.reliability.model import (
     ComponentModel,
     FaultTree,
     Gate,
+    Law,
     ReliabilitySystem,
 )
 from eddi_scaffold.problems import Place, Problem
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling, fold
+from eddi_scaffold.readers.state_machines import TRANSITIONS, has_rate
+from eddi_scaffold.readers.survey import kind_of_model
 from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
 
@@ -28,12 +33,16 @@ _NAME = Spelling("name")
 _FAILURES = Spelling("failures", ("failure",))
 _FAILURE, _FAIL_STATE = Spelling("failure"), Spelling("failState")
 _CAUSES = Spelling("causes", ("cause",))
-_STATES, _TRANSITIONS = Spelling("states", ("state",)), Spelling("transitions", ("transition",))
+_STATES, _STATE = Spelling("states", ("state",)), Spelling("state")
+_STARTS, _MATRICES = Spelling("initialProb"), Spelling("transitionMatrices")
+_TOP, _EVENTS = Spelling("topEvent"), ("basicevent", "normalevent")
 _FROM, _TO = Spelling("fromStates", ("fromState",)), Spelling("toStates", ("toState",))
 _INITIAL, _IS_FAIL = Spelling("isInitialState"), Spelling("isFailState")
 _CAUSE_TYPE, _GATE_TYPE = Spelling("causeType"), Spelling("gateType")
 _ORIGIN = Spelling("originType")
 _CUT_SETS, _SETS = Spelling("minimalCutsets"), Spelling("cutsets", ("cutset",))
+_OTHERS_OF_SETS = tuple(map(Spelling, ("state", "event", "isNegated")))
+_SEQUENCES = Spelling("sequences")
 _K = ("k", "voteThreshold", "vote", "n")
 
 
@@ -55,8 +64,13 @@ class _Reader:
     def __init__(self, document: EddiDocument, source: Source, findings: EddiFindings) -> None:
         self.document, self.source, self.findings = document, source, findings
         self.laws = Laws(document, findings)
-        self.chain_of: dict[Element, str] = {}
+        self.common = CommonCauses(document, findings)
         self.chains: dict[str, ComponentModel] = {}
+        """Also those of which only a state counts."""
+        self.labels: dict[Element, tuple[str, str]] = {}
+        """State -> its chain and its name there."""
+        self.states_of: dict[Element, list[Element]] = {}
+        """Failure -> the states that are it."""
         self.trees: list[Element] = []
         self.names: dict[Element, str] = {}
         self.below: dict[Element, list[Element]] = {}
@@ -67,13 +81,15 @@ class _Reader:
         for root in self.document.roots:
             elements += select(root, IN_EDDI)
         for element in elements:
-            kind = self.document.class_of(element).name
-            if kind == "markovchain":
+            kind = kind_of_model(self.document, element)
+            if kind == "markov_chain":
                 self.names[element] = self._unique(element)
                 self._chain(element)
-            elif kind == "faulttree":
+            elif kind == "fault_tree":
                 self.names[element] = self._unique(element)
                 self.trees.append(element)
+            elif kind == "state_machine":
+                self._machine(element)
         for tree in self.trees:
             for cause in self.document.children(tree, _CAUSES):
                 self.model_of[cause] = tree
@@ -105,6 +121,9 @@ class _Reader:
     def _place(self, element: Element) -> Place:
         return self.document.place(element)
 
+    def _children(self, element: Element, spelling: Spelling) -> list[Element]:
+        return self.document.children(element, spelling)
+
     def _targets(self, element: Element, spelling: Spelling) -> list[Element]:
         found, problems, _ = self.document.targets(element, spelling)
         self.findings.add(*problems)
@@ -125,21 +144,58 @@ class _Reader:
             label = self._named(state, i, "S")
             states[state] = label if label not in states.values() else f"{label}#{i}"
         arcs: list[Arc] = []
-        for transition in self.document.children(element, _TRANSITIONS):
+        for transition in self.document.children(element, TRANSITIONS):
             arcs += self._arcs(transition, states)
-        fail = []
+        fail, stated = [], []
         for state, label in states.items():
-            failures = self._targets(state, _FAIL_STATE)
-            self.chain_of.update(dict.fromkeys(failures, name))
-            if failures or self._is(state, _IS_FAIL):
+            self.labels[state] = name, label
+            older, failures = self._targets(state, _FAIL_STATE), self._targets(state, _FAILURES)
+            for failure in [*older, *failures]:
+                self.states_of.setdefault(failure, []).append(state)
+            if older or self._is(state, _IS_FAIL):
                 fail.append(label)
+            elif failures:
+                stated.append(label)
+        self._unused(element, states)
         chain = Chain(
             tuple(states.values()),
             tuple(label for state, label in states.items() if self._is(state, _INITIAL)),
-            tuple(fail),
+            tuple(fail or stated),
             tuple(arcs),
         )
         self.chains[name] = ComponentModel(name, "markov", chain, place=self._place(element))
+
+    def _unused(self, machine: Element, states: Sequence[Element]) -> None:
+        """Warn of what would change the probabilities of a chain, and is not used."""
+        found = [(_STARTS, one) for state in states for one in self._children(state, _STARTS)]
+        found += [(_MATRICES, one) for one in self._children(machine, _MATRICES)]
+        for feature, element in found:
+            message = f"{self.document.describe(machine)} has {feature.name}, not used"
+            self.findings.count("warning", "X018", message, element)
+
+    def _machine(self, element: Element) -> None:
+        """Warn of a state machine that is none by its rates alone."""
+        transitions = self.document.children(element, TRANSITIONS)
+        rates = [one for one in transitions if has_rate(self.document, one)]
+        if rates:
+            what = self.document.describe(element)
+            message = f"{what} is no Markov chain: {len(rates)} of {len(transitions)} transitions "
+            message += "have rates, and some have triggers or no rate; its rates are not used"
+            self.findings.warning("X018", message, rates[0])
+        self._unused(element, self.document.children(element, _STATES))
+
+    def _chain_with(self, states: Sequence[Element]) -> str:
+        """Return the chain that fails in these of its states: the chain itself, or another one."""
+        name = self.labels[states[0]][0]
+        component, labels = self.chains[name], [self.labels[state][1] for state in states]
+        assert isinstance(component.content, Chain)
+        fail = tuple(one for one in component.content.states if one in labels)
+        if fail == component.content.fail:
+            return name
+        variant = f"{name}/{' or '.join(fail)}"
+        content = replace(component.content, fail=fail)
+        self.chains[variant] = replace(component, name=variant, content=content)
+        return variant
 
     def _arcs(self, transition: Element, states: dict[Element, str]) -> Iterator[Arc]:
         sources, targets = self._targets(transition, _FROM), self._targets(transition, _TO)
@@ -168,9 +224,15 @@ class _Reader:
     def _tops(self, tree: Element, name: str, used: set[Element]) -> Iterator[ReliabilitySystem]:
         causes = self.document.children(tree, _CAUSES)
         free = [cause for cause in causes if cause not in used]
-        tops = [cause for cause in free if self._is_output(cause)] or [
-            cause for cause in free if self._is_gate(cause)
-        ]
+        stated, problems, given = self.document.targets(tree, _TOP)
+        self.findings.add(*problems)
+        if given and (len(stated) != 1 or stated[0] not in self.model_of):
+            message = f"{self.document.describe(tree)} needs one cause as topEvent"
+            if not problems:
+                self.findings.error("X009", message, tree)
+            return
+        tops = stated or [cause for cause in free if self._is_output(cause)]
+        tops = tops or [cause for cause in free if self._is_gate(cause)]
         if not tops and causes and not free and self._cycle(causes):
             tops = causes[:1]
         for top in tops:
@@ -204,9 +266,9 @@ class _Reader:
         ids = self._ids(list(reached), tree)
         events: dict[str, BasicEvent] = {}
         gates: dict[str, Gate] = {}
-        uses: dict[str, None] = {}
+        failures: dict[Element, list[str]] = {}
         for cause in reached:
-            is_port = fold(self.document.attribute(cause, _CAUSE_TYPE) or "") != "basicevent"
+            is_port = fold(self.document.attribute(cause, _CAUSE_TYPE) or "") not in _EVENTS
             if self._is_gate(cause) or (is_port and self.below.get(cause)):
                 gates[ids[cause]] = self._gate(cause, ids)
             elif is_port:
@@ -214,11 +276,64 @@ class _Reader:
                 place = self._place(cause)
                 gates[ids[cause]] = Gate(ids[cause], "OR", (), place=place, is_port=True)
             else:
-                events[ids[cause]] = event = self._event(cause, ids[cause])
-                if event.law is not None and event.law.model:
-                    uses[event.law.model] = None
-        cut_sets = self._cut_sets(tree)
-        return FaultTree(ids[top], events, gates, cut_sets=cut_sets), list(uses)
+                events[ids[cause]], failure = self._event(cause, ids[cause])
+                if failure is not None:
+                    failures.setdefault(failure, []).append(ids[cause])
+        gates, instead = self._common_causes(events, gates, failures)
+        uses = dict.fromkeys(e.law.model for e in events.values() if e.law and e.law.model)
+        self._one_state_each(tree, list(uses))
+        own = self._targets(top, _FAILURE)
+        cut_sets = self._cut_sets(tree, own, failures)
+        name = instead.get(ids[top], ids[top])
+        return FaultTree(name, events, gates, cut_sets=cut_sets), list(uses)
+
+    def _one_state_each(self, tree: Element, uses: Sequence[str]) -> None:
+        """Refuse two states of one chain in a tree, which are not independent."""
+        first: dict[Place, str] = {}
+        for name in uses:
+            other = first.setdefault(self.chains[name].place, name)
+            if other != name:
+                what = self.document.describe(tree)
+                message = f"{what} uses {other!r} and {name!r} of one chain, not independent"
+                self.findings.error("R009", message, tree, "let its events be one state")
+
+    def _common_causes(
+        self,
+        events: dict[str, BasicEvent],
+        gates: dict[str, Gate],
+        failures: dict[Element, list[str]],
+    ) -> tuple[dict[str, Gate], Mapping[str, str]]:
+        """Add the common causes of the events to them, and join them."""
+        shared: dict[str, list[str]] = {}
+        members: dict[Element, list[str]] = {}
+        for failure, own in list(failures.items()):
+            for cause in self.common.of(failure):
+                members.setdefault(cause, []).extend(own)
+                common = self._shared(cause, events, gates, failures)
+                for event in own:
+                    shared.setdefault(event, []).append(common)
+        for cause, of in members.items():
+            message = f"{self.document.describe(cause)} is a common cause of {', '.join(of)}: "
+            message += "it is analysed as an event that each of them includes"
+            self.findings.warning("R013", message, cause)
+        return joined(gates, shared, {key: event.place for key, event in events.items()})
+
+    def _shared(
+        self,
+        failure: Element,
+        events: dict[str, BasicEvent],
+        gates: dict[str, Gate],
+        failures: dict[Element, list[str]],
+    ) -> str:
+        """Return the event that is a common cause, which may be one of the tree already."""
+        if failure not in failures:
+            name = self._named(failure, 0, "common cause")
+            while name in events or name in gates:
+                name += "'"
+            law = self.laws.law(failure, name, self._chain_of(failure))
+            events[name] = BasicEvent(name, law, place=self._place(failure))
+            failures[failure] = [name]
+        return failures[failure][0]
 
     def _ids(self, causes: list[Element], tree: Element) -> dict[Element, str]:
         """Return a name for each cause: its own where it is unique, else with its model's."""
@@ -269,17 +384,36 @@ class _Reader:
         text = next(iter(found.values()), "")
         return int(text) if text.isdecimal() and len(text) < 10 else None
 
-    def _event(self, cause: Element, name: str) -> BasicEvent:
+    def _event(self, cause: Element, name: str) -> tuple[BasicEvent, Element | None]:
+        """Return a basic event and its failure."""
         failures = self._targets(cause, _FAILURE)
         if len(failures) > 1:
             message = f"{self.document.describe(cause)} has {len(failures)} failures, expected 1"
             self.findings.error("X011", message, cause)
-        failure = failures[0] if failures else self._by_name(cause)
+        states = self._targets(cause, _STATE)
+        others = [state for state in states if state not in self.labels]
+        if others or len(states) > 1:
+            what = self.document.describe([*others, *states][0])
+            message = f"{self.document.describe(cause)} is {what}, and not one state of a chain"
+            self.findings.error("X009", message, cause)
+            return BasicEvent(name, None, place=self._place(cause)), None
+        failure = failures[0] if failures else None if states else self._by_name(cause)
         place = self._place(cause)
+        chain = self._chain_with(states) if states else None
         if failure is None:
-            return BasicEvent(name, None, place=place)
-        law = self.laws.law(failure, name, self.chain_of.get(failure))
-        return BasicEvent(name, law, place=place)
+            law = Law("model", model=chain) if chain else None
+            return BasicEvent(name, law, place=place), None
+        self.common.warn_alone(failure, f"event {name!r}")
+        law = self.laws.law(failure, name, chain or self._chain_of(failure))
+        return BasicEvent(name, law, place=place), failure
+
+    def _chain_of(self, failure: Element) -> str | None:
+        """Return the chain of which some states are a failure."""
+        states = self.states_of.get(failure, [])
+        if len({self.labels[state][0] for state in states}) > 1:
+            message = f"{self.document.describe(failure)} is of states of several chains"
+            self.findings.error("X011", message, failure)
+        return self._chain_with(states) if states else None
 
     def _by_name(self, cause: Element) -> Element | None:
         own = self.document.attribute(cause, _NAME)
@@ -295,11 +429,27 @@ class _Reader:
         self.findings.warning("X018", message, cause)
         return None
 
-    def _cut_sets(self, tree: Element) -> frozenset[frozenset[str]] | None:
-        found = set()
-        for group in self.document.children(tree, _CUT_SETS):
-            for one in self.document.children(group, _SETS):
-                failures = self._targets(one, _FAILURES)
-                names = (self.document.attribute(f, _NAME) or "" for f in failures)
-                found.add(frozenset(names))
-        return frozenset(found) or None
+    def _cut_sets(
+        self, tree: Element, own: Sequence[Element], failures: Mapping[Element, Sequence[str]]
+    ) -> frozenset[frozenset[str]] | None:
+        """Return the cut sets that the file states for the top, as names of events."""
+        found: set[frozenset[str]] = set()
+        left_out = []
+        for group in self._children(tree, _CUT_SETS):
+            about = self._targets(group, _FAILURE)
+            if about and not set(about) & set(own):
+                continue  # of another gate
+            for one in self._children(group, _SETS):
+                causes = self._children(one, _CAUSES)
+                of = self._targets(one, _FAILURES)
+                of += [failure for cause in causes for failure in self._targets(cause, _FAILURE)]
+                names = [failures.get(f, [self._named(f, 0, "?")]) for f in of]
+                odd = any(self.document.attribute(c, n) for c in causes for n in _OTHERS_OF_SETS)
+                if odd or self._children(one, _SEQUENCES) or any(len(n) > 1 for n in names):
+                    left_out.append(one)
+                found.add(frozenset(name[0] for name in names))
+        if left_out:
+            message = f"{len(left_out)} cut sets of {self.document.describe(tree)} name more than "
+            message += "failures of one event each: its cut sets are not compared"
+            self.findings.count("info", "R016", message, left_out[0])
+        return frozenset(found) if found and not left_out else None

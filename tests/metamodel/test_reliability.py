@@ -1,0 +1,216 @@
+"""Fault trees, chains and state machines as EMF tools write them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
+from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilitySystem
+from eddi_scaffold.kinds.reliability.report import cut_sets
+from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.survey import survey
+from eddi_scaffold.source import Source, read_source
+from tests.cli.command import run
+from tests.metamodel.expected import FOLDER, cases, expected, models
+
+TREES, CHAINS, MACHINES = (
+    cases(f"{kind}") for kind in ("fault_tree", "markov_chain", "state_machine")
+)
+
+
+def named(given: list[tuple[str, dict[str, Any]]]) -> Any:
+    ids = [f"{file}:{want['name']}" for file, want in given]
+    return pytest.mark.parametrize(("file", "want"), given, ids=ids)
+
+
+def system_of(file: str, name: str) -> ReliabilitySystem:
+    (found,) = (model for model in models(file) if model.name == name)
+    return found.data  # type: ignore[no-any-return]
+
+
+def p_fail(system: ReliabilitySystem, hours: float) -> float:
+    return at_start(replace(system, horizon=hours)).p_fail
+
+
+@named(TREES)
+def test_tops_cut_sets_and_probabilities(file: str, want: dict[str, Any]) -> None:
+    system = system_of(file, want["name"])
+    component = system.components[system.top]
+    tree = component.content
+    assert isinstance(tree, FaultTree)
+    assert tree.top == want["top"]
+    # a common cause is analysed: it is a cut set of its own
+    common = [["Low pressure"]] if "with_common_cause" in expected()[file] else []
+    found = cut_sets(component)
+    assert found is not None
+    assert {frozenset(one) for one in found} == {frozenset(o) for o in want["cut_sets"] + common}
+    for hours, probability in want["probability"].items():
+        # and it makes the top more probable than the product of its members
+        right = expected()[file].get("with_common_cause", probability)
+        assert p_fail(system, hours) == pytest.approx(right, rel=1e-9)
+    assert {
+        key: f"{event.law.model}/{chain.fail[0]}"
+        for key, event in tree.events.items()
+        if event.law
+        and event.law.model
+        and isinstance(chain := system.components[event.law.model].content, Chain)
+    } == want.get("uses", {})
+
+
+@named(CHAINS)
+def test_a_state_machine_with_rates_alone_is_a_chain(file: str, want: dict[str, Any]) -> None:
+    system = system_of(file, want["name"])
+    chain = system.components[system.top].content
+    assert isinstance(chain, Chain)
+    assert list(chain.states) == want["states"]
+    assert list(chain.fail) == want["fail"]
+    rates = np.zeros((len(chain.states), len(chain.states)))
+    for arc in chain.arcs:
+        source, target = chain.states.index(arc.source), chain.states.index(arc.target)
+        rates[source, target] += arc.rate
+        rates[source, source] -= arc.rate
+    for hours, states in want["probability_of_states"].items():
+        found = expm(rates * hours)[chain.states.index(*chain.initial)]
+        assert dict(zip(chain.states, found, strict=True)) == pytest.approx(states, rel=1e-9)
+        failed = sum(states[state] for state in want["fail"])
+        assert p_fail(system, hours) == pytest.approx(failed, rel=1e-9)
+
+
+@named(MACHINES)
+def test_other_state_machines_are_listed_by_one_word(file: str, want: dict[str, Any]) -> None:
+    document, _ = read_document(read_source(FOLDER / file))
+    assert document is not None
+    (found,) = (one for one in survey(document).models if one.kind == "state_machine")
+    assert found.name == want["name"]
+    counts = {"states": len(want["states"]), "transitions": len(want["transitions"])}
+    assert {key: found.counts[key] for key in counts} == counts
+    shown = run("show", file, cwd=FOLDER)
+    assert f"state_machine {want['name']} (" in shown.out
+    said = [
+        line
+        for line in (shown.out + shown.err).splitlines()
+        if "StateMachine" in line and "warning" in line
+    ]
+    assert len(said) == 1
+    assert "no monitor is made of it yet [X021]" in said[0]
+
+
+def changed(file: str, *pairs: tuple[str, str]) -> list[Problem]:
+    """Return the problems of a file in which texts are replaced."""
+    text = (FOLDER / file).read_text("utf-8")
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return list(read_models(Source(file, text.encode())).problems)
+
+
+def codes(problems: list[Problem]) -> list[tuple[str, int | None]]:
+    return [(one.code, one.place.line) for one in problems]
+
+
+TOP = 'topEvent="//@odeProductPackages.0/@failureModels.0/@causes.9"'
+
+
+def test_a_top_event_that_is_not_there_is_an_error_and_no_other_top_is_taken() -> None:
+    assert codes(changed("08_fault_tree.xml", (TOP, TOP.replace(".9", ".99")))) == [("X008", 4)]
+    other = TOP.replace("@causes.9", "@failures.9")
+    assert codes(changed("08_fault_tree.xml", (TOP, other))) == [("X009", 4)]
+
+
+def test_a_normal_event_without_a_law_has_no_probability() -> None:
+    text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
+    law = '<parameters name="p" value="0.2"/>'
+    assert law in text
+    source = Source(
+        "08.xml", text.replace('type="Fixed">\n          ' + law, 'type="NONE">').encode()
+    )
+    (model,) = read_models(source).models
+    assert codes(list(FUNCTIONS.check(model))) == [("R006", 68)]
+
+
+def test_a_common_cause_is_named_with_all_its_members() -> None:
+    (said,) = changed("09_common_cause.xml")
+    assert (said.code, said.level, said.place.line) == ("R013", "warning", 15)
+    assert "Low pressure" in said.message
+    assert "Front, Rear" in said.message
+
+
+def test_a_common_cause_that_is_an_event_itself_is_that_event() -> None:
+    gate = 'gateType="AND" causes="'
+    used = "//@odeProductPackages.0/@failureModels.0/@causes.3 "
+    cause = used.replace("@causes.3", "@failures.2").strip()
+    text = (FOLDER / "09_common_cause.xml").read_text("utf-8")
+    text = text.replace(gate, gate + used)
+    text = text.replace(
+        "    </failureModels>",
+        f'<causes name="Pressure" causeType="BasicEvent" failure="{cause}"/></failureModels>',
+    )
+    (model,) = read_models(Source("09.xml", text.encode())).models
+    assert p_fail(model.data, 1.0) == pytest.approx(5e-4, rel=1e-9)
+
+
+def test_two_states_of_one_chain_are_not_independent() -> None:
+    text = (FOLDER / "10_tree_over_chain.xml").read_text("utf-8")
+    belt = ' failure="//@odeProductPackages.0/@failureModels.1/@failures.1"/>'
+    assert belt in text
+    worn = ' state="//@odeProductPackages.0/@failureModels.0/@states.1"/>'
+    problems = read_models(Source("10.xml", text.replace(belt, worn).encode())).problems
+    assert [one.code for one in problems if one.level == "error"] == ["R009"]
+
+
+def test_a_state_that_is_not_the_failure_of_its_chain_is_a_chain_of_its_own() -> None:
+    text = (FOLDER / "10_tree_over_chain.xml").read_text("utf-8")
+    text = text.replace('name="Worn"', 'name="Worn" isFailState="true"')
+    _, tree = read_models(Source("10.xml", text.encode())).models
+    assert tree.data.top == "No drive"
+    assert list(tree.data.components) == ["Motor/Seized", "No drive"]
+    assert p_fail(tree.data, 100.0) == pytest.approx(0.07003996450556045, rel=1e-9)
+
+
+def test_rates_beside_triggers_are_no_chain_and_said() -> None:
+    rate = 'name="gets dirty"'
+    problems = changed("11_state_machine.xml", (rate, rate + ' transition="0.1"'))
+    assert ("X018", 25) in codes(problems)
+    assert sum("StateMachine" in one.message for one in problems) == 1
+
+
+def test_what_would_change_a_chain_is_said() -> None:
+    start = '<states name="Five"/>'
+    given = '<states name="Five"><initialProb/></states>'
+    (said,) = changed("12_markov_chain.xml", (start, given))
+    assert (said.code, said.level, said.place.line) == ("X018", "warning", 6)
+    assert "initialProb" in said.message
+
+
+@pytest.mark.parametrize(
+    "odd", ['isNegated="true"', 'state="//@odeProductPackages.0/@failureModels.0/@causes.1"']
+)
+def test_cut_sets_of_more_than_failures_are_not_compared(odd: str) -> None:
+    old = '<causes name="Power" failure='
+    (said,) = changed("08_fault_tree.xml", (old, old.replace("failure", f"{odd} failure")))
+    assert (said.code, said.level) == ("R016", "info")
+
+
+def test_other_cut_sets_are_a_warning() -> None:
+    text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
+    other = text.replace('<causes name="Power" failure', '<causes name="Power" other')
+    (model,) = read_models(Source("08.xml", other.encode())).models
+    assert "R016" in {one.code for one in FUNCTIONS.check(model)}
+
+
+def test_an_unavailability_is_no_law() -> None:
+    old = '<failures name="Alarm lost failure"'
+    horn = '<failures name="Horn failure"'
+    top = (TOP, TOP.replace(".9", ".13"))
+    (said,) = changed("08_fault_tree.xml", (horn, horn + ' unavailability="0.25"'), top)
+    assert (said.code, said.level) == ("X018", "warning")
+    assert "0.25 is a result at a time that is not stated" in said.message
+    assert changed("08_fault_tree.xml", (old, old + ' unavailability="0.25"'), top) == []
