@@ -11,11 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.problems import Place, Problem, counted, error, warning
+from eddi_scaffold.problems import Place, Problem, counted, error, info, warning
 from eddi_scaffold.readers.classes import CLASSES
 from eddi_scaffold.readers.spelling import fold, local_name
 from eddi_scaffold.readers.survey import MONITORED, kind_of_model
-from eddi_scaffold.readers.xmi import feature_of
+from eddi_scaffold.readers.xmi import feature_of, select
 
 if TYPE_CHECKING:
     from eddi_scaffold.readers.document import EddiDocument
@@ -87,6 +87,18 @@ def unread(document: EddiDocument) -> list[Unread]:
     for element in _unread_elements(document):
         classes.setdefault(_class_of(document, element), []).append(element)
     return [_described(document, stated, same) for stated, same in classes.items()]
+
+
+def event_monitors(document: EddiDocument) -> Iterator[Problem]:
+    """Yield an info (X021) on what event monitors read: here the configuration says it."""
+    query = 'descendant::*[local-name()="monitors"][@variableName]'
+    found = [one for root in document.roots for one in select(root, query)]
+    if found:
+        names = [str(one.get("variableName")) for one in found]
+        shown = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+        message = f"{counted(len(found), 'EventMonitor')} ({shown}) not used by itself"
+        hint = "name topic and field in the configuration"
+        yield info("X021", message, document.place(found[0]), hint)
 
 
 def foreign(document: EddiDocument) -> Problem | None:

@@ -161,3 +161,12 @@ def test_export_refuses_what_yaml_cannot_say(file: str, name: str, word: str, li
     problem = failure.value.problems[0]
     assert (problem.code, problem.place.line) == ("G021", line)
     assert word in problem.message
+
+
+def test_an_allocation_that_does_not_fulfil_the_demands_is_said() -> None:
+    file = "04_consert_relations.xml"
+    composed = compose([(model.name, model.data) for model in models(file)])
+    (said,) = composed.warnings
+    assert said.startswith("Robot/NeedsWatch is allocated to Scanner/Watch, which does not fulfil ")
+    assert "SeesTooFar" in said
+    assert composed.as_text()[-1] == f"  {said}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 from eddi_scaffold.kinds.bayesian_network import IN_EDDI
@@ -27,6 +27,11 @@ _ROWS = Spelling("conditionalProbabilityDistributions", ("conditionalProbability
 _PARENT_STATES = Spelling("parentNodeStates", ("parentNodeState",))
 _VALUES = Spelling("conditionalProbabilityValues", ("conditionalProbabilityValue",))
 _VALUE, _STATE = Spelling("value"), Spelling("nodeState")
+_INTENTS, _NODE = Spelling("inferenceIntents", ("inferenceIntent",)), Spelling("node")
+_KNOWN = Spelling("requiredEvidences", ("requiredEvidence",))
+_WANTED = Spelling("inferenceTargets", ("inferenceTarget",))
+_EVENT, _ACTION = Spelling("event"), Spelling("action")
+_INFERENCES, _DIMENSION = Spelling("inferences", ("inference",)), Spelling("dimension")
 
 
 def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], list[Problem]]:
@@ -35,12 +40,13 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], li
     problems: list[Problem] = []
     for element in network_elements(document):
         findings = EddiFindings(document)
-        drafts = _Reader(document, element, findings).read()
+        reader = _Reader(document, element, findings)
+        drafts = reader.read()
         name = document.attribute(element, _NAME) or source.stem
         network, found = check_network(name, drafts, document.place(element))
         problems += [*findings.problems(), *found]
         if network is not None and not findings.errors:
-            networks.append(network)
+            networks.append(replace(network, known=reader.known))
     return networks, problems
 
 
@@ -65,6 +71,8 @@ class _Reader:
     def __init__(self, document: EddiDocument, network: Element, findings: EddiFindings) -> None:
         self.document, self.network, self.findings = document, network, findings
         self.nodes: dict[Element, _Node] = {}
+        self.known: tuple[tuple[str, str | None], ...] = ()
+        self.wanted: set[Element] = set()
 
     def read(self) -> list[Draft]:
         """Return the nodes as drafts."""
@@ -76,7 +84,33 @@ class _Reader:
             self.nodes[element] = node
         for connection in self.document.children(self.network, _CONNECTIONS):
             self._connect(connection)
+        self._intents()
         return [self._draft(node) for node in self.nodes.values()]
+
+    def _intents(self) -> None:
+        """Read which nodes are expected to be known, and which are wanted."""
+        known: dict[str, str | None] = {}
+        for intent in self.document.children(self.network, _INTENTS):
+            for wanted in self.document.children(intent, _WANTED):
+                self.wanted.update(self._ends(wanted, _NODE))
+                self._resolve(wanted, _ACTION)
+            for one in self.document.children(intent, _KNOWN):
+                events = [self.document.attribute(e, _NAME) for e in self._resolve(one, _EVENT)]
+                for node in self._ends(one, _NODE):
+                    known[self.nodes[node].name] = next(iter(events), None)
+        self.known = tuple(known.items())
+        unused = [(_INFERENCES, self.document.children(self.network, _INFERENCES))]
+        states = [state for node in self.nodes.values() for state in node.states]
+        of_states = [one for s in states for one in self.document.children(s, _DIMENSION)]
+        for feature, found in (*unused, (_DIMENSION, of_states)):
+            if found:
+                message = f"{feature.name} of {self.document.describe(self.network)} not used"
+                self.findings.count("info", "X014", message, found[0], len(found))
+
+    def _resolve(self, element: Element, feature: Spelling) -> list[Element]:
+        found, problems, _ = self.document.targets(element, feature)
+        self.findings.add(*problems)
+        return found
 
     def _connect(self, connection: Element) -> None:
         sources, targets = self._ends(connection, _FROM), self._ends(connection, _TO)
@@ -89,7 +123,7 @@ class _Reader:
         found, problems, given = self.document.targets(connection, end)
         self.findings.add(*problems)
         if not given:
-            message = f"the connection has no {end.name!r}"
+            message = f"{self.document.describe(connection)} has no {end.name!r}"
             self.findings.error("X010", message, connection)
         for target in found:
             if target not in self.nodes:
@@ -120,7 +154,8 @@ class _Reader:
             place,
             self.document.place(rows[0]) if rows else place,
             places,
-            broken=broken,
+            node.element in self.wanted,
+            broken,
         )
 
     def _table(

@@ -124,6 +124,9 @@ def outline(model: NetworkModel) -> Sequence[str]:
             edges = [*(f" | {edge:g} | " for edge in one.data["bins"]), ""]
             pairs = zip(one.data.get("order", node.states), edges, strict=True)
             lines.append(f"  from {one.input}: {''.join(map(''.join, pairs))}")
+    if network.known:
+        known = (f"{node} (event {event})" if event else node for node, event in network.known)
+        lines.append(f"known: {', '.join(known)}")
     lines.append(f"outputs: {', '.join(settings.outputs)}")
     width = settings.width
     lines.append(

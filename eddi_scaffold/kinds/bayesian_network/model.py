@@ -43,10 +43,12 @@ class Network:
 
     Attributes:
         nodes: in the order of the file.
+        known: nodes that the file expects to be known, each with the event that tells, or None.
     """
 
     name: str
     nodes: tuple[Node, ...]
+    known: tuple[tuple[str, str | None], ...] = field(default=(), kw_only=True)
     place: Place = field(default=Place(), compare=False)
 
     def node(self, name: str) -> Node:

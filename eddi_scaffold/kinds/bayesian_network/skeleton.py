@@ -18,12 +18,17 @@ _SECTION = "discretisation"
 
 
 def skeleton(model: NetworkModel, options: Options) -> Skeleton:
-    """Return a declaration for each root that nothing feeds yet, and the inputs of all."""
+    """Return a declaration for each node that nothing feeds yet, and the inputs of all.
+
+    Of the nodes that are expected to be known; where the file expects none, of the roots.
+    """
     network, given = model.data, options.values.get(_SECTION)
     there = given if isinstance(given, Mapping) else {}
     fed = {one.id for one in options.inputs}
     named = {str(one) for key in ("outputs", "observed") for one in _list(options.values.get(key))}
-    roots = [node for node in network.nodes if not node.parents and len(node.states) > 1]
+    known = [node for node, _ in network.known]
+    proposed = known or [node.id for node in network.nodes if not node.parents]
+    roots = [node for node in network.nodes if node.id in proposed and len(node.states) > 1]
     new = {
         node.id: _declaration(node)
         for node in roots

@@ -36,6 +36,7 @@ class Composition:
             where several instances have a demand of that id.
         unmatched_services: ids of required services that no ConSert in the set provides, likewise.
         reasons: one sentence for each obstacle.
+        warnings: one sentence for each service that a file allocates to one that does not do.
         problems: instance names that are used twice (C027).
     """
 
@@ -46,6 +47,7 @@ class Composition:
     unmatched_services: tuple[str, ...]
     reasons: tuple[str, ...]
     problems: tuple[Problem, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``compose --json``."""
@@ -63,6 +65,7 @@ class Composition:
             "unmatched_demands": list(self.unmatched_demands),
             "unmatched_services": list(self.unmatched_services),
             "reasons": list(self.reasons),
+            "warnings": list(self.warnings),
         }
 
     def as_text(self) -> list[str]:
@@ -77,6 +80,7 @@ class Composition:
             *([f"order: {', '.join(self.order)}"] if self.order else []),
             *(["bindings:", *bound] if bound else []),
             *(["reasons:", *(f"  {reason}" for reason in self.reasons)] if self.reasons else []),
+            *(["warnings:", *(f"  {one}" for one in self.warnings)] if self.warnings else []),
         ]
 
 
@@ -135,7 +139,28 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
         unmatched_demands=_ids(needs, unmet, is_demand=True),
         unmatched_services=_ids(needs, unmet, is_demand=False),
         reasons=(*_with_near_names(unmet, offers, provided), *_waiting(instances, needs, rounds)),
+        warnings=tuple(_allocations(instances, needs)),
     )
+
+
+def _allocations(instances: Sequence[tuple[str, ConSert]], needs: Sequence[_Need]) -> Iterator[str]:
+    """Yield where a file allocates a service to one that does not fulfil all of its demands."""
+    met_by = {(need.instance, need.id): need.met_by for need in needs if need.is_demand}
+    services = [(name, one) for name, consert in instances for one in consert.provided_services]
+    at = {one.place: (name, one) for name, one in services}
+    by_required = {place: (name, one) for name, one in services for place in one.allocated}
+    for name, consert in instances:
+        for service in consert.required_services:
+            pairs = [at[place] for place in service.allocated if place in at]
+            pairs += [by_required[service.place]] if service.place in by_required else []
+            for other, provided in dict(pairs).items():
+                given = set(provided.guarantees)
+                unmet = [
+                    d for d in service.demands if given.isdisjoint(met_by[name, d].get(other, ()))
+                ]
+                if unmet:
+                    what = f"{name}/{service.id} is allocated to {other}/{provided.id}"
+                    yield f"{what}, which does not fulfil {', '.join(unmet)}"
 
 
 def _with_near_names(

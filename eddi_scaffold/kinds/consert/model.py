@@ -150,22 +150,32 @@ class Propagation:
 
 @dataclass(frozen=True)
 class RequiredService:
-    """A service expected from another system, with the ids of the demands it groups."""
+    """A service expected from another system, with the ids of the demands it groups.
+
+    Attributes:
+        allocated: places of the services that are to provide it, as the file says.
+    """
 
     id: str
     functional_service_type: str
     demands: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
+    allocated: tuple[Place, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)
 class ProvidedService:
-    """A service offered to other systems, with the ids of the guarantees it groups."""
+    """A service offered to other systems, with the ids of the guarantees it groups.
+
+    Attributes:
+        allocated: places of the services that it is to provide, as the file says.
+    """
 
     id: str
     functional_service_type: str
     guarantees: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
+    allocated: tuple[Place, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

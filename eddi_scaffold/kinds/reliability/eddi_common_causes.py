@@ -72,7 +72,7 @@ def joined(
     Returns:
         All gates, and event -> the gate that stands for it.
     """
-    instead = {}
+    instead: dict[str, str] = {}
     for event, causes in shared.items():
         name = " or ".join([event, *causes])
         while name in gates or name in instead.values():

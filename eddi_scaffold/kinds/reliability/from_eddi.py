@@ -156,7 +156,7 @@ class _Reader:
                 fail.append(label)
             elif failures:
                 stated.append(label)
-        self._unused(element, states)
+        self._unused(element, list(states))
         chain = Chain(
             tuple(states.values()),
             tuple(label for state, label in states.items() if self._is(state, _INITIAL)),

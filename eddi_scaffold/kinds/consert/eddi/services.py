@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from eddi_scaffold.kinds.consert.eddi.parts import ConSertParts
+    from eddi_scaffold.problems import Place
     from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
@@ -26,7 +27,13 @@ def required_services(
     members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, parts, findings)
     parts.services += members
     return tuple(
-        RequiredService(name, kind, tuple(ids), findings.document.place(service))
+        RequiredService(
+            name,
+            kind,
+            tuple(ids),
+            findings.document.place(service),
+            _allocated(service, names.PROVIDED_ELSEWHERE, findings),
+        )
         for service, ids in members.items()
         if (name := node_name(service, findings)) and (kind := _service_type(service, findings))
     )
@@ -42,10 +49,22 @@ def provided_services(
     members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, parts, findings)
     parts.services += members
     return tuple(
-        ProvidedService(name, kind, tuple(ids), findings.document.place(service))
+        ProvidedService(
+            name,
+            kind,
+            tuple(ids),
+            findings.document.place(service),
+            _allocated(service, names.ALLOCATED, findings),
+        )
         for service, ids in members.items()
         if (name := node_name(service, findings)) and (kind := _service_type(service, findings))
     )
+
+
+def _allocated(service: Element, link: Spelling, findings: EddiFindings) -> tuple[Place, ...]:
+    found, problems, _ = findings.document.targets(service, link)
+    findings.add(*problems)
+    return tuple(findings.document.place(one) for one in found)
 
 
 def _referred(

@@ -27,6 +27,8 @@ INVARIANT = Spelling("invariant", ("invariants", "invariantOutput"))
 PROPERTY_TYPES = Spelling("dependabilityPropertyTypes", ("dependabilityPropertyType",))
 REQUIRED_SERVICES = Spelling("requiredServices")
 PROVIDED_SERVICES = Spelling("providedServices")
+ALLOCATED = Spelling("allocatedRequiredServices")
+PROVIDED_ELSEWHERE = Spelling("externallyProvidedServices")
 SERVICE_TYPE = Spelling("serviceType", ("functionalServiceType",))
 KEY_VALUE_MAPS = Spelling("keyValueMaps")
 

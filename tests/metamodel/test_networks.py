@@ -1,0 +1,54 @@
+"""Bayesian networks with what is known of them and what is wanted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from eddi_runtime.bayesian_network.asking import posteriors
+
+from eddi_scaffold.kinds import Options
+from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.source import Source
+from tests.kinds.bayesian_network.networks import joined, running
+from tests.metamodel.expected import FOLDER, cases, models
+
+CASES = cases("bayesian_network")
+
+
+@pytest.mark.parametrize(("file", "want"), CASES, ids=[file for file, _ in CASES])
+def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None:
+    (model,) = (one for one in models(file) if one.name == want["name"])
+    assert {node.id: list(node.states) for node in model.data.nodes} == want["nodes"]
+    assert {node.id: list(node.parents) for node in model.data.nodes} == want["parents"]
+    assert dict(model.data.known) == want.get("evidence", {"Wind": None})
+    monitor, problems = joined(model)
+    assert monitor is not None, problems
+    assert FUNCTIONS.runtime_model(monitor.model)["outputs"] == want["targets"]
+    for row in want["posteriors"]:
+        found = posteriors(running(monitor), row["given"])
+        for node, states in row["of"].items():
+            assert list(found[node]) == pytest.approx(list(states.values()), rel=1e-9, abs=1e-15)
+
+
+def test_what_is_known_is_proposed_as_inputs() -> None:
+    (model,) = models("07_bayesian_network.xml")
+    drafted = FUNCTIONS.skeleton(model, Options())
+    assert list(drafted.options["discretisation"]) == ["Weather", "Pedestrian"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ('@nodes.0" event=', '@nodes.9" event=', "X008"),
+        ("/@events.0", "/@events.9", "X008"),
+        ("/@actions.0", "/@actions.9", "X008"),
+        ('@nodes.3" action=', '@nodes.3/@nodeStates.0" action=', "X009"),
+    ],
+)
+def test_references_of_intents_are_resolved(old: str, new: str, code: str) -> None:
+    text = (FOLDER / "07_bayesian_network.xml").read_text("utf-8")
+    assert old in text
+    problems = read_models(Source("07.xml", text.replace(old, new).encode())).problems
+    assert [(one.code, one.level) for one in problems if one.level == "error"] == [(code, "error")]
