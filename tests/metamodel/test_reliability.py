@@ -125,6 +125,17 @@ def test_a_top_event_that_is_not_there_is_an_error_and_no_other_top_is_taken() -
     assert codes(changed("08_fault_tree.xml", (TOP, other))) == [("X009", 4)]
 
 
+@pytest.mark.parametrize(
+    ("file", "old", "line"),
+    [
+        ("11_state_machine.xml", 'onExit="//@odeProductPackages.2/@actions.1"', 21),
+        ("11_state_machine.xml", 'triggers="//@odeProductPackages.1/@events.3"', 29),
+    ],
+)
+def test_references_that_nothing_uses_are_resolved(file: str, old: str, line: int) -> None:
+    assert codes(changed(file, (old, old[:-2] + '9"'))) == [("X008", line)]
+
+
 def test_a_normal_event_without_a_law_has_no_probability() -> None:
     text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
     law = '<parameters name="p" value="0.2"/>'

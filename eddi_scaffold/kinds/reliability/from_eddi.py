@@ -43,6 +43,11 @@ _ORIGIN = Spelling("originType")
 _CUT_SETS, _SETS = Spelling("minimalCutsets"), Spelling("cutsets", ("cutset",))
 _OTHERS_OF_SETS = tuple(map(Spelling, ("state", "event", "isNegated")))
 _SEQUENCES = Spelling("sequences")
+_REFERENCES = {
+    name: Spelling(name)
+    for name in ("actions", "evidences", "events", "onEntry", "onExit", "triggers", "subModels")
+}
+"""References that no monitor uses; where they lead nowhere the file is damaged."""
 _K = ("k", "voteThreshold", "vote", "n")
 
 
@@ -90,6 +95,8 @@ class _Reader:
                 self.trees.append(element)
             elif kind == "state_machine":
                 self._machine(element)
+            if kind in ("fault_tree", "markov_chain", "state_machine"):
+                self._resolve_unused(element)
         for tree in self.trees:
             for cause in self.document.children(tree, _CAUSES):
                 self.model_of[cause] = tree
@@ -164,6 +171,11 @@ class _Reader:
             tuple(arcs),
         )
         self.chains[name] = ComponentModel(name, "markov", chain, place=self._place(element))
+
+    def _resolve_unused(self, model: Element) -> None:
+        for part in model.iter():
+            for feature in filter(None, map(_REFERENCES.get, map(str, part.attrib))):
+                self._targets(part, feature)
 
     def _unused(self, machine: Element, states: Sequence[Element]) -> None:
         """Warn of what would change the probabilities of a chain, and is not used."""
